@@ -106,7 +106,7 @@ def of_a_run(path: Path) -> list[Any]:
     simulation: Any = Simulation(Scenario.from_parameters(SENSORS))
     scenario, first = simulation.segment.scenario, simulation.segment
     models = scenario.sensors.on.values()
-    sensors = [queue._last._compute.__self__._instrument for queue in simulation._sensors.values()]
+    sensors = [queue._compute.__self__._instrument for queue in simulation._running[-1].sensors.values()]
     taken = simulation.take_until(2 * 10**9, 200)
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(first)
@@ -119,11 +119,11 @@ def of_a_run(path: Path) -> list[Any]:
     ]
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
-    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, taken.sensors["imu"].readings, *sensors]
+    readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, *sensors]
     campaign = Campaign(3, 7, 1.0, vary={"sensor_seed": {"distribution": "run"}})
     return [
         *readings,
-        *(campaign, scenario, scenario.sensors, *models, scenario.sensors.imu.delivery),
+        *(campaign, scenario, scenario.sensors, table.SensorModel(1.0, 7), *models, scenario.sensors.imu.delivery),
         *(first, simulation.clock, simulation),
         *laws,
         *encoders,

@@ -11,10 +11,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,15 +28,12 @@ from lie_rigid_body.cli import explain, plot, record
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import SENSOR_TOPICS
-from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
 from lie_rigid_body.sensors import (
     SENSORS,
-    Carrier,
-    Delivery,
     Field,
     Instrument,
     Sensor,
@@ -45,7 +42,7 @@ from lie_rigid_body.sensors import (
     Topic,
 )
 from lie_rigid_body.sensors.fault import PARTS
-from lie_rigid_body.sensors.noise import BlockBuffer, WhiteNoise
+from lie_rigid_body.sensors.noise import WhiteNoise
 from lie_rigid_body.sensors.parameters import angle, not_negative
 from lie_rigid_body.sensors.sensor import VectorAid
 
@@ -60,30 +57,18 @@ class HorizonModel(SensorModel):
 
     noise: float
 
-    @classmethod
-    def from_values(cls, values: Mapping[str, Value]) -> HorizonModel:
-        return cls(
-            cast(float, values["horizon_sensor_rate"]),
-            cast(int, values["sensor_seed"]),
-            cast(float, values["horizon_sensor_noise"]),
-            delivery=Delivery.from_values("horizon_sensor", values),
-        )
-
     @property
     def aids(self) -> tuple[VectorAid, ...]:
         return (VectorAid(NADIR, self.noise),)
 
 
 class Horizon(Instrument):
-    def __init__(self, model: HorizonModel, carrier: Carrier, before_ns: int) -> None:
-        self._noise = BlockBuffer(WhiteNoise(model.seed, SOURCE, model.noise))
+    def __init__(self, model: HorizonModel, *carrier: object) -> None:
+        self._noise = WhiteNoise(model.seed, SOURCE, model.noise)
 
-    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         nadir = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), np.array(NADIR))
-        return {"nadir": Signal(quaternion.rotate(quaternion.exp(self._noise.take(len(nadir))), nadir))}
-
-    def skip(self, count: int, before_ns: int, before: State) -> None:
-        self._noise.skip(count)
+        return {"nadir": Signal(quaternion.rotate(quaternion.exp(self._noise.draw(first, len(nadir))), nadir))}
 
 
 HORIZON = Sensor(

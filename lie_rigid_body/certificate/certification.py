@@ -21,9 +21,7 @@ from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
-from lie_rigid_body.recording.pairing import Block
-from lie_rigid_body.recording.samples import numbered_blocks
-from lie_rigid_body.recording.segments import as_written
+from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -209,7 +207,7 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
 def passes(bag: Bag, watch: Watch | None = None) -> int:
     """How often `certify` reads a bag through, if it is as it is to be."""
     try:
-        return 1 if watch is None and as_written(bag) and bag.pose_count == bag.twist_count else 2
+        return 1 if watch is None and bag.as_written and bag.pose_count == bag.twist_count else 2
     except InputError:  # a scenario that is none
         return 1
 

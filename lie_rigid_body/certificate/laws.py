@@ -15,7 +15,7 @@ from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance,
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
-from lie_rigid_body.recording.pairing import Block
+from lie_rigid_body.recording.samples import Block
 
 _BLOCK: Final = 65_536
 """Samples that are compared at once: those of a batch of a bag are, but for bags of large chunks."""
@@ -113,7 +113,7 @@ class SegmentLaws:
             self._add(block[i : i + _BLOCK])
 
     def _add(self, new: Block) -> None:
-        block = new if self._before is None else self._before.joined(new)
+        block = new if self._before is None else Block.joined([self._before, new])
         for law in _all_laws(self._compared(block)):
             judgement = self._judgements.setdefault(law.name, LawTally(law.name, law.unit, law.what, watch=self._watch))
             count = min(len(law.values), len(new.stamps_ns))  # the sample before the new ones was judged with its own
@@ -148,7 +148,7 @@ class SegmentLaws:
     def held(self) -> HeldLaws:
         """What came of it."""
         if not self._judgements:  # without a sample every law holds
-            self.add(Block.empty())
+            self.add(Block.joined([]))
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
         results = tuple(judgement.result() for judgement in self._judgements.values())

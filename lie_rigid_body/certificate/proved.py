@@ -13,8 +13,7 @@ from lie_rigid_body.certificate.survey import survey
 from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_reader import Bag, Recording
-from lie_rigid_body.recording.pairing import Block
-from lie_rigid_body.recording.samples import numbered_blocks, seconds_since_start
+from lie_rigid_body.recording.samples import Block, numbered_blocks, seconds_since_start
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import short_repr
 

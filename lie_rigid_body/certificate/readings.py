@@ -23,8 +23,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.motion.drift import U
-from lie_rigid_body.sensors.quantisation import Converter
-from lie_rigid_body.sensors.signal import Signal
+from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.measurement import Measurement
 
@@ -183,8 +182,9 @@ def _expected(signal: Signal, t: Array, limits: Tolerance) -> Expected:
     conditioning = signal.conditioning()
     span = conditioning.span
     attitude, rate = limits.stepper_attitude(t), limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t)
-    carried = conditioning.per_attitude * attitude[:, np.newaxis] + conditioning.per_rate * rate[:, np.newaxis]
-    values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * conditioning.size + carried
+    size, per_attitude, per_rate = conditioning.numbers
+    carried = per_attitude * attitude[:, np.newaxis] + per_rate * rate[:, np.newaxis]
+    values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * size + carried
     return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)
 
 

@@ -16,12 +16,12 @@ from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.messages import ReadingEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.recording.sensor_clocks import PlacedMessages
-from lie_rigid_body.recording.sensor_reader import value_columns, varying_fields
+from lie_rigid_body.recording.segments import PlacedMessages
+from lie_rigid_body.recording.topic_messages import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.simulation.arrivals import Arrivals
+from lie_rigid_body.simulation.segment import Arrivals
 
 MOST_LOST: Final = 100
 """Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
@@ -34,7 +34,7 @@ class _Told(NamedTuple):
     ----------
     frame : str
     rest : bytes
-        The numbers that `SensorMessages` keeps as kinds.
+        The numbers that `TopicMessages` keeps as kinds.
     values : ndarray
         The numbers that it keeps for each message.
     fixed : ndarray of bool
@@ -199,6 +199,8 @@ class SegmentSensor:
 
     def _arrived_until(self, time_ns: int) -> int:
         """How many readings of the clock, from number 0 on, arrive at or before a time."""
+        if self._delivery is None:
+            return self.clock.count_until(time_ns)
         return Arrivals(self.clock, self.first, self._segment.start_ns, self._delivery).count_until(time_ns)
 
     def lost(self, tally: StampTally, last: int) -> Lost:

@@ -27,11 +27,10 @@ from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.bag_writer import LIBRARY
-from lie_rigid_body.recording.sensor_clocks import PlacedMessages, SensorClocks
-from lie_rigid_body.recording.sensor_reader import FaultMessages, SensorMessages
-from lie_rigid_body.recording.tracks import OfSensor, Recording
+from lie_rigid_body.recording.segments import PlacedMessages, SensorClocks
+from lie_rigid_body.recording.topic_messages import FaultMessages, OfSensor, TopicMessages
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import short_repr
@@ -134,7 +133,7 @@ class SensorLaws:
             placed: dict[int, dict[str, PlacedMessages]] = defaultdict(dict)
             for topic in sensor.topics:
                 messages = readings.get(topic.name)
-                if isinstance(messages, SensorMessages) and len(messages):
+                if isinstance(messages, TopicMessages) and len(messages):
                     for part in self._clocks[topic.name].placed(messages, in_order=own):
                         sent_ns = part.messages.log_times_ns if own else part.times_ns
                         self._last_sent_ns = max(self._last_sent_ns, int(sent_ns.max()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,18 +14,16 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
 from lie_rigid_body.parameters import MAX_EPOCH_NS
-from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.pairing import Block
-from lie_rigid_body.recording.samples import numbered, paired, require_samples
+from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
-    as_written,
     declared_segments,
     number_samples,
     segment_parts,
     segments_with_samples,
     with_inertia,
 )
-from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack
+from lie_rigid_body.recording.topic_messages import TakeReadings
 from lie_rigid_body.simulation import Segment
 
 
@@ -194,17 +192,16 @@ class Counts:
         self.moved = self.logged_otherwise = 0
         self.first_ns = int(np.iinfo(np.int64).max)
 
-    def counted(self, batches: Iterable[tuple[PoseTrack, TwistTrack]]) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+    def counted(self, batches: Batches, *, stamped: bool) -> Batches:
         """Give the batches on, and count what is in them."""
         for poses, twists in batches:
-            tracks: tuple[PoseTrack | TwistTrack, ...] = poses, twists
-            for i, track in enumerate(tracks):
-                self.frames[i].update(track.frame_ids)
-                self.messages[i] += len(track.log_times_ns)
-                if track.stamps_ns is not None and len(track.stamps_ns):
-                    self.first_ns = min(self.first_ns, int(track.stamps_ns.min()))
-                    self.logged_otherwise += int(np.count_nonzero(track.log_times_ns != track.stamps_ns))
-            self.moved += sum(int(np.count_nonzero(column)) for column in (*poses.positions.T, *twists.linear.T))
+            for i, topic in enumerate((poses, twists)):
+                self.frames[i].update(topic.frame_ids)
+                self.messages[i] += len(topic)
+                if i == 0 or stamped:
+                    self.first_ns = int(topic.stamps_ns.min(initial=self.first_ns))
+                self.logged_otherwise += int(np.count_nonzero(topic.log_times_ns != topic.stamps_ns))
+                self.moved += sum(int(np.count_nonzero(column)) for column in topic.values[:, :3].T)
             yield poses, twists
 
 
@@ -219,7 +216,7 @@ class Survey:
     declared : tuple of Segment
         All that the bag declares, in the order of their starts.
     as_written : bool
-        See `as_written`.
+        See `BagFacts.as_written`.
     counts : Counts
     """
 
@@ -261,7 +258,7 @@ class Surveyor:
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
         declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
-        self._bag, self._own, self._counts = bag, as_written(bag), Counts()
+        self._bag, self._own, self._counts = bag, bag.as_written, Counts()
         self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
         self._segments = tuple(with_inertia(segment, inertia) for segment in declared.values())
         self._tallies = [SegmentTally(segment) for segment in self._segments]
@@ -289,7 +286,7 @@ class Surveyor:
 
     def samples(self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None) -> Iterator[Block]:
         """Read the bag, and give its samples as they are counted, without numbers."""
-        batches = self._counts.counted(self._bag.batches(sensors, take))
+        batches = self._counts.counted(self._bag.batches(sensors, take), stamped=self._bag.stamped)
         for topics, block, alone in paired(self._bag, self._segments, batches):
             for name, topic in zip(self._tallies[0].stamps, topics, strict=False):
                 for i, rows in segment_parts(self._segments, topic.stamps_ns):

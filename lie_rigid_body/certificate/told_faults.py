@@ -19,7 +19,7 @@ from lie_rigid_body.certificate.readings import BLOCK, ROUNDINGS
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.drift import U
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.recording.sensor_reader import FaultMessages
+from lie_rigid_body.recording.topic_messages import FaultMessages
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.fault_log import FaultLog
@@ -53,9 +53,9 @@ class ExpectedFaults:
 
     def __init__(self, segments: Sequence[Segment], most: int) -> None:
         self._segments, self._starts = segments, np.array([segment.start_ns for segment in segments])
-        self._log, self._left, self.is_too_far = FaultLog(segments[0]), most, False
+        self._log, self._left, self.is_too_far = FaultLog(), most, False
         self._known_ns = segments[0].start_ns - 1
-        for segment in segments[1:]:
+        for segment in segments:
             self._log.follow(segment)
 
     def until(self, time_ns: int) -> Iterator[Fault]:

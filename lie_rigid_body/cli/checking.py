@@ -17,8 +17,7 @@ from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
 from lie_rigid_body.cli.judging import judge_all, judge_bodies
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.bag_files import is_one_bag
-from lie_rigid_body.recording.bag_folders import bags_in, files_of
+from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificate_text, html_page, overview

@@ -17,7 +17,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = _parser().parse_args(argv)
     console.require_suffix("-o", given.out, ".png")
 
-    from lie_rigid_body.recording.bag_folders import files_of
+    from lie_rigid_body.recording.bag_files import files_of
     from lie_rigid_body.recording.bodies import topic_types
 
     topics = console.topic_names(given.topic, topic_types())

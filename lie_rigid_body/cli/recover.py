@@ -20,8 +20,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
 
-    from lie_rigid_body.recording.folder_recovery import recover_folder
-    from lie_rigid_body.recording.recovery import Recovery, recover
+    from lie_rigid_body.recording.recovery import Recovery, recover, recover_folder
 
     broken, out = Path(given.broken), Path(given.out)
     if broken.is_dir():
@@ -99,7 +98,7 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
 
 
 def _what_next(given: argparse.Namespace) -> list[str]:
-    from lie_rigid_body.recording.bag_folders import whole_of
+    from lie_rigid_body.recording.bag_files import whole_of
 
     if os.path.isdir(given.broken):
         return [

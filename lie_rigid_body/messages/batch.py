@@ -84,21 +84,14 @@ class Batch:
         stamps_ns = self.samples.stamps_ns
         return Messages(POSE, stamps_ns, self.poses), Messages(TWIST, stamps_ns, self.twists), *self.sensors
 
-    def in_order(self) -> Iterator[tuple[int, str, bytes]]:
+    def in_order(self) -> list[tuple[int, str, bytes]]:
         """Time, topic and payload of every message; where times are equal, in the order of `topics`."""
-        if not self.sensors:
-            stamps: list[int] = self.samples.stamps_ns.tolist()
-            for stamp, pose, twist in zip(stamps, self.poses, self.twists, strict=True):
-                yield stamp, POSE, pose
-                yield stamp, TWIST, twist
-            return
         everything = [
             (stamp, messages.topic, payload)
             for messages in self.topics
             for stamp, payload in zip(messages.times_ns.tolist(), messages.payloads, strict=True)
         ]
-        everything.sort(key=itemgetter(0))
-        yield from everything
+        return sorted(everything, key=itemgetter(0))
 
 
 class Gathering:
@@ -175,8 +168,7 @@ class BatchEncoder:
     def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
         for name, samples in taken.sensors.items():
             for encoder in self._sensors[name] if len(samples) else ():
-                payloads = encoder.encode(samples.stamps_ns, samples.readings)
-                yield Messages(encoder.topic.name, samples.times_ns, payloads)
+                yield Messages(encoder.topic.name, samples.times_ns, encoder.encode(samples))
         if taken.faults:
             yield _told(taken.faults)
 

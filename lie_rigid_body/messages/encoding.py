@@ -23,8 +23,8 @@ from lie_rigid_body.messages.layout import (
 )
 from lie_rigid_body.messages.template import Template
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Field, Readings, SensorModel, Topic
-from lie_rigid_body.simulation import Samples
+from lie_rigid_body.sensors import Field, SensorModel, Topic
+from lie_rigid_body.simulation import Samples, SensorSamples
 
 NOT_GIVEN: Final = -1.0
 """First number of a covariance where the message does not give the quantity (REP-145)."""
@@ -83,27 +83,19 @@ class ReadingEncoder:
         places = [numbers_of(topic, field) for field in self.fields]
         self._layout, self._widths = Layout(header(self.frame), self.numbers, places), list(map(len, places))
 
-    def encode(self, stamps_ns: Integers, readings: Readings) -> Payloads:
-        """Encode one message for each reading.
-
-        Parameters
-        ----------
-        stamps_ns : ndarray of int64, shape (N,)
-        readings : Readings, N of them
-
-        Returns
-        -------
-        Payloads
-        """
+    def encode(self, samples: SensorSamples) -> Payloads:
+        """Encode one message for each reading."""
         pairs = zip(self.fields, self._widths, strict=True)
-        return self._layout.encode(stamps_ns, *(readings.arrays[f.array].reshape(-1, width) for f, width in pairs))
+        return self._layout.encode(
+            samples.stamps_ns, *(samples.arrays[f.array].reshape(-1, width) for f, width in pairs)
+        )
 
 
 def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
     """float64 numbers of a topic's messages, 0 in the fields that differ from reading to reading."""
     places = definitions.places(topic.message_type)
     numbers = [0.0] * len(places[""])
-    for name, values in topic.fixed(model).items():
+    for name, values in (topic.fixed(model) if topic.fixed else {}).items():
         numbers[places[name].start : places[name].stop] = values
     return numbers
 

@@ -1,17 +1,20 @@
-"""The files that a bag is made of, read one after the other."""
+"""The files that a bag is made of, held against the metadata.yaml of their folder, and the bags in a folder."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.bounded_input import as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording import folder_metadata
-from lie_rigid_body.recording.mcap_contents import KeptMessages, McapContents, Progress, Wanted
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
+from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
@@ -24,6 +27,13 @@ SUFFIXES: Final = (".mcap", SUFFIX)
 
 LARGEST_METADATA: Final = 2**20
 """Largest size of a metadata.yaml, bytes."""
+
+
+_TOLERANCE_NS: Final = NS
+"""A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
+_KEPT_AT_LEAST: Final = 64 * 2**20
+_KEPT_PER_BYTE: Final = 200
+"""Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 
 
 def unheard(count: int) -> None:
@@ -73,14 +83,16 @@ class BagFiles:
         contents = McapContents()
         for file in self.files:
             read = read_database if file.suffix == SUFFIX else read_file
-            before, kept = 0, None
+            before = kept = 0
             for position, found in read(file, contents, wanted):
-                kept = kept or KeptMessages(file, contents)
-                kept.keep(found)
+                kept += contents.keep(found)
+                if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * file.stat().st_size):
+                    what = f"messages of {kept} bytes in a file of {file.stat().st_size}"
+                    raise BagError(f"{file} has {what}, more than is read: record it again")
                 self.progress(position - before)
                 before = position
         if self._information is not None:
-            folder_metadata.hold(self._metadata, self._information, contents)
+            _hold_metadata(self._metadata, self._information, contents)
         return contents
 
 
@@ -91,11 +103,31 @@ def is_one_bag(folder: Path) -> bool:
     """
     if (folder / METADATA).exists():
         return True
-    for suffix in SUFFIXES:
-        files = {path.name for path in folder.glob(f"*{suffix}")}
-        if files:
-            return files == {f"{folder.resolve().name}_{i}{suffix}" for i in range(len(files))}
-    return False
+    suffix = next((suffix for suffix in SUFFIXES if any(folder.glob(f"*{suffix}"))), "")
+    numbers = _numbers(folder, suffix) if suffix else set()
+    return bool(numbers) and numbers == {*range(len(numbers))}
+
+
+def _numbers(folder: Path, suffix: str) -> set[int]:
+    """Numbers of the files of a folder, if all are called as those of one recording; else none."""
+    of_one = re.compile(rf"{re.escape(folder.resolve().name)}_(0|[1-9]\d{{0,5}}){re.escape(suffix)}")
+    found = [of_one.fullmatch(path.name) for path in folder.glob(f"*{suffix}")]
+    return {int(match[1]) for match in found if match} if all(found) else set()
+
+
+def whole_of(file: Path) -> Path | None:
+    """The folder of the bag that was split into several files, of which this is one; None if it is not."""
+    folder = file.parent
+    parts = [*folder.glob(f"*{file.suffix}")] if file.suffix in SUFFIXES and file.is_file() else []
+    return folder if len(parts) > 1 and is_one_bag(folder) else None
+
+
+def missing_beside(file: Path) -> str | None:
+    """The first file that is missing where all in a folder are called as those of a bag that was split; else None."""
+    is_bag = file.suffix in SUFFIXES and file.is_file()
+    numbers = _numbers(file.parent, file.suffix) if is_bag else set()
+    missing = {*range(max(numbers, default=0))} - numbers
+    return f"{file.resolve().parent.name}_{min(missing)}{file.suffix}" if missing else None
 
 
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
@@ -129,6 +161,123 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
     return information
 
 
+def _hold_metadata(metadata: Path, information: Mapping[str, Any], contents: McapContents) -> None:
+    """Refuse metadata that do not fit the files; what they leave out is not missed.
+
+    Parameters
+    ----------
+    metadata : Path
+        The metadata.yaml.
+    information : mapping
+        What it says under ``rosbag2_bagfile_information``.
+    contents : McapContents
+        Of all files.
+
+    Raises
+    ------
+    BagError
+        Naming the first entry that does not fit.
+    """
+    if str(information.get("compression_mode")).upper() == "MESSAGE":
+        raise BagError(f"{metadata.parent}: {COMPRESSED_ONE_BY_ONE}")
+    try:
+        what = next(_misfits(metadata.parent, information, contents), "")
+    except (TypeError, LookupError, AttributeError, ValueError):
+        what = "structure: not that of a rosbag2 bag"
+    if what:
+        raise BagError(f"{metadata} does not fit its files: {what}: remake it with 'ros2 bag reindex'")
+
+
+def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> Iterator[str]:
+    """What does not fit, as it is said and as it was found."""
+    spans = contents.files
+    whole = FileSpan("", sum(s.count for s in spans), min(s.first_ns for s in spans), max(s.last_ns for s in spans))
+    present = {path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")}
+    for name in sorted(present - {str(name) for name in said["relative_file_paths"]}):
+        yield f"relative_file_paths: {name} is left out"
+    storage = "sqlite3" if spans[0].name.endswith(SUFFIX) else "mcap"
+    yield from _differs("storage_identifier", said.get("storage_identifier", storage), storage)
+    yield from _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")
+    yield from _span_misfits("", said, whole)
+    if "topics_with_message_count" in said:
+        topics = {
+            tuple(topic["topic_metadata"][name] for name in ("name", "type", "serialization_format")): topic[
+                "message_count"
+            ]
+            for topic in said["topics_with_message_count"]
+        }
+        found = {(track.topic, track.message_type, track.encoding): track.count for track in contents.tracks.values()}
+        for key in {**topics, **found}:
+            yield from _differs(f"messages on topic {key[0]}", topics.get(key, 0), found.get(key, 0))
+    if said.get("files"):
+        by_name = {Path(file["path"]).name: file for file in said["files"]}
+        yield from _differs("files", sorted(by_name), sorted(span.name for span in spans))
+        for span in spans:
+            yield from _span_misfits(f"{span.name}: ", by_name[span.name], span)
+
+
+def _span_misfits(whose: str, said: Mapping[str, Any], found: FileSpan) -> Iterator[str]:
+    yield from _differs(f"{whose}message_count", said.get("message_count", found.count), found.count)
+    if found.count and "starting_time" in said:
+        start = said["starting_time"]["nanoseconds_since_epoch"]
+        yield from _differs(f"{whose}starting_time", start, found.first_ns, _TOLERANCE_NS)
+    if found.count and "duration" in said:
+        length = found.last_ns - found.first_ns
+        yield from _differs(f"{whose}duration", said["duration"]["nanoseconds"], length, _TOLERANCE_NS)
+
+
+def _differs(what: str, said: Any, found: Any, by: int = 0) -> Iterator[str]:
+    if abs(said - found) > by if by else said != found:
+        yield f"{what}: {said!r:.40} said, {found!r:.40} found"
+
+
 def natural_order(path: Path) -> list[tuple[int, str]]:
     """A key that sorts paths by their names, numbers in them by their values."""
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", str(path))]
+
+
+def bags_in(folder: Path) -> list[Path]:
+    """The bags in a folder and the folders below it: MCAP and SQLite files, and rosbag2 folders, each as one.
+
+    Folders that are hidden, or symbolic links, are left out.
+
+    Parameters
+    ----------
+    folder : Path
+        If it is a rosbag2 folder itself, it is the only bag.
+
+    Returns
+    -------
+    list of Path
+        By their names, numbers in them in their order. A folder that cannot be read, or has no bag in it, stands for
+        itself: whoever opens it is told why it is none.
+    """
+    return sorted(_bags_below(folder), key=natural_order) or [folder]
+
+
+def files_of(bag: str | Path) -> Iterator[Path]:
+    """The files of a bag, or of all bags in a folder, whatever is wrong with them."""
+    if not Path(bag).is_dir():
+        yield Path(bag)
+        return
+    for each in bags_in(Path(bag)):
+        with suppress(BagError):
+            yield from BagFiles(each).files
+        yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
+
+
+def _bags_below(folder: Path) -> Iterator[Path]:
+    try:
+        if is_one_bag(folder):
+            yield folder
+            return
+        with os.scandir(folder) as entries:
+            inside = [entry for entry in entries if not entry.name.startswith(".")]
+    except OSError:
+        yield folder
+        return
+    for entry in inside:
+        if entry.is_dir(follow_symlinks=False):
+            yield from _bags_below(folder / entry.name)
+        elif entry.name.endswith(SUFFIXES):
+            yield folder / entry.name

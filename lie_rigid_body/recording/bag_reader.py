@@ -6,21 +6,17 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields
-from functools import partial
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-import numpy as np
-
-from lie_rigid_body import messages
-from lie_rigid_body.arrays import Booleans
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED, has_fields_of
+from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
+from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
 from lie_rigid_body.recording.bag_files import BagFiles, unheard
-from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA
-from lie_rigid_body.recording.bodies import Body, bodies, other_bodies, tells_of_body, the_body
+from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
+from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
     Found,
     McapContents,
@@ -31,26 +27,124 @@ from lie_rigid_body.recording.mcap_contents import (
     nothing,
     of_types,
 )
-from lie_rigid_body.recording.segments import MOST_SEGMENTS
-from lie_rigid_body.recording.sensor_reader import (
+from lie_rigid_body.recording.segments import MOST_SEGMENTS, UNNAMED
+from lie_rigid_body.recording.topic_messages import (
+    TRUE_TYPES,
     FaultMessages,
-    SensorMessages,
-    varying_fields,
+    OfSensor,
+    TakeReadings,
+    TopicMessages,
+    require_cdr,
+    topic_messages,
 )
-from lie_rigid_body.recording.track_decoding import TopicMessages, require_cdr, texts, topic_messages
-from lie_rigid_body.recording.tracks import BagFacts, OfSensor, PoseTrack, Recording, TakeReadings, TwistTrack, joined
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.simulation import Segment
-
-__all__ = ["NO_TOPICS", "Bag", "Recording", "read_bag"]
+from lie_rigid_body.simulation import SOFTWARE, Segment
+from lie_rigid_body.wording import short_repr
 
 _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
+_RECORDER: Final = "libmcap "
+"""Beginning of the library name in a file by `ros2 bag record`."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """Names for a bag whose topics have their usual ones."""
-_OF_THE_TRUTH: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
+
+
+@dataclass(kw_only=True)
+class BagFacts:
+    """Facts of a bag beside its poses, twists and readings.
+
+    Parameters
+    ----------
+    pose_topic, twist_topic : str
+    stamped : bool
+        Whether twists have stamps of their own.
+    library : str
+        The software that wrote the file.
+    scenario_texts : list of (int, str)
+        Log time, ns, and JSON of every scenario message, in file order.
+    expected_samples : int or None
+        Number of samples that the writer says it wrote, where it does.
+    published_otherwise : int
+        Messages of the three topics whose time of publishing is not their log time.
+    others : tuple of str
+        What the bag holds besides, in words: topics and attachments.
+    undefined : tuple of str
+        Topics among the three whose message definition is left out, or in a language that is not compared.
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
+    was_cut_off : bool
+        Whether `recover` says that it made the bag of a file that was cut off.
+    sensors : dict of str to RawTrack
+        Topics of the body's sensors, with their messages counted, by their relative names.
+    name : str
+        Name in errors: its path, if it has one.
+    """
+
+    pose_topic: str
+    twist_topic: str
+    stamped: bool
+    library: str
+    scenario_texts: list[tuple[int, str]]
+    expected_samples: int | None = None
+    published_otherwise: int = 0
+    others: tuple[str, ...] = ()
+    undefined: tuple[str, ...] = ()
+    without_checksum: int = 0
+    was_cut_off: bool = False
+    sensors: Mapping[str, RawTrack] = field(default_factory=dict)
+    name: str = UNNAMED
+
+    __repr__ = short_repr
+
+    @property
+    def as_written(self) -> bool:
+        """Whether it is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
+
+        It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its
+        start. What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received;
+        what `Run.to_bag` made of such a bag begins there as well.
+        """
+        if REWRITTEN in self.library:
+            return False
+        if self.library.startswith(f"{SOFTWARE} ") or self.expected_samples is not None:
+            return True
+        log_time, text = self.scenario_texts[0]
+        return log_time == Segment.from_json(text).start_ns and not self.library.startswith(_RECORDER)
+
+
+@dataclass(kw_only=True, repr=False)
+class Recording(BagFacts):
+    """Messages of a run that a bag holds, in memory. See `BagFacts` for the other parameters.
+
+    Parameters
+    ----------
+    poses, twists : TopicMessages
+    readings : dict of str to TopicMessages or FaultMessages
+        Messages of the sensors by their relative names.
+    """
+
+    poses: TopicMessages
+    twists: TopicMessages
+    readings: Mapping[str, OfSensor] = field(default_factory=dict)
+
+    @property
+    def pose_count(self) -> int:
+        """Number of poses."""
+        return len(self.poses)
+
+    @property
+    def twist_count(self) -> int:
+        """Number of twists."""
+        return len(self.twists)
+
+    def batches(
+        self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
+    ) -> Iterator[tuple[TopicMessages, TopicMessages]]:
+        """All poses and twists, as `Bag.batches` reads them."""
+        take({name: self.readings[name] for name in sensors})
+        yield self.poses, self.twists
 
 
 class Bag(BagFacts):
@@ -74,11 +168,8 @@ class Bag(BagFacts):
     ----------
     body : str
         Namespace of its body, which has to be the only one; `all_of` reads the others.
-    pose_topic, twist_topic : str
     pose_count, twist_count : int
         Messages of each.
-    stamped : bool
-        Whether twists have stamps of their own.
 
     Raises
     ------
@@ -95,9 +186,8 @@ class Bag(BagFacts):
         in_memory: bool = False,
     ) -> None:
         files = BagFiles(path, progress)
-        contents = files.contents(of_types({*_OF_THE_TRUTH, *SENSORS.topics.values()}) if in_memory else nothing)
-        body = the_body(files.path, contents, topics, partial(_is_ours, files.path, contents))
-        self._take(files, contents, body, in_memory=in_memory)
+        contents = files.contents(of_types({*TRUE_TYPES, *SENSORS.topics.values()}) if in_memory else nothing)
+        self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
 
     @classmethod
     def all_of(
@@ -109,10 +199,9 @@ class Bag(BagFacts):
         """
         files = BagFiles(path, progress)
         contents = files.contents(nothing)
-        is_ours = partial(_is_ours, files.path, contents)
-        found = bodies(files.path, contents, topics, is_ours)
-        others = other_bodies(files.path, contents, found, is_ours) if topics else []
-        known = [track for body in (*found, *others) for track in body.all_tracks]
+        found = bodies(files.path, contents, topics)
+        others = other_bodies(files.path, contents, found) if topics else []
+        besides = (*map(_not_chosen, others), *_others(contents, [*found, *others]))
         bags: dict[str, Bag | BagError] = {}
         for body in found:
             bag, name = cls.__new__(cls), body.name or "/"
@@ -123,7 +212,7 @@ class Bag(BagFacts):
                     raise
                 bags[name] = error
                 continue
-            bag.others = (*(_not_chosen(other) for other in others), *_others(contents, known))
+            bag.others = besides
             bag.name += f" {name}" * (len(found) > 1)
             bags[name] = bag
         return bags
@@ -132,31 +221,33 @@ class Bag(BagFacts):
         if body.fault:
             raise BagError(body.fault)
         self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
-        for track in body.all_tracks:
+        for track in body.tracks.values():
             require_cdr(self._path, track)
-        pose, twist, scenario = body.tracks
-        self._pose, self._twist = pose.key, twist.key
-        self.pose_topic, self.twist_topic, self.stamped = pose.topic, twist.topic, twist.message_type == TWIST_STAMPED
-        self.pose_count, self.twist_count = pose.count, twist.count
+        truth = [body.tracks[name] for name in TRUTH]
+        pose, twist, scenario = truth
+        self._tracks, self.pose_count, self.twist_count = body.tracks, pose.count, twist.count
         super().__init__(
+            pose_topic=pose.topic,
+            twist_topic=twist.topic,
+            stamped=twist.message_type == TWIST_STAMPED,
             library=contents.library,
-            scenario_texts=_scenarios(self._texts(scenario.key)),
+            scenario_texts=read_scenarios(self._path, contents, scenario),
             expected_samples=_expected_samples(self._path, contents),
-            published_otherwise=sum(track.published_otherwise for track in body.tracks),
-            others=_others(contents, body.all_tracks),
-            undefined=tuple(track.topic for track in body.all_tracks if not _is_defined(self._path, track)),
+            published_otherwise=sum(track.published_otherwise for track in truth),
+            others=_others(contents, [body]),
+            undefined=tuple(t.topic for t in body.tracks.values() if not _is_defined(self._path, t)),
             without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
-            sensors=body.sensors,
+            sensors={name: track for name, track in body.tracks.items() if name not in TRUTH},
             name=str(files.path),
         )
         self._kept: list[Found] | None = None
         if in_memory:
-            self._kept = [{track.key: track.take() for track in body.all_tracks if track.message_type != STRING}]
+            self._kept = [{track.key: track.take() for track in body.tracks.values() if track.message_type != STRING}]
 
     def batches(
         self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
-    ) -> Iterator[tuple[PoseTrack, TwistTrack]]:
+    ) -> Iterator[tuple[TopicMessages, TopicMessages]]:
         """All poses and twists in file order, some ten thousand at a time.
 
         Parameters
@@ -167,21 +258,24 @@ class Bag(BagFacts):
             Called with the messages about faults first, and then with the messages of the others that stand among the
             poses and twists of a batch, before it comes.
         """
-        for name in self._of_faults:
-            for told in self._faults(name) if name in sensors else ():
-                take({name: told})
-        keys = {name: self.sensors[name].key for name in sensors if name not in self._of_faults}
-        before = Counter[TrackKey]()
-        for found in self._some([self._pose, self._twist, *keys.values()]):
-            poses, twists, *readings = (
-                topic_messages(self._path, key[0], found[key], *self._layout(key), before[key]) for key in found
-            )
-            before.update({key: len(messages) for key, messages in found.items()})
-            take(dict(zip(keys, readings, strict=True)))
-            yield self._pose_track(poses), self._twist_track(twists)
+        told = self._faults() if FAULTS in sensors else iter(())
+        while some := list(itertools.islice(told, _TEXTS_AT_ONCE)):
+            take({FAULTS: FaultMessages.of(some)})
+        for readings in self._decoded([name for name in sensors if name != FAULTS]):
+            poses, twists = readings.pop(POSE), readings.pop(TWIST)
+            take(readings)
+            yield poses, twists
 
-    def _some(self, keys: Sequence[TrackKey]) -> Iterator[Found]:
-        """Messages of some tracks, as many as a batch has, in the order of the keys."""
+    def _decoded(self, sensors: Iterable[str]) -> Iterator[dict[str, TopicMessages]]:
+        """Messages of pose, twist and sensors by their relative names, as many at a time as a batch has."""
+        keys = {name: self._tracks[name].key for name in (POSE, TWIST, *sensors)}
+        before = Counter[TrackKey]()
+        for found in self._some(set(keys.values())):
+            yield {name: topic_messages(self._path, key, found[key], before[key]) for name, key in keys.items()}
+            before.update({key: len(messages) for key, messages in found.items()})
+
+    def _some(self, keys: Collection[TrackKey]) -> Iterator[Found]:
+        """Messages of some tracks, as many as a batch has."""
         waiting: dict[TrackKey, list[RawMessages]] = {key: [] for key in keys}
         parts = self._contents.read(keys, self._progress) if self._kept is None else iter(self._kept)
         count, end = 0, Found()
@@ -193,48 +287,20 @@ class Bag(BagFacts):
                 yield {key: RawMessages.joined(pieces) for key, pieces in waiting.items()}
                 waiting, count = {key: [] for key in keys}, 0
 
-    @property
-    def _of_faults(self) -> list[str]:
-        """Relative names of the topics about faults."""
-        return [name for name, topic in self.sensors.items() if topic.message_type == STRING]
-
-    def _faults(self, name: str) -> Iterator[FaultMessages]:
-        """Messages about faults, some at a time."""
-        found = self._texts(self.sensors[name].key)
-        while some := list(itertools.islice(found, _TEXTS_AT_ONCE)):
-            yield FaultMessages.of(some)
-
-    def _texts(self, key: TrackKey) -> Iterator[tuple[int, str]]:
-        """Log time, ns, and text of each message of a topic of texts, as they are read."""
-        return _texts(self._path, self._contents, key)
+    def _faults(self) -> Iterator[tuple[int, str]]:
+        """Log time, ns, and text of each message about faults, as they are read."""
+        return texts_on(self._path, self._contents, self._tracks[FAULTS])
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        names = [name for name in self.sensors if name not in self._of_faults]
-        batches: list[Mapping[str, Any]] = []
-        poses, twists = zip(*self.batches(names, batches.append), strict=True)
-        readings: dict[str, OfSensor] = {
-            name: SensorMessages.joined([some[name] for some in batches]) for name in names
-        }
-        told = {name: FaultMessages.of([*self._texts(self.sensors[name].key)]) for name in self._of_faults}
+        names = [name for name in self.sensors if name != FAULTS]
+        parts = list(self._decoded(names))
+        whole = {name: TopicMessages.joined([part[name] for part in parts]) for name in (POSE, TWIST, *names)}
+        poses, twists, readings = whole.pop(POSE), whole.pop(TWIST), dict[str, OfSensor](whole)
+        if FAULTS in self.sensors:
+            readings[FAULTS] = FaultMessages.of([*self._faults()])
         facts: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
-        return Recording(**facts, poses=joined(poses), twists=joined(twists), readings=readings | told)
-
-    def _layout(self, key: TrackKey) -> tuple[Booleans, bool]:
-        """Mask of the numbers of a topic's messages that are values, and whether the messages have stamps."""
-        if key in (self._pose, self._twist):
-            count = messages.POSE_NUMBERS if key == self._pose else messages.TWIST_NUMBERS
-            return np.full(count, fill_value=True), key == self._pose or self.stamped
-        return varying_fields(key[1]), True
-
-    def _pose_track(self, found: TopicMessages) -> PoseTrack:
-        times, numbers = (found.log_times_ns, found.stamps_ns), found.values
-        return PoseTrack(self.pose_topic, *times, numbers[:, 3:7], numbers[:, :3], found.frame_ids)
-
-    def _twist_track(self, found: TopicMessages) -> TwistTrack:
-        stamps, frames = (found.stamps_ns, found.frame_ids) if self.stamped else (None, ())
-        numbers = found.values
-        return TwistTrack(self.twist_topic, found.log_times_ns, stamps, numbers[:, 3:6], numbers[:, :3], frames)
+        return Recording(**facts, poses=poses, twists=twists, readings=readings)
 
 
 def read_bag(path: str | Path) -> Recording:
@@ -257,10 +323,13 @@ def read_bag(path: str | Path) -> Recording:
     return Bag(path, in_memory=True).load()
 
 
-def _scenarios(found: Iterable[tuple[int, str]]) -> list[tuple[int, str]]:
-    """The messages of a scenario topic, up to the first that is none: a topic of other texts may be without end."""
+def read_scenarios(path: Path, contents: McapContents, track: RawTrack) -> list[tuple[int, str]]:
+    """Log time, ns, and text of each message of a scenario topic, up to the first that is no scenario.
+
+    A topic of other texts may be without end.
+    """
     kept, distinct = list[tuple[int, str]](), dict[str, str]()
-    for time, text in found:
+    for time, text in texts_on(path, contents, track):
         is_new = text not in distinct
         kept.append((time, distinct.setdefault(text, text)))
         if is_new and (len(distinct) > MOST_SEGMENTS or not _is_scenario(text)):
@@ -276,28 +345,19 @@ def _is_scenario(text: str) -> bool:
     return True
 
 
-def _texts(path: Path, contents: McapContents, key: TrackKey) -> Iterator[tuple[int, str]]:
-    """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
-    return texts(path, key[0], (found[key] for found in contents.read([key], unheard)))
-
-
-def _is_ours(path: Path, contents: McapContents, track: RawTrack) -> bool:
-    return tells_of_body(_texts(path, contents, track.key))
-
-
 def _not_chosen(body: Body) -> str:
-    topic = next(track.topic for track in body.tracks if track.count)
+    topic = next(track.topic for track in body.tracks.values() if track.count)
     return f"body {body.name or '/'} ({topic} and what goes with it), which was not asked for"
 
 
-def _others(contents: McapContents, own: Sequence[RawTrack]) -> tuple[str, ...]:
-    rest = [track for track in contents.tracks.values() if track.count and not any(track is known for known in own)]
-    shared = {track.topic for track in own}
-    kinds = [f"as {track.message_type}, " if track.topic in shared else "" for track in rest]
-    topics = [
-        f"topic {track.topic} ({kind}{track.count} messages), which no scenario determines"
-        for track, kind in zip(rest, kinds, strict=True)
-    ]
+def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
+    """What a bag holds besides some bodies, in words."""
+    own = [track for body in known for track in body.tracks.values()]
+    shared, topics = {track.topic for track in own}, list[str]()
+    for track in contents.tracks.values():
+        if track.count and not any(track is each for each in own):
+            kind = f"as {track.message_type}, " if track.topic in shared else ""
+            topics.append(f"topic {track.topic} ({kind}{track.count} messages), which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

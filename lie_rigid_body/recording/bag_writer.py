@@ -17,10 +17,10 @@ from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
-from lie_rigid_body.recording.chunk import ChunkBuilder, MessageRecords, RawChunk, record_bytes
-from lie_rigid_body.recording.disk_queue import HELPFUL_BACKLOG, DiskQueue
-from lie_rigid_body.recording.mcap_file import McapFile, compressed, compressor
-from lie_rigid_body.recording.output_file import OutputFile, reason, remedy, rescue
+from lie_rigid_body.recording.disk_queue import DiskQueue
+from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressor, laid_out
+from lie_rigid_body.recording.output_file import RESCUE, OutputFile, reason, remedy
+from lie_rigid_body.recording.records import record_bytes
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
 POSE_TOPIC: Final = "/pose"
@@ -112,10 +112,7 @@ class BagWriter:
         end: str | None = METADATA,
     ) -> None:
         self._stamped_twist, self._end = stamped_twist, end
-        self._wait_for_disk = wait_for_disk
-        self._compressed, self._compressed_here = (
-            partial(compressed, compression=compression, compress=compressor(compression)) for _ in range(2)
-        )
+        self._compressed = compressor(compression)
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
         sensors = {topic: f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
         self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
@@ -149,7 +146,7 @@ class BagWriter:
         schema = Schema(number, definitions.definition(kind).encode(), "ros2msg", kind)
         qos = definitions.offered_qos_profiles(latched=topic in _LATCHED, depth=_LATCHED.get(topic, _SAMPLE_DEPTH))
         channel = Channel(number, self._names[topic], "cdr", {"offered_qos_profiles": qos}, number)
-        self._mcap.schemas[number], self._mcap.channels[number] = schema, channel
+        self._mcap.summary.schemas[number], self._mcap.summary.channels[number] = schema, channel
         self._channels[topic] = number
         self._chunk.add(schema)
         self._chunk.add(channel)
@@ -192,33 +189,27 @@ class BagWriter:
     def _add(self, topics: list[Messages]) -> None:
         if not topics:
             return
-        numbers = self._channels | {topic: len(self._channels) + 1 + i for i, topic in enumerate(self._new(topics))}
-        records = MessageRecords.of(topics, numbers, self._counts)
+        new = sorted(
+            (messages for messages in topics if messages.topic not in self._channels),
+            key=lambda messages: int(messages.times_ns.min()),
+        )
+        numbers = self._channels | {messages.topic: len(self._channels) + 1 + i for i, messages in enumerate(new)}
+        data, bounds, first = laid_out(topics, numbers, self._counts)
         done = 0
-        for topic in self._new(topics):
-            first = records.first_of(numbers[topic])
-            self._chunk.add_messages(records[done:first])
+        for topic in (messages.topic for messages in new):
+            self._chunk.add_messages(data, bounds[done : first[topic] + 1])
             self._add_channel(topic)
-            done = first
-        self._chunk.add_messages(records[done:])
+            done = first[topic]
+        self._chunk.add_messages(data, bounds[done:])
         for messages in topics:
             self._counts[messages.topic] += len(messages.payloads)
 
-    def _new(self, topics: list[Messages]) -> list[str]:
-        """Names of the topics that are not in the bag yet, in the order of their first messages."""
-        new = [messages for messages in topics if messages.topic not in self._channels]
-        return [messages.topic for messages in sorted(new, key=lambda messages: int(messages.times_ns[0]))]
-
     def _put(self, raw: RawChunk) -> None:
-        if self._wait_for_disk and self._queue.backlog > HELPFUL_BACKLOG:
-            chunk = self._compressed_here(raw)
-            self._queue.put(partial(self._mcap.add_chunk, chunk, raw.indexes()), len(chunk.data))
-        else:
-            self._queue.put(partial(self._store, raw), sum(map(len, raw.pieces)))
+        self._queue.put(partial(self._store, raw), len(raw))
 
     def _store(self, raw: RawChunk) -> None:
         """Write a chunk; this is what the disk's own thread does, while the next one is laid out."""
-        self._mcap.add_chunk(self._compressed(raw), raw.indexes())
+        self._mcap.add_chunk(self._compressed(raw.table), raw.table)
 
     def flush(self) -> None:
         """Finish the present chunk, and let it be written to the disk. It survives a loss of power as soon as it is."""
@@ -236,10 +227,10 @@ class BagWriter:
         with self._writing():
             self._lay_out()
             raw = self._chunk.so_far()
-            self._queue.put(partial(self._write_draft, raw), sum(map(len, raw.pieces)) if raw else 0)
+            self._queue.put(partial(self._write_draft, raw), len(raw) if raw else 0)
 
     def _write_draft(self, raw: RawChunk | None) -> None:
-        self._file.draft(record_bytes(self._compressed(raw)) if raw else b"")
+        self._file.draft(record_bytes(self._compressed(raw.table)) if raw else b"")
 
     def _sync(self, number: int) -> None:
         if number < self._flushes and time.monotonic() - self._synced < _SYNC_AT_LEAST:
@@ -291,16 +282,14 @@ class BagWriter:
             raise
         except OSError as error:
             self._abandon()
-            raise BagError(f"{self.path} cannot be written: {reason(error)}; {self._what_remains(error)}") from None
+            rest = f"{remedy(error)}, and rescue it with {RESCUE}"
+            if self._file.replaces:
+                rest = f"the older file of that name is kept: {remedy(error)} and record again"
+            raise BagError(f"{self.path} cannot be written: {reason(error)}; {rest}") from None
 
     def _abandon(self) -> None:
         self._open = False
         self._queue.end(self._file.abandon)
-
-    def _what_remains(self, error: OSError) -> str:
-        if self._file.replaces:
-            return f"the older file of that name is kept: {remedy(error)} and record again"
-        return f"{remedy(error)}, and rescue it with {rescue()}"
 
     def __enter__(self) -> BagWriter:
         return self

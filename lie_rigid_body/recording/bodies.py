@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -13,14 +13,16 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.bag_folders import missing_beside, whole_of
+from lie_rigid_body.recording.bag_files import missing_beside, unheard, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
+from lie_rigid_body.recording.topic_messages import texts
 from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
-OfScenario: TypeAlias = Callable[[RawTrack], bool]
-"""Whether a topic of texts is one of scenarios."""
-_TOLD: Final = {SCENARIO: ": body, motion, frames"}
+TRUTH: Final = (POSE, TWIST, SCENARIO)
+"""Relative names of the topics that every body has."""
+Tracks: TypeAlias = dict[str, RawTrack]
+"""Topics of a body by their relative names."""
 _LONGEST_LIST: Final = 60
 """Characters of the topics that there are, in an error line that has to say more."""
 
@@ -39,44 +41,26 @@ class Body:
     ----------
     name : str
         The namespace of its pose, such as ``/a``; empty for the root namespace.
-    pose, twist, scenario : RawTrack
-    sensors : dict of str to RawTrack
-        What its sensors read, and their faults, by their relative names, as far as it is there.
+    tracks : dict of str to RawTrack
+        Its topics by their relative names: pose, twist and scenario, and what its sensors read, and their faults, as
+        far as it is there.
     fault : str
         Why it cannot be read, in one line; a topic that is not in the bag is a track without a message.
     """
 
     name: str
-    pose: RawTrack
-    twist: RawTrack
-    scenario: RawTrack
-    sensors: dict[str, RawTrack] = field(default_factory=dict)
+    tracks: Tracks
     fault: str = ""
 
     __repr__ = short_repr
 
-    @property
-    def tracks(self) -> tuple[RawTrack, RawTrack, RawTrack]:
-        """Pose, twist and scenario."""
-        return self.pose, self.twist, self.scenario
 
-    @property
-    def all_tracks(self) -> tuple[RawTrack, ...]:
-        """Pose, twist, scenario and what the sensors read."""
-        return *self.tracks, *self.sensors.values()
-
-
-def _any_text(track: RawTrack) -> bool:
-    return True
-
-
-def bodies(
-    path: Path, contents: McapContents, topics: Mapping[str, str], is_ours: OfScenario = _any_text
-) -> list[Body]:
+def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> list[Body]:
     """The bodies of a bag: one for each scenario topic with a pose and a twist in its namespace.
 
     Where there is none, the only topics of the right types are taken, or those with the right last name. One of several
-    that cannot be read has a fault.
+    that cannot be read has a fault. Texts are looked at, whether they are scenarios, where two topics of them are in
+    one namespace, or pose or twist is missing beside one.
 
     Parameters
     ----------
@@ -86,9 +70,6 @@ def bodies(
     topics : mapping of str to str
         Topics that are called otherwise, by their relative names (the keys of `topic_types`). With one of the first
         three there is one body, that to which it belongs.
-    is_ours : callable, optional
-        Whether a topic of texts is one of scenarios, or another node's of that name. It is asked where two are in one
-        namespace, or pose or twist is missing beside one.
 
     Raises
     ------
@@ -97,90 +78,78 @@ def bodies(
         there.
     """
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
-    own = [name for name in (POSE, TWIST, SCENARIO) if name in given]
-    complete = _complete(path, contents, given, is_ours)
+    own = [name for name in TRUTH if name in given]
+    complete = _complete(path, contents, given)
     found = [(tracks, fault) for tracks, fault in complete if all(tracks[name] is given[name] for name in own)]
-    found = found or [(_single(path, contents, given, is_ours), "")]
+    found = found or [(_single(path, contents, given), "")]
     return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
 
 
-def tells_of_body(found: Iterable[tuple[int, str]]) -> bool:
-    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node.
-
-    Parameters
-    ----------
-    found : iterable of (int, str)
-        Log times and texts, which may raise an error as they are read.
-    """
+def other_bodies(path: Path, contents: McapContents, own: Sequence[Body]) -> list[Body]:
+    """The bodies of a bag besides those that a user chose."""
     try:
-        return any('"inertia"' in text for _, text in islice(found, 1))
+        found = bodies(path, contents, {})
+    except BagError:  # what is beside the chosen one need not be whole
+        return []
+    poses = [body.tracks[POSE].topic for body in own]
+    return [body for body in found if body.tracks[POSE].topic not in poses]
+
+
+def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> Body:
+    """The body of a bag that has one. See `bodies`."""
+    found = bodies(path, contents, topics)
+    if len(found) > 1:
+        names = listed([body.name or "/" for body in found])
+        first = min(found, key=lambda body: body.fault != "")
+        raise BagError(f"{path} holds {len(found)} bodies, {names}: {_choice(POSE, first.tracks[POSE].topic)}")
+    return found[0]
+
+
+def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tuple[int, str]]:
+    """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
+    return texts(path, track.topic, (found[track.key] for found in contents.read([track.key], unheard)))
+
+
+def tells_of_body(path: Path, contents: McapContents, track: RawTrack) -> bool:
+    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node."""
+    try:
+        return any('"inertia"' in text for _, text in islice(texts_on(path, contents, track), 1))
     except BagError:
         return True
 
 
-def other_bodies(
-    path: Path, contents: McapContents, own: Sequence[Body], is_ours: OfScenario = _any_text
-) -> list[Body]:
-    """The bodies of a bag besides those that a user chose."""
-    try:
-        found = bodies(path, contents, {}, is_ours)
-    except BagError:  # what is beside the chosen one need not be whole
-        return []
-    poses = [body.pose.topic for body in own]
-    return [body for body in found if body.pose.topic not in poses]
-
-
-def the_body(path: Path, contents: McapContents, topics: Mapping[str, str], is_ours: OfScenario = _any_text) -> Body:
-    """The body of a bag that has one. See `bodies`."""
-    found = bodies(path, contents, topics, is_ours)
-    if len(found) > 1:
-        names = listed([body.name or "/" for body in found])
-        first = min(found, key=lambda body: body.fault != "")
-        raise BagError(f"{path} holds {len(found)} bodies, {names}: {_choice(POSE, first.pose.topic)}")
-    return found[0]
-
-
-def _complete(
-    path: Path, contents: McapContents, given: Mapping[str, RawTrack], is_ours: OfScenario
-) -> list[tuple[dict[str, RawTrack], str]]:
+def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[Tracks, str]]:
     """The tracks of each body that has its topics in one namespace, in the order of their names, and what is wrong.
 
     Beside them, those of which pose or twist is missing.
     """
-    found: dict[str, dict[str, RawTrack]] = {}
-    lacking: dict[str, dict[str, RawTrack]] = {}
+    found: dict[str, Tracks] = {}
+    lacking: dict[str, Tracks] = {}
     faults: dict[str, str] = {}
     scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
-    if SCENARIO in given:
-        scenarios = [given[SCENARIO]]
-    for scenario in scenarios:
-        for namespace in _above(scenario.topic):
-            own = {name: track for name in (POSE, TWIST) if (track := _track(contents, name, f"{namespace}/{name}"))}
-            if not own:
-                continue
-            if len(own) == 1 and is_ours(scenario):
-                name = TWIST if POSE in own else POSE
-                none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
-                lacking[namespace] = {**own, name: none, SCENARIO: scenario}
-                faults[namespace] = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
-            elif len(own) == 2 and namespace in found:
-                try:
-                    found[namespace][SCENARIO] = _ours(path, [found[namespace][SCENARIO], scenario], is_ours)
-                except BagError as error:
-                    faults[namespace] = str(error)
-            elif len(own) == 2:
-                found[namespace] = {**own, SCENARIO: scenario}
-            break
+    for scenario in [given[SCENARIO]] if SCENARIO in given else scenarios:
+        beside = {space: _beside(contents, space) for space in _above(scenario.topic)}
+        namespace = next((space for space, own in beside.items() if own), "")
+        own = beside.get(namespace, {})
+        if len(own) == 1 and tells_of_body(path, contents, scenario):
+            name = TWIST if POSE in own else POSE
+            none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
+            lacking[namespace] = {**own, name: none, SCENARIO: scenario}
+            faults[namespace] = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
+        elif len(own) == 2 and namespace in found:
+            try:
+                found[namespace][SCENARIO] = _ours(path, contents, [found[namespace][SCENARIO], scenario])
+            except BagError as error:
+                faults[namespace] = str(error)
+        elif len(own) == 2:
+            found[namespace] = {**own, SCENARIO: scenario}
     every = found and found | lacking
     return [(every[namespace], faults.get(namespace, "")) for namespace in sorted(every)]
 
 
-def _ours(path: Path, scenarios: list[RawTrack], is_ours: OfScenario) -> RawTrack:
-    """The one of several topics of texts that is of scenarios."""
-    own = [track for track in scenarios if track.count and is_ours(track)]
-    if len(own) != 1:
-        raise _several(path, SCENARIO, own or scenarios)
-    return own[0]
+def _beside(contents: McapContents, namespace: str) -> Tracks:
+    """Pose and twist in a namespace, as far as they are there."""
+    return {name: track for name in (POSE, TWIST) if (track := _track(contents, name, f"{namespace}/{name}"))}
 
 
 def _above(topic: str) -> Iterator[str]:
@@ -190,33 +159,36 @@ def _above(topic: str) -> Iterator[str]:
         yield topic
 
 
-def _single(
-    path: Path, contents: McapContents, given: Mapping[str, RawTrack], is_ours: OfScenario
-) -> dict[str, RawTrack]:
+def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawTrack:
+    """The one of several topics of texts that is of scenarios."""
+    own = [track for track in scenarios if track.count and tells_of_body(path, contents, track)]
+    if len(own) != 1:
+        raise _several(path, SCENARIO, own or scenarios)
+    return own[0]
+
+
+def _single(path: Path, contents: McapContents, given: Tracks) -> Tracks:
     """The tracks of the one body of a bag whose topics are not in one namespace."""
     near = [track.topic.rpartition("/")[0] for name, track in given.items() if name in (POSE, TWIST)]
-    return {
-        name: given.get(name) or _find(path, contents, name, near[0] if near else None, is_ours)
-        for name in (POSE, TWIST, SCENARIO)
-    }
+    return {name: given.get(name) or _find(path, contents, name, near[0] if near else None) for name in TRUTH}
 
 
-def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ours: OfScenario) -> RawTrack:
+def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:
     """The track with the right last name, of several that in the namespace; or else the only one of its types."""
     alike = _of_types(contents, name)
     found = [track for track in alike if _last(track.topic) == name]
-    if len(found) > 1 and near is not None:
-        inside = [track for track in found if track.topic.startswith(f"{near}/")]
-        found = inside if len(inside) == 1 else found
+    inside = [track for track in found if near is not None and track.topic.startswith(f"{near}/")]
+    if len(found) > 1 and len(inside) == 1:
+        found = inside
     if not found and len(alike) == 1:
         found = alike  # remapped
     if not found:
-        wanted = f"topic .../{name} ({' or '.join(map(_last, topic_types()[name]))}{_TOLD.get(name, '')})"
+        told = ": body, motion, frames" if name == SCENARIO else ""
         there = shortened(listed([topic for topic, _ in contents.tracks]), _LONGEST_LIST)
         remedy = _remedy(path, f"record it; there are {there}" if there else "record it; there is no topic at all")
-        raise BagError(f"{path} has no {wanted}: {remedy}")
+        raise BagError(f"{path} has no topic .../{name} ({_types(name)}{told}): {remedy}")
     if len(found) > 1 and name == SCENARIO:
-        return _ours(path, found, is_ours)
+        return _ours(path, contents, found)
     if len(found) > 1:
         raise _several(path, name, found)
     return found[0]
@@ -224,13 +196,10 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None, is_ou
 
 def _remedy(path: Path, otherwise: str) -> str:
     """Remedy where a topic is missing: it may be in another file of a bag that was split."""
-    whole = whole_of(path)
+    whole, missing = whole_of(path), missing_beside(path)
     if whole is not None:
         return f"it is one file of a bag that was split: give the folder {whole}"
-    missing = missing_beside(path)
-    if missing is not None:
-        return f"restore {missing} if it is one file of a bag that was split, or record it"
-    return otherwise
+    return f"restore {missing} if it is one file of a bag that was split, or record it" if missing else otherwise
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
@@ -268,7 +237,7 @@ def given_track(path: Path, contents: McapContents, name: str, topic: str) -> Ra
         return track
     if track is not None:
         raise BagError(f"{path}: --topic {name}:={topic}: it has no message: record it while the body is published")
-    types, known = " or ".join(map(_last, topic_types()[name])), [track.topic for track in _of_types(contents, name)]
+    types, known = _types(name), [track.topic for track in _of_types(contents, name)]
     others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
     what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
     hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
@@ -285,38 +254,34 @@ def _of_types(contents: McapContents, name: str) -> list[RawTrack]:
     return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS)]  # texts as well
 
 
+def _types(name: str) -> str:
+    """Words for the types that a topic may have."""
+    return " or ".join(map(_last, topic_types()[name]))
+
+
 def _last(name: str) -> str:
     return name.rpartition("/")[2]
 
 
-def _body(
-    path: Path,
-    contents: McapContents,
-    tracks: Mapping[str, RawTrack],
-    given: Mapping[str, RawTrack],
-    fault: str,
-    *,
-    alone: bool,
-) -> Body:
-    silent = [track.topic for track in tracks.values() if not track.count]
+def _body(path: Path, contents: McapContents, tracks: Tracks, given: Tracks, fault: str, *, alone: bool) -> Body:
+    silent = [tracks[name].topic for name in TRUTH if not tracks[name].count]
     if silent and not fault:
         fault = f"{path} has no message on {silent[0]}: {_remedy(path, 'record it while the body is published')}"
     if fault and alone:
         raise BagError(fault)
-    namespace = tracks[POSE].topic.rpartition("/")[0]
     sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
-    return Body(namespace, tracks[POSE], tracks[TWIST], tracks[SCENARIO], there, fault)
+    return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in TRUTH}, **there}, fault)
 
 
-def _sensor(contents: McapContents, name: str, tracks: Mapping[str, RawTrack], *, alone: bool) -> RawTrack | None:
+def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTrack | None:
     """The track of what a sensor of the body reads; of a body that is alone in any namespace but another's."""
     last = name.removeprefix("~/")
-    beside = tracks[POSE if last == name else SCENARIO].topic.rpartition("/")[0]
+    private = last != name  # of the node, one name below its namespace
+    beside = tracks[SCENARIO if private else POSE].topic.rpartition("/")[0]
     own = _track(contents, name, f"{beside}/{last}")
     poses = {track.topic for track in _of_types(contents, POSE)} - {tracks[POSE].topic}
     alike = [track for track in _of_types(contents, name) if f"/{track.topic}".endswith(f"/{last}") and track.count]
-    private = last != name  # of the node, one name below its namespace
     elsewhere = [t for t in alike if f"{_home(t.topic.removesuffix(last), private=private)}/{POSE}" not in poses]
     return own or (elsewhere[0] if alone and len(elsewhere) == 1 else None)
 

@@ -7,8 +7,6 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Final
 
-HELPFUL_BACKLOG: Final = 8 * 1024**2
-"""Bytes that wait for the disk's thread from which on its work is done here, if this thread may take its time."""
 LARGEST_BACKLOG: Final = 32 * 1024**2
 """Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
@@ -28,7 +26,6 @@ class DiskQueue:
         self._waits = waits
         self._thread = ThreadPoolExecutor(1)
         self._jobs: deque[tuple[Future[None], int]] = deque()
-        self._backlog = 0
         self._failed = False
 
     def put(self, job: Callable[[], object], size: int = 0) -> None:
@@ -39,24 +36,19 @@ class DiskQueue:
         TimeoutError
             If too much is in the queue.
         """
-        if self._waits:
-            self._forget(lambda done: self._backlog + size > LARGEST_BACKLOG)
-        elif self.backlog + size > LARGEST_BACKLOG:
-            raise TimeoutError(f"the disk does not keep up, {self._backlog} bytes wait for it")
+        self._forget(lambda done: done or (self._waits and self._waiting + size > LARGEST_BACKLOG))
+        if not self._waits and self._waiting + size > LARGEST_BACKLOG:
+            raise TimeoutError(f"the disk does not keep up, {self._waiting} bytes wait for it")
         self._jobs.append((self._thread.submit(self._do, job), size))
-        self._backlog += size
 
     @property
-    def backlog(self) -> int:
-        """Bytes of the jobs that are not done."""
-        self._forget(lambda done: done)
-        return self._backlog
+    def _waiting(self) -> int:
+        return sum(size for _, size in self._jobs)
 
     def _forget(self, ready: Callable[[bool], bool]) -> None:
         """Take jobs off the queue, oldest first, as long as they are ready; wait for those that are not done."""
         while self._jobs and ready(self._jobs[0][0].done()):
-            future, size = self._jobs.popleft()
-            self._backlog -= size
+            future, _ = self._jobs.popleft()
             future.result()
 
     def _do(self, job: Callable[[], object]) -> None:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import threading
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Final
 
 from mcap.records import Chunk
 
+from lie_rigid_body.recording.records import ContradictionError, ExcessError, UnknownCompressionError, require
+
 LARGEST_CHUNK: Final = 256 * 1024 * 1024
 """Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
-
 _MOST_RECORDS: Final = 65_536
-
-_OF_THREAD: Final = threading.local()
-"""Decompressor of zstd of each thread: to make one for each chunk takes as long as to inflate a tenth of it."""
-
+_PIECE: Final = 65_536
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of a frame of zstd, and so of whatever it compressed."""
 COMPRESSED_ONE_BY_ONE: Final = (
@@ -28,7 +26,7 @@ _RUN_OF_ONE_BYTE: Final = 1
 """Number of the kind of a zstd block that holds one byte, and in its head how often that comes."""
 
 
-class NotOneFrameError(ValueError):
+class NotOneFrameError(ContradictionError):
     """The compressed bytes of a chunk that are more than one frame: readers differ in what they make of them."""
 
 
@@ -48,27 +46,40 @@ def inflated(chunk: Chunk) -> bytes:
 
     Raises
     ------
-    ValueError
-        If the declared size is not what comes out, or if the checksum differs.
+    ContradictionError
+        If the declared size is not what comes out, if the checksum differs, or if the chunk is too large or compressed
+        in an unknown way.
     """
     data = inflated_unverified(chunk)
     crc = chunk.uncompressed_crc and zlib.crc32(data)
-    if crc != chunk.uncompressed_crc:
-        raise ValueError(f"the crc of a chunk is {crc:08x}, not {chunk.uncompressed_crc:08x}")
+    require(crc == chunk.uncompressed_crc, f"the crc of a chunk is {crc:08x}, not {chunk.uncompressed_crc:08x}")
     return data
 
 
 def inflated_unverified(chunk: Chunk) -> bytes:
-    """The records of a chunk whose checksum was compared before."""
-    size = chunk.uncompressed_size
-    data, frame = _INFLATE[chunk.compression](chunk.data, size)
+    """The records of a chunk whose checksum was compared before; see `inflated`."""
+    data, frame = _inflate(chunk, chunk.uncompressed_size + 1)
     if frame < len(chunk.data):
         raise NotOneFrameError(_of_frames(chunk.compression, chunk.data, frame))
-    if len(data) != size:
-        raise ValueError(f"a chunk does not inflate to the {size} bytes that it declares")
-    if frame > len(chunk.data):
-        raise ValueError(f"the {chunk.compression} frame of a chunk has no end")
+    size = chunk.uncompressed_size
+    require(len(data) == size, f"a chunk does not inflate to the {size} bytes that it declares")
+    require(frame == len(chunk.data), f"the {chunk.compression} frame of a chunk has no end")
     return data
+
+
+def salvaged(chunk: Chunk) -> bytes:
+    """As much of the records of a chunk as can be inflated, of all of its frames."""
+    data, _ = _inflate(chunk, chunk.uncompressed_size)
+    return data
+
+
+def _inflate(chunk: Chunk, most: int) -> tuple[bytes, int]:
+    """At most so many bytes of a chunk, and the size of its first compressed frame."""
+    if chunk.compression not in _INFLATE:
+        raise UnknownCompressionError(f"{chunk.compression!r}")
+    if chunk.uncompressed_size > LARGEST_CHUNK:
+        raise ExcessError(f"a chunk of {chunk.uncompressed_size} bytes")
+    return _INFLATE[chunk.compression](chunk.data, most)
 
 
 def _of_frames(compression: str, data: bytes, first: int) -> str:
@@ -80,15 +91,26 @@ def _of_frames(compression: str, data: bytes, first: int) -> str:
     return f"a chunk has {len(data) - first} bytes behind its frame of {compression}"
 
 
-def _from_zstd(data: bytes, size: int) -> tuple[bytes, int]:
+def _from_zstd(data: bytes, most: int) -> tuple[bytes, int]:
     """Inflate zstd; zstandard's own ``decompress`` would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
-    if not (frame := _zstd_frame_size(data)):
-        return b"", 0
-    if not hasattr(_OF_THREAD, "decompressor"):
-        _OF_THREAD.decompressor = zstandard.ZstdDecompressor()
-    return _OF_THREAD.decompressor.stream_reader(data).read(size + 1), frame
+    try:
+        content = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True).read(most)
+    except zstandard.ZstdError:
+        content = b"".join(_zstd_pieces(data, most))
+    return content, _zstd_frame_size(data)
+
+
+def _zstd_pieces(data: bytes, most: int) -> Iterator[bytes]:
+    """Inflate what comes before damage, at most so many bytes."""
+    import zstandard
+
+    reader = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
+    with suppress(zstandard.ZstdError):
+        while most > 0 and (piece := reader.read(min(most, _PIECE))):
+            most -= len(piece)
+            yield piece
 
 
 def _zstd_frame_size(data: bytes) -> int:
@@ -109,24 +131,26 @@ def _zstd_frame_size(data: bytes) -> int:
     return end + (4 if has_checksum else 0) if is_last else len(data) + 1
 
 
-def _from_lz4(data: bytes, size: int) -> tuple[bytes, int]:
+def _from_lz4(data: bytes, most: int) -> tuple[bytes, int]:
     from lz4.frame import LZ4FrameDecompressor
 
-    if not data.startswith(_LZ4_MAGIC):
-        return b"", 0
-    decompressor = LZ4FrameDecompressor()
-    content: bytes = decompressor.decompress(data, max_length=size + 1)
-    # it has not come to the end of what is too long, either
-    return content, len(data) - len(decompressor.unused_data or b"") + (not decompressor.eof)
+    content, rest, frames = b"", data, list[int]()
+    with suppress(RuntimeError):  # what came before is whole
+        while rest and len(content) < most:
+            decompressor = LZ4FrameDecompressor()
+            content += decompressor.decompress(rest, max_length=most - len(content))
+            rest = decompressor.unused_data or b""
+            # it has not come to the end of what is too long, either
+            frames.append(len(data) - len(rest) + (not decompressor.eof))
+    frames.append(len(data) + 1)
+    return content, frames[0] if data.startswith(_LZ4_MAGIC) else 0
 
 
 _INFLATE: Final[dict[str, Callable[[bytes, int], tuple[bytes, int]]]] = {
-    "": lambda data, size: (data, len(data)),
+    "": lambda data, most: (data[:most], len(data)),
     "zstd": _from_zstd,
     "lz4": _from_lz4,
 }
 """Functions that inflate, by the name of the compression.
 
-Each is given bytes and a size; it returns at most one byte more than so many, and the size of the compressed frame."""
-COMPRESSIONS: Final = tuple(_INFLATE)
-"""Names of the compressions that are read."""
+Each is given bytes and a size; it returns at most so many, and the size of the first compressed frame."""

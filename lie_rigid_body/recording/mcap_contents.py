@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Container, Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import BinaryIO, Final, Protocol, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Integers, windows
-from lie_rigid_body.bounded_input import open_file
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.wording import short_repr
 
 TrackKey: TypeAlias = tuple[str, str]
@@ -23,9 +18,6 @@ Wanted: TypeAlias = Callable[[str, str], bool]
 Progress: TypeAlias = Callable[[int], object]
 """Takes notice of how many bytes more were read."""
 
-_KEPT_AT_LEAST: Final = 64 * 2**20
-_KEPT_PER_BYTE: Final = 200
-"""Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 _PER_MESSAGE: Final = 100
 """Memory that a message takes beside its content, about, bytes."""
 
@@ -188,39 +180,16 @@ class McapContents:
         """Messages on all topics."""
         return sum(track.count for track in self.tracks.values())
 
+    def keep(self, found: Found) -> int:
+        """Keep messages in their tracks; return about how many bytes of memory they take."""
+        for key, messages in found.items():
+            self.tracks[key].pieces.append(messages)
+        return sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
+
     def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
         """Read the messages of some tracks again, part by part; see `Outline.read`."""
         for outline in self.outlines:
             yield from outline.read(keys, progress)
-
-
-class KeptMessages:
-    """Messages of a file that are kept in its tracks, as many as it allows for.
-
-    Parameters
-    ----------
-    path : Path
-    contents : McapContents
-    """
-
-    def __init__(self, path: Path, contents: McapContents) -> None:
-        self._path, self._tracks, self.size = path, contents.tracks, 0
-        self._most = max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * path.stat().st_size)
-
-    def keep(self, found: Found) -> None:
-        """Keep messages.
-
-        Raises
-        ------
-        BagError
-            If they are more than such a file may have.
-        """
-        for key, messages in found.items():
-            self._tracks[key].pieces.append(messages)
-            self.size += len(messages.data) + len(messages) * _PER_MESSAGE
-        if self.size > self._most:
-            what = f"messages of {self.size} bytes in a file of {self._path.stat().st_size}"
-            raise BagError(f"{self._path} has {what}, more than is read: record it again")
 
 
 def of_types(types: Container[str]) -> Wanted:
@@ -231,27 +200,3 @@ def of_types(types: Container[str]) -> Wanted:
 def nothing(topic: str, message_type: str) -> bool:
     """Want no messages: they are counted."""
     return False
-
-
-def state_of(stream: BinaryIO) -> tuple[int, ...]:
-    """Identity of an open file, and what changes when it is written to."""
-    status = os.fstat(stream.fileno())
-    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
-
-
-def opened(path: Path) -> BinaryIO:
-    """Open a bag's file to be read.
-
-    Raises
-    ------
-    BagError
-        If it cannot be.
-    """
-    try:
-        return open_file(path)
-    except InputError as error:
-        raise BagError(str(error)) from None
-    except FileNotFoundError:
-        raise BagError(f"{path} does not exist: give the path of an MCAP file") from None
-    except (OSError, ValueError) as error:
-        raise BagError(f"{path} cannot be read: {reason(error)}: give another file") from None

@@ -1,102 +1,212 @@
-"""Writing an MCAP file chunk by chunk: its header, indexes, checksums, statistics and summary."""
+"""Writing an MCAP file: messages laid out as arrays, many at once, in chunks, with their indexes and a summary."""
 
 from __future__ import annotations
 
 import struct
 import zlib
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, BinaryIO, Final
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import BinaryIO, Final
 
+import numpy as np
 import zstandard
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
-    AttachmentIndex,
     Channel,
     Chunk,
-    ChunkIndex,
     DataEnd,
     Footer,
     Header,
+    McapRecord,
     Metadata,
-    MetadataIndex,
     Schema,
-    Statistics,
     SummaryOffset,
 )
+from numpy.typing import NDArray
 
-from lie_rigid_body.recording.chunk import MAGIC, OPCODE_AND_LENGTH, RawChunk, Rows, record_bytes
-from lie_rigid_body.recording.indexes import attachment_index, chunk_index
+from lie_rigid_body.arrays import Integers
+from lie_rigid_body.messages.batch import Messages
+from lie_rigid_body.messages.template import Template
+from lie_rigid_body.recording.message_table import HEAD, MessageTable
+from lie_rigid_body.recording.records import MAGIC, RECORD_HEAD, record_bytes
+from lie_rigid_body.recording.summary import Summary
 
-if TYPE_CHECKING:
-    from _typeshed import ReadableBuffer
-
+_CHANNEL: Final = 9
+"""Byte of a message record where the channel begins; the sequence number and the two times follow it."""
 _MESSAGE_INDEX: Final = struct.Struct("<BQHI")
 _LENGTH: Final = struct.Struct("<Q")
 _FOOTER: Final = struct.Struct("<BQQQ")
-
-
 ZSTD_LEVEL: Final = -1
 """Level of zstd; level 3 of the `mcap` library's writer takes nearly twice as long, and makes a bag 3 % smaller."""
 
 
-Compress = Callable[[Any], bytes]
+def laid_out(
+    topics: Sequence[Messages], channels: Mapping[str, int], counts: Mapping[str, int]
+) -> tuple[NDArray[np.uint8], Integers, dict[str, int]]:
+    """The records of the messages of several topics in the order of their times, each logged and published at its own.
+
+    Where times are equal they come in the order of the topics.
+
+    Parameters
+    ----------
+    topics : sequence of Messages
+    channels, counts : mapping of str to int
+        Channel of each topic, and how many messages it has had before.
+
+    Returns
+    -------
+    data : ndarray of uint8
+    bounds : ndarray of int64, shape (N + 1,)
+        Where in the data each begins, and the last ends.
+    first : dict of str to int
+        Number of the first message of each topic.
+    """
+    lengths = [len(messages.payloads) for messages in topics]
+    sizes = [HEAD.itemsize + messages.payloads.template.size for messages in topics]
+    order = np.argsort(np.concatenate([messages.times_ns for messages in topics]), kind="stable")
+    bounds = np.zeros(len(order) + 1, dtype=np.int64)
+    np.cumsum(np.repeat(sizes, lengths)[order], out=bounds[1:])
+    places = np.empty_like(order)
+    places[order] = bounds[:-1]
+    data = np.empty(bounds[-1], dtype=np.uint8)
+    first, begin = dict[str, int](), 0
+    for messages, count in zip(topics, lengths, strict=True):
+        channel, own = channels[messages.topic], places[begin : begin + count]
+        template = _record(channel, messages.payloads.template)
+        template.put(data, own, _record_words(channel, counts[messages.topic], messages))
+        first[messages.topic] = int(np.searchsorted(bounds, own.min()))
+        begin += count
+    return data, bounds, first
 
 
-def compressor(compression: str) -> Compress:
-    """A function that compresses chunks, for one thread.
+@lru_cache(maxsize=64)
+def _record(channel: int, payload: Template) -> Template:
+    """The records of a topic's messages."""
+    size = HEAD.itemsize + payload.size
+    head = np.array((Opcode.MESSAGE, size - RECORD_HEAD.size, channel, 0, 0, 0), dtype=HEAD)
+    return payload.behind(head.tobytes(), [(_CHANNEL - 2, 3)])
+
+
+def _record_words(channel: int, first: int, messages: Messages) -> Integers:
+    """The words of the records of messages with the numbers from ``first`` on."""
+    payload = messages.payloads.words
+    words = np.empty((len(payload), 3 + payload.shape[1]), dtype="<i8")
+    # two bytes of the length, which are 0, the channel, and the sequence number, which goes on with 0 behind the last
+    words[:, 0] = np.arange(first, first + len(words)) << 32 | channel << 16
+    words[:, 1] = words[:, 2] = messages.times_ns
+    words[:, 3:] = payload
+    return words
+
+
+@dataclass(frozen=True)
+class RawChunk:
+    """A chunk before it is compressed.
+
+    Parameters
+    ----------
+    pieces : list of bytes or ndarray of uint8
+        Its data.
+    starts : list of ndarray of int64
+        Where its messages begin.
+    """
+
+    pieces: list[bytes | NDArray[np.uint8]]
+    starts: list[Integers]
+
+    @cached_property
+    def table(self) -> MessageTable:
+        """Its messages, which are laid out here."""
+        return MessageTable(b"".join(self.pieces), np.concatenate(self.starts))
+
+    def __len__(self) -> int:
+        return sum(map(len, self.pieces))
+
+
+class ChunkBuilder:
+    """Records on their way into chunks. A chunk ends with the record that makes it longer than its size.
+
+    Parameters
+    ----------
+    size : int
+        Bytes.
+    full : callable
+        Takes each `RawChunk`.
+    """
+
+    def __init__(self, size: int, full: Callable[[RawChunk], object]) -> None:
+        self._chunk_size, self._full = size, full
+        self._begin()
+
+    def _begin(self) -> None:
+        self._chunk, self._size = RawChunk([], []), 0
+
+    def add(self, record: McapRecord) -> None:
+        """Add a schema or a channel."""
+        self._append(record_bytes(record))
+
+    def add_messages(self, data: NDArray[np.uint8], bounds: Integers) -> None:
+        """Add messages that begin, and the last of which ends, at some bytes of the data."""
+        begin, count = 0, len(bounds) - 1
+        while begin < count:
+            # the first that ends beyond the size is the last of the chunk
+            room = self._chunk_size - self._size
+            end = int(np.searchsorted(bounds, bounds[begin] + room, side="right"))
+            end = min(max(end, begin + 1), count)
+            self._chunk.starts.append(bounds[begin:end] + (self._size - bounds[begin]))
+            self._append(data[bounds[begin] : bounds[end]])
+            begin = end
+
+    def _append(self, data: bytes | NDArray[np.uint8]) -> None:
+        self._chunk.pieces.append(data)
+        self._size += len(data)
+        if self._size > self._chunk_size:
+            self.finish()
+
+    def so_far(self) -> RawChunk | None:
+        """The present chunk as far as it is; None without messages."""
+        return RawChunk([*self._chunk.pieces], [*self._chunk.starts]) if self._chunk.starts else None
+
+    def finish(self) -> None:
+        """End the present chunk, if it has messages."""
+        if chunk := self.so_far():
+            self._begin()
+            self._full(chunk)
+
+
+def compressor(compression: str) -> Callable[[MessageTable], Chunk]:
+    """A function that makes chunks of records with one message at least, for one thread.
 
     Parameters
     ----------
     compression : str
         ``zstd``, ``lz4``, or nothing, as MCAP names them.
     """
+    compress: Callable[[bytes], bytes] = bytes
     if compression == "zstd":
-        return zstandard.ZstdCompressor(ZSTD_LEVEL).compress
-    if compression == "lz4":
-        from lz4.frame import compress
+        compress = zstandard.ZstdCompressor(ZSTD_LEVEL).compress
+    elif compression == "lz4":
+        import lz4.frame
 
-        function: Compress = compress
-        return function
-    return bytes
+        compress = lz4.frame.compress
 
+    def compressed(table: MessageTable) -> Chunk:
+        first_ns, last_ns = table.span_ns
+        return Chunk(
+            compression=compression,
+            data=compress(table.data),
+            message_start_time=first_ns,
+            message_end_time=last_ns,
+            uncompressed_crc=zlib.crc32(table.data),
+            uncompressed_size=len(table.data),
+        )
 
-def compressed(raw: RawChunk, compression: str, compress: Compress) -> Chunk:
-    """A chunk as it is written.
-
-    Parameters
-    ----------
-    raw : RawChunk
-    compression : str
-    compress : callable
-        The `compressor` of that name.
-    """
-    first_ns, last_ns = raw.log_times_ns()
-    return Chunk(
-        compression=compression,
-        data=compress(raw.data),
-        message_start_time=first_ns,
-        message_end_time=last_ns,
-        uncompressed_crc=zlib.crc32(raw.data),
-        uncompressed_size=len(raw.data),
-    )
-
-
-def _head_of(chunk: Chunk) -> bytes:
-    """The record of a chunk up to its data, which are not copied."""
-    head = bytearray(record_bytes(replace(chunk, data=b"")))
-    size = len(chunk.data)
-    _LENGTH.pack_into(head, 1, len(head) - OPCODE_AND_LENGTH + size)
-    _LENGTH.pack_into(head, len(head) - _LENGTH.size, size)
-    return bytes(head)
+    return compressed
 
 
 class McapFile:
     """An MCAP file that grows by chunks.
-
-    Its schemas and channels may be records in chunks: whoever makes those adds them to the attributes.
 
     Parameters
     ----------
@@ -105,115 +215,50 @@ class McapFile:
 
     Attributes
     ----------
-    schemas : dict of int to Schema
-    channels : dict of int to Channel
-        For the summary.
-    message_count : int
+    summary : Summary
+        Its schemas and channels may be records in chunks: whoever makes those adds them there.
     """
 
     def __init__(self, stream: BinaryIO, header: Header) -> None:
-        self.schemas: dict[int, Schema] = {}
-        self.channels: dict[int, Channel] = {}
+        self.summary = Summary()
         self._stream = stream
-        self._position = 0
-        self._crc = 0
-        self._times: tuple[int, int] | None = None
-        self._counts: dict[int, int] = defaultdict(int)
-        # as bytes: those of a day's chunks take a few megabytes
-        self._indexes = {kind: bytearray() for kind in (ChunkIndex, AttachmentIndex, MetadataIndex)}
-        self._index_counts = dict.fromkeys(self._indexes, 0)
-        self._write(MAGIC)
-        self._write(record_bytes(header))
-
-    @property
-    def message_count(self) -> int:
-        """Number of messages that were written."""
-        return sum(self._counts.values())
-
-    @property
-    def log_times_ns(self) -> tuple[int, int] | None:
-        """The earliest and the latest log time, ns; None without messages."""
-        return self._times
+        self._position = self._crc = 0
+        self._write(MAGIC + record_bytes(header))
 
     def _write(self, data: bytes) -> None:
         self._crc = zlib.crc32(data, self._crc)
         self._stream.write(data)
         self._position += len(data)
 
-    def add_chunk(self, chunk: Chunk, messages: Mapping[int, Rows]) -> None:
-        """Write a chunk and the indexes of its messages.
-
-        Parameters
-        ----------
-        chunk : Chunk
-        messages : mapping of int to ndarray
-            See `RawChunk.indexes`.
-        """
-        head = _head_of(chunk)
-        start, length = self._position, len(head) + len(chunk.data)
-        offsets, end = dict[int, int](), start + length
-        parts: list[ReadableBuffer] = [head, chunk.data]
-        for channel, entries in messages.items():
-            offsets[channel] = end
-            self._counts[channel] += len(entries)
-            size = entries.nbytes
-            parts += _MESSAGE_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size), entries
+    def add_chunk(self, chunk: Chunk, table: MessageTable) -> None:
+        """Write a chunk and the indexes of the messages in it."""
+        head, length = bytearray(record_bytes(replace(chunk, data=b""))), len(chunk.data)
+        _LENGTH.pack_into(head, 1, len(head) - RECORD_HEAD.size + length)
+        _LENGTH.pack_into(head, len(head) - _LENGTH.size, length)
+        parts, indexes = [bytes(head), chunk.data], dict[int, int]()
+        behind = end = self._position + len(head) + length
+        for channel, rows in table.index.items():
+            indexes[channel], size = end, rows.nbytes
+            parts += _MESSAGE_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size), rows.tobytes()
             end += _MESSAGE_INDEX.size + size
+        self.summary.add_messages(table)
+        self.summary.add_chunk(chunk, self._position, indexes, behind, end)
         self._write(b"".join(parts))
-        self._note_times(chunk)
-        self._note(chunk_index(chunk, start, length, offsets, end - start - length))
-
-    def _note_times(self, chunk: Chunk) -> None:
-        first, last = self._times or (chunk.message_start_time, chunk.message_end_time)
-        self._times = min(first, chunk.message_start_time), max(last, chunk.message_end_time)
-
-    def _note(self, index: ChunkIndex | AttachmentIndex | MetadataIndex) -> None:
-        self._indexes[type(index)] += record_bytes(index)
-        self._index_counts[type(index)] += 1
 
     def add(self, record: Schema | Channel | Metadata | Attachment) -> None:
         """Write a record outside of chunks."""
         data = record_bytes(record)
-        if isinstance(record, Schema):
-            self.schemas[record.id] = record
-        elif isinstance(record, Channel):
-            self.channels[record.id] = record
-        elif isinstance(record, Metadata):
-            self._note(MetadataIndex(offset=self._position, length=len(data), name=record.name))
-        else:
-            self._note(attachment_index(record, self._position, len(data)))
+        self.summary.add(record, self._position, len(data))
         self._write(data)
 
     def finish(self) -> None:
         """Write the summary. The stream stays open."""
         self._write(record_bytes(DataEnd(self._crc)))
-        start, groups, offsets = self._position, bytearray(), b""
-        for opcode, group in self._groups():
+        start, groups, offsets = self._position, b"", b""
+        for opcode, records in self.summary.groups().items():
+            group = record_bytes(*records)
             offsets += record_bytes(SummaryOffset(opcode, start + len(groups), len(group)))
             groups += group
         end = start + len(groups)
-        summary = bytes(groups) + offsets
-        crc = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, start, end), zlib.crc32(summary))
-        self._write(summary + record_bytes(Footer(start, end, crc)) + MAGIC)
-
-    def _groups(self) -> Iterable[tuple[Opcode, bytes | bytearray]]:
-        yield Opcode.SCHEMA, record_bytes(*self.schemas.values())
-        yield Opcode.CHANNEL, record_bytes(*self.channels.values())
-        yield Opcode.STATISTICS, record_bytes(self._statistics())
-        yield Opcode.CHUNK_INDEX, self._indexes[ChunkIndex]
-        yield Opcode.ATTACHMENT_INDEX, self._indexes[AttachmentIndex]
-        yield Opcode.METADATA_INDEX, self._indexes[MetadataIndex]
-
-    def _statistics(self) -> Statistics:
-        first, last = self._times or (0, 0)
-        return Statistics(
-            attachment_count=self._index_counts[AttachmentIndex],
-            channel_count=len(self.channels),
-            channel_message_counts=self._counts,
-            chunk_count=self._index_counts[ChunkIndex],
-            message_count=self.message_count,
-            message_start_time=first,
-            message_end_time=last,
-            metadata_count=self._index_counts[MetadataIndex],
-            schema_count=len(self.schemas),
-        )
+        crc = zlib.crc32(_FOOTER.pack(Opcode.FOOTER, 20, start, end), zlib.crc32(groups + offsets))
+        self._write(groups + offsets + record_bytes(Footer(start, end, crc)) + MAGIC)

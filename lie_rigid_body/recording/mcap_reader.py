@@ -5,33 +5,19 @@ The `mcap` library's own reader takes the end of a file for the end of a record;
 
 from __future__ import annotations
 
+import struct
 import zlib
-from array import array
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Final
 
 import numpy as np
 from mcap.opcode import Opcode
-from mcap.records import (
-    Attachment,
-    AttachmentIndex,
-    Channel,
-    ChunkIndex,
-    Footer,
-    Header,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-    SummaryOffset,
-)
+from mcap.records import Chunk, Footer, Header, McapRecord, Metadata, Schema
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.chunk import HEAD, MAGIC
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, inflated_unverified, most_records
-from lie_rigid_body.recording.inventory import Inventory, require_in_chunk
+from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, inflated, inflated_unverified, most_records
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
     Found,
@@ -41,39 +27,40 @@ from lie_rigid_body.recording.mcap_contents import (
     RawTrack,
     TrackKey,
     Wanted,
-    opened,
-    state_of,
 )
-from lie_rigid_body.recording.mcap_part import McapPart, UnknownCompressionError
-from lie_rigid_body.recording.message_table import (
+from lie_rigid_body.recording.message_table import HEAD, NO_HINTS, MessageTable, Rows, find_messages
+from lie_rigid_body.recording.output_file import RESCUE
+from lie_rigid_body.recording.records import (
+    MAGIC,
     RECORD_HEAD,
     ContradictionError,
     ExcessError,
-    MessageTable,
+    FileBytes,
+    Place,
     parsed,
+    records,
     require,
 )
-from lie_rigid_body.recording.output_file import reason, rescue
+from lie_rigid_body.recording.summary import Summary, SummaryCheck
 from lie_rigid_body.wording import counted
 
-_MOST_LOOSE_BYTES: Final = 2**20
-"""Number of bytes of messages outside of chunks that are taken together."""
-_PARSERS: Final[dict[int, Callable[..., Any]]] = {
-    Opcode.HEADER: Header.read,
-    Opcode.FOOTER: Footer.read,
-    Opcode.SCHEMA: Schema.read,
-    Opcode.CHANNEL: Channel.read,
-    Opcode.METADATA: Metadata.read,
-    Opcode.ATTACHMENT: Attachment.read,
-    Opcode.STATISTICS: Statistics.read,
-    Opcode.CHUNK_INDEX: ChunkIndex.read,
-    Opcode.ATTACHMENT_INDEX: AttachmentIndex.read,
-    Opcode.METADATA_INDEX: MetadataIndex.read,
-    Opcode.SUMMARY_OFFSET: SummaryOffset.read,
-}
-_PROFILES: Final = ("ros2", "")
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
+_TOGETHER: Final[Mapping[tuple[int, int], int]] = {
+    (Opcode.CHUNK, Opcode.MESSAGE_INDEX): 2 * LARGEST_RECORD,
+    (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
+}
+"""Bytes from a record on within which those of some kind that follow it are taken together with it."""
+_CHECKSUMS: Final[Mapping[int, tuple[int, int, str]]] = {
+    Opcode.DATA_END: (0, RECORD_HEAD.size, "data section"),
+    Opcode.FOOTER: (RECORD_HEAD.size + 16, RECORD_HEAD.size + 16, "summary"),
+}
+"""Records with a checksum: how many of their own bytes are under it, where it stands, and of what it is."""
+_INDEX_HEAD: Final = struct.Struct("<HI")
+"""Channel of a message index, and bytes of its rows."""
+_NO_ROWS: Final = np.empty((0, 2), dtype="<u8")
+_NO_SCHEMA: Final = Schema(data=b"", encoding="", id=0, name="")
+_PROFILES: Final = ("ros2", "")
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
@@ -90,43 +77,35 @@ class McapOutline:
     path : Path
     state : tuple of int
         Which file it was, and what it would not be any more if it changed.
-    parts : array of int
-        Bytes where each part with messages begins and ends, by turns.
+    parts : list of (int, int, tuple of TrackKey)
+        Bytes where each part with messages begins and ends, and of which tracks they are.
     channels : dict of TrackKey to list of int
-    parts_of : dict of TrackKey to array of int
-        Numbers of the parts that have messages of a track.
     """
 
     path: Path
     state: tuple[int, ...]
-    parts: array[int]
-    channels: dict[TrackKey, list[int]]
-    parts_of: dict[TrackKey, array[int]]
+    parts: list[tuple[int, int, tuple[TrackKey, ...]]] = field(default_factory=list)
+    channels: dict[TrackKey, list[int]] = field(default_factory=dict)
 
     def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
         """Read the messages of some tracks, part by part; see `Outline.read`."""
-        numbers = sorted({number for key in keys for number in self.parts_of.get(key, ())})
-        channels = {key: self.channels[key] for key in keys if key in self.channels}
-        with opened(self.path) as stream:
+        with FileBytes(self.path) as file:
             try:
-                self._require_same(stream)
+                require(file.state() == self.state, "it is another file")
                 before = 0
-                for number in numbers:
-                    begin, end = self.parts[2 * number : 2 * number + 2]
-                    stream.seek(begin)
-                    table, _ = McapPart.of(stream.read(end - begin), inflated_unverified).messages(LARGEST_CHUNK)
-                    yield _by_track(table, channels)
-                    progress(end - before)
-                    before = end
-                self._require_same(stream)
-            except OSError as error:
-                raise _unreadable(self.path, error) from None
+                for begin, end, there in self.parts:
+                    channels = {key: self.channels[key] for key in there if key in keys}
+                    if channels:
+                        *_, table = _messages_of(file[begin:end], LARGEST_CHUNK, inflated_unverified)
+                        yield _by_track(table, channels)
+                        progress(end - before)
+                        before = end
+                require(file.state() == self.state, "it is another file")
+            except BagError:
+                raise
             except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
                 what = f"{self.path} changed while it was read: try again when nobody writes it"
                 raise BagError(what) from error
-
-    def _require_same(self, stream: BinaryIO) -> None:
-        require(state_of(stream) == self.state, "it is another file")
 
 
 def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
@@ -152,243 +131,231 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
-    with opened(path) as stream:
+    with FileBytes(path) as file:
+        reader = _FileReader(file, contents, wanted)
         try:
-            yield from _FileReader(path, stream, contents, wanted).read()
-        except OSError as error:
-            raise _unreadable(path, error) from None
+            yield from reader.read()
+        except (BagError, ModuleNotFoundError):
+            raise
+        except Exception as error:  # the library's parsers fail in many ways on damaged bytes
+            raise BagError(f"{path} {_told(error, reader.at)}") from None
 
 
-def _unreadable(path: Path, error: OSError) -> BagError:
-    return BagError(f"{path} cannot be read: {reason(error)}: copy it to a better place")
+def _told(error: Exception, at: int) -> str:
+    """Words for an error. No variable of a frame that it keeps may keep it, as both would stay, with all their data."""
+    if isinstance(error, ContradictionError):
+        return error.sentence.format(at=at, what=error)
+    what = f"{type(error).__name__}: {error}".removesuffix(": ")
+    return ContradictionError.sentence.format(at=at, what=what)
 
 
-class _Named:
-    """Context whose errors name the file and the byte where a record begins.
-
-    It is no generator: one that raises another error than it was given keeps that, and its frames, in a circle.
+def _messages_of(
+    raw: bytes, most: int, inflate: Callable[[Chunk], bytes] = inflated
+) -> tuple[Chunk | None, list[Place], MessageTable]:
+    """Chunk, if it is one, indexes behind it, and messages of a part of a file.
 
     Parameters
     ----------
-    path : Path
-    position : int
+    raw : bytes
+        A chunk with the indexes behind it, or messages that stand in no chunk.
+    most : int
+        Largest number of records.
+    inflate : callable, optional
+        Gives the records of a chunk.
     """
-
-    def __init__(self, path: Path, position: int) -> None:
-        self._path, self._position = path, position
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
-        if isinstance(error, Exception) and not isinstance(error, BagError | ModuleNotFoundError | OSError):
-            raise BagError(f"{self._path} {self._what(error)}") from None
-
-    def _what(self, error: Exception) -> str:
-        """Words for an error; the library's parsers fail in many ways on damaged bytes."""
-        if isinstance(error, UnknownCompressionError):
-            return f"is compressed with {error}, which is unknown here: rewrite it with 'mcap compress'"
-        if isinstance(error, ExcessError):
-            return f"has at byte {self._position} {error}, more than is read: record it again"
-        is_told = isinstance(error, ContradictionError)
-        what = str(error) if is_told else ": ".join(filter(None, (type(error).__name__, str(error))))
-        return f"is damaged at byte {self._position}: {what}: restore a copy, or record again"
+    if raw[0] != Opcode.CHUNK:
+        return None, [], find_messages(raw, NO_HINTS, most)
+    first, *indexes = records(raw)
+    chunk: Chunk = parsed(Opcode.CHUNK, raw[first.begin : first.end])
+    rows = (raw[place.begin + _INDEX_HEAD.size : place.end] for place in indexes)
+    hints = (np.frombuffer(row[: len(row) // 16 * 16], "<i8")[1::2] for row in rows)
+    table = find_messages(inflate(chunk), np.concatenate([NO_HINTS, *hints]), most)
+    end = len(table.data)
+    require(end == chunk.uncompressed_size, f"no record that ends in its chunk stands at byte {end} of it")
+    return chunk, indexes, table
 
 
 class _FileReader:
-    """One file, read from its start to its end."""
+    """One file, read from its start to its end.
 
-    def __init__(self, path: Path, stream: BinaryIO, contents: McapContents, wanted: Wanted) -> None:
-        self._path, self._stream, self._contents, self._wanted = path, stream, contents, wanted
-        self._size = stream.seek(0, 2)
-        self._records_left = most_records(self._size)
-        self._schemas: dict[int, Schema] = {0: Schema(data=b"", encoding="", id=0, name="")}
-        self._channels: dict[int, TrackKey] = {}
-        self._outline = McapOutline(path, state_of(stream), array("q"), {}, {})
-        self._inventory = Inventory()
-        self._part: list[bytes] = []  # heads and contents of its records, if one has begun
-        self._part_begin = 0
-        self._before = contents.message_count
-        self._crc = 0  # of the data section, then of the summary
-        self._data_crc = 0
+    Attributes
+    ----------
+    at : int
+        Byte where the record begins that is looked at.
+    """
+
+    def __init__(self, file: FileBytes, contents: McapContents, wanted: Wanted) -> None:
+        self._file, self._contents, self._wanted = file, contents, wanted
+        self._records_left = most_records(len(self._file))
+        self._keys: dict[int, TrackKey] = {}
+        self._outline = McapOutline(file.path, file.state())
+        self._summary = Summary()
+        self._check = SummaryCheck(self._summary)
+        self._crc = zlib.crc32(MAGIC)  # of the data section, then of the summary
         self._bare_chunks = 0
-        self._position = 0
+        self.at, self._end = 0, len(MAGIC)
 
     def read(self) -> Iterator[tuple[int, Found]]:
         """Read all records; see `read_file`."""
         self._require_magic()
         opcode = 0
-        while opcode != Opcode.FOOTER:
-            opcode, head, content = self._record()
-            if self._part and not self._goes_on(opcode):
-                yield self._position, self._end_part()
-            with self._named(self._position):
-                self._verify_section(opcode, head, content)
-                self._inventory.record(opcode, self._position, len(content))
-                if opcode in (Opcode.CHUNK, Opcode.MESSAGE, Opcode.MESSAGE_INDEX):
-                    self._add_to_part(opcode, head, content)
-                else:
-                    self._take(opcode, content)
-            self._position += len(head) + len(content)
-        if self._stream.read() != MAGIC:
+        for opcode, begin, end in self._parts():
+            found = self._take(opcode, begin, self._file[begin:end])
+            if found is not None:
+                yield end, found
+        if opcode != Opcode.FOOTER or self._file[self._end : self._end + len(MAGIC) + 1] != MAGIC:
             raise self._cut_off()
 
     def _require_magic(self) -> None:
-        self._stream.seek(0)
-        start = self._stream.read(16)
+        start, path = self._file[:16], self._file.path
         if not start:
-            raise BagError(f"{self._path} is empty: record it again, it holds nothing to rescue")
+            raise BagError(f"{path} is empty: record it again, it holds nothing to rescue")
         if not start.startswith(MAGIC):
             hint = next((text for magic, text in _OTHER_FORMATS.items() if start.startswith(magic)), "")
-            raise BagError(f"{self._path} is not an MCAP file: {hint or f'it begins with {start[:8]!r}: give a bag'}")
-        self._position, self._crc = self._stream.seek(len(MAGIC)), zlib.crc32(MAGIC)
+            raise BagError(f"{path} is not an MCAP file: {hint or f'it begins with {start[:8]!r}: give a bag'}")
 
-    def _record(self) -> tuple[int, bytes, bytes]:
-        """Opcode, head and content of the next record."""
-        head = self._stream.read(RECORD_HEAD.size)
-        if len(head) < RECORD_HEAD.size:
-            raise self._cut_off()
-        opcode, length = RECORD_HEAD.unpack(head)
-        too_long = length > self._size - self._position - RECORD_HEAD.size
-        with self._named(self._position):
-            require(not too_long or not self._ends_well(), "a record is longer than the file")
-            if too_long or opcode == 0:
-                raise self._cut_off()
-            if length > LARGEST_RECORD:
-                raise ExcessError(f"a record of {length} bytes")
-        return opcode, head, self._stream.read(length)
+    def _parts(self) -> Iterator[tuple[int, int, int]]:
+        """Opcode of the first record of each part, and where the part begins and ends.
 
-    def _verify_section(self, opcode: int, head: bytes, content: bytes) -> None:
-        if opcode == Opcode.DATA_END:
-            self._compare(content, 0, "data section")
-            self._data_crc = int.from_bytes(content[:4], "little")
-            self._crc = 0
-        elif opcode == Opcode.FOOTER:
-            self._crc = zlib.crc32(content[:16], zlib.crc32(head, self._crc))
-            self._compare(content, 16, "summary")
-        else:
-            self._crc = zlib.crc32(content, zlib.crc32(head, self._crc))
+        A part is a chunk with the indexes behind it, or messages that stand in no chunk, or one other record.
+        """
+        part: list[Place] = []
+        for place in records(self._file, len(MAGIC)):
+            self.at, self._end = place.start, place.end
+            if place.end - place.begin > LARGEST_RECORD:
+                raise ExcessError(f"a record of {place.end - place.begin} bytes")
+            if part and place.end - part[0].start > _TOGETHER.get((part[0].opcode, place.opcode), 0):
+                yield part[0].opcode, part[0].start, part[-1].end
+                part = []
+            part.append(place)
+            if place.opcode == Opcode.FOOTER:
+                break
+        if part:
+            # behind a chunk that comes last in a file without a footer, indexes are cut off
+            last = part[0] if part[0].opcode == Opcode.CHUNK else part[-1]
+            yield part[0].opcode, part[0].start, last.end
 
-    def _compare(self, content: bytes, at: int, what: str) -> None:
-        declared = int.from_bytes(content[at : at + 4], "little")
-        require(declared in (0, self._crc), f"the checksum of its {what} is {self._crc:08x}, not {declared:08x}")
+    def _take(self, opcode: int, begin: int, raw: bytes) -> Found | None:
+        """Take a part; return the messages of it that are wanted, or None if it is no part with messages."""
+        self.at = begin
+        self._verify_section(opcode, raw)
+        self._check.place(opcode, begin, begin + len(raw))
+        if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
+            return self._take_messages(begin, raw)
+        self._take_record(opcode, raw[RECORD_HEAD.size :])
+        return None
 
-    def _take(self, opcode: int, content: bytes) -> None:
+    def _verify_section(self, opcode: int, raw: bytes) -> None:
+        """Compare the checksum of the section that ends here, if one does."""
+        if opcode not in _CHECKSUMS:
+            self._crc = zlib.crc32(raw, self._crc)
+            return
+        own, at, what = _CHECKSUMS[opcode]
+        found, declared = zlib.crc32(raw[:own], self._crc), int.from_bytes(raw[at : at + 4], "little")
+        require(declared in (0, found), f"the checksum of its {what} is {found:08x}, not {declared:08x}")
+        self._crc = 0
+        if opcode == Opcode.DATA_END and not declared:
+            self._contents.without_checksum += self._bare_chunks or not self._summary.chunks
+
+    def _take_record(self, opcode: int, content: bytes) -> None:
         """Take a record that is no part of one with messages; records of unknown kinds are left to others."""
-        take: dict[int, Callable[[Any, int], object]] = {
-            Opcode.HEADER: self._header,
-            Opcode.FOOTER: self._footer,
-            Opcode.SCHEMA: self._schema,
-            Opcode.CHANNEL: self._channel,
-            Opcode.METADATA: self._metadata,
-            Opcode.ATTACHMENT: self._attachment,
-        }
-        if opcode in _PARSERS:
-            take.get(opcode, self._inventory.summary)(parsed(_PARSERS[opcode], content), len(content))
+        record = parsed(opcode, content)
+        self._summary.add(record, self.at, RECORD_HEAD.size + len(content))
+        match record:
+            case Header():
+                is_known = record.profile in _PROFILES
+                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+                self._contents.library = self._contents.library or record.library
+            case Metadata():
+                self._contents.metadata[record.name] = record.metadata
+            case Footer():
+                self._check.finish(record)
+                self._finish()
+            case McapRecord():
+                self._check.said[opcode].append(record)
 
-    def _header(self, header: Header, length: int) -> None:
-        require(header.profile in _PROFILES, f"its profile is {header.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
-        self._contents.library = self._contents.library or header.library
+    def _finish(self) -> None:
+        """Take the account of the whole file into that of the bag."""
+        found, contents = self._summary, self._contents
+        for channel in found.channels:
+            self._outline.channels.setdefault(self._key(channel), []).append(channel)
+            contents.tracks[self._key(channel)].count += found.counts[channel]
+        contents.attachments += len(found.attachments)
+        contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
+        contents.outlines.append(self._outline)
 
-    def _schema(self, schema: Schema, length: int) -> None:
-        self._inventory.repeatable(schema)
-        self._schemas[schema.id] = schema
+    def _key(self, number: int) -> TrackKey:
+        """Track of a channel."""
+        if number not in self._keys:
+            channel = self._summary.channels[number]
+            schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
+            key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
+            track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
+            alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
+            require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
+            self._keys[number] = key
+        return self._keys[number]
 
-    def _channel(self, channel: Channel, length: int) -> None:
-        self._inventory.repeatable(channel)
-        schema = self._schemas[channel.schema_id]
-        key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
-        track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
-        alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
-        require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
-        self._channels[channel.id] = key
-
-    def _metadata(self, record: Metadata, length: int) -> None:
-        self._inventory.metadata(record, self._position, length)
-        self._contents.metadata[record.name] = record.metadata
-
-    def _attachment(self, record: Attachment, length: int) -> None:
-        self._inventory.attachment(record, self._position, length)
-        self._contents.attachments += 1
-
-    def _footer(self, footer: Footer, length: int) -> None:
-        self._inventory.finish(footer, self._position)
-        for number, key in self._channels.items():
-            self._outline.channels.setdefault(key, []).append(number)
-        self._contents.files.append(FileSpan(self._path.name, *self._inventory.span))
-        self._contents.outlines.append(self._outline)
-        if not self._data_crc:
-            self._contents.without_checksum += self._bare_chunks or not self._inventory.chunk_count
-
-    def _goes_on(self, opcode: int) -> bool:
-        """Whether a record of some kind continues the present part."""
-        if opcode == Opcode.MESSAGE:
-            is_small = self._position - self._part_begin <= _MOST_LOOSE_BYTES
-            return self._part[0][0] == Opcode.MESSAGE and is_small
-        return opcode == Opcode.MESSAGE_INDEX and self._part[0][0] == Opcode.CHUNK
-
-    def _add_to_part(self, opcode: int, *record: bytes) -> None:
-        require(bool(self._part) or opcode != Opcode.MESSAGE_INDEX, "a message index follows no chunk")
-        self._part_begin = self._part_begin if self._part else self._position
-        self._part += record
-        if self._position - self._part_begin > 2 * LARGEST_RECORD:
-            raise ExcessError("message indexes of more bytes")
-
-    def _end_part(self, *, is_whole: bool = True) -> Found:
-        """Take the present part; return the messages of it that are wanted."""
-        begin, raw, self._part = self._part_begin, b"".join(self._part), []
-        with self._named(begin):
-            part = McapPart.of(raw)
-            table, others = part.messages(self._records_left if part.chunk else len(raw))
-            for place in others:
-                require_in_chunk(place.opcode)
-                self._take(place.opcode, part.data[place.begin : place.end])
-            if part.chunk is not None:
-                self._records_left -= len(table.starts) + len(others)
-                self._bare_chunks += not part.chunk.uncompressed_crc
-                self._inventory.chunk(part.chunk, table, begin, part.size)
-        for place in part.indexes:
-            at = begin + place.begin - RECORD_HEAD.size
-            with self._named(at):
-                self._inventory.message_index(raw[place.begin : place.end], table, at)
-        with self._named(begin):
-            if part.indexes and is_whole:
-                self._inventory.require_indexes(table)
-            return self._count(table, begin, begin + len(raw))
-
-    def _count(self, table: MessageTable, begin: int, end: int) -> Found:
-        """Count the messages of a part that stands between two bytes; return those that are wanted."""
+    def _take_messages(self, begin: int, raw: bytes) -> Found:
+        """Take messages in a chunk or in none; return those that are wanted."""
+        most = self._records_left if raw[0] == Opcode.CHUNK else len(raw)
+        chunk, indexes, table = _messages_of(raw, most)
+        for place in table.others:
+            require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
         table.require_times()
-        self._inventory.messages(table)
+        self._summary.add_messages(table)
+        if chunk is not None:
+            self._take_chunk(chunk, begin, indexes, raw, table)
+        return self._wanted_of(table, begin, begin + len(raw))
+
+    def _take_chunk(self, chunk: Chunk, begin: int, places: list[Place], raw: bytes, table: MessageTable) -> None:
+        said = chunk.message_start_time, chunk.message_end_time
+        require(said == table.span_ns or not table.index, f"the times of a chunk are {table.span_ns}, not {said}")
+        self._records_left -= len(table.starts) + len(table.others)
+        self._bare_chunks += not chunk.uncompressed_crc
+        indexes = dict[int, int]()
+        for place in places:
+            self.at = begin + place.start
+            channel = _verified_index(raw[place.begin : place.end], table.index)
+            require(channel not in indexes, f"a chunk has two indexes of channel {channel}")
+            indexes[channel] = self.at
+        self.at = begin
+        missing = table.index.keys() - indexes.keys() if indexes else ()
+        require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
+        behind = begin + (places[0].start if places else len(raw))
+        self._summary.add_chunk(chunk, begin, indexes, behind, begin + len(raw))
+
+    def _wanted_of(self, table: MessageTable, begin: int, end: int) -> Found:
+        """Messages that are wanted of a part that stands between two bytes, which is noted."""
         channels: dict[TrackKey, list[int]] = {}
-        for channel, count in table.counts.items():
-            require(
-                channel in self._channels, f"it has a message of channel {channel}, which is not declared before it"
-            )
-            channels.setdefault(self._channels[channel], []).append(channel)
-            self._contents.tracks[self._channels[channel]].count += count
-        number = len(self._outline.parts) // 2
-        self._outline.parts.extend((begin, end))
+        for channel in table.index:
+            channels.setdefault(self._key(channel), []).append(channel)
+        self._outline.parts.append((begin, end, tuple(channels)))
         otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
-        for key, own in channels.items():
-            self._outline.parts_of.setdefault(key, array("q")).append(number)
-            if len(otherwise):
-                self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
+        for key, own in channels.items() if len(otherwise) else ():
+            self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
         return _by_track(table, {key: own for key, own in channels.items() if self._wanted(*key)})
 
-    def _ends_well(self) -> bool:
-        self._stream.seek(-len(MAGIC), 2)
-        return self._stream.read() == MAGIC
-
-    def _named(self, position: int) -> _Named:
-        return _Named(self._path, position)
-
     def _cut_off(self) -> BagError:
-        if self._part:
-            self._end_part(is_whole=False)
-        count = self._contents.message_count - self._before
-        holds = f"it holds at least {counted(count, 'whole message')}" if count else "it may hold whole messages"
-        return BagError(f"{self._path} was cut off, or is still being written: {holds}: rescue them with {rescue()}")
+        self.at = self._end
+        opcode, ends_well = self._file[self._end : self._end + 1], self._file[-len(MAGIC) :] == MAGIC
+        is_record = len(self._file) - self._end >= RECORD_HEAD.size and opcode != b"\0"
+        require(not (is_record and ends_well), "a record is longer than the file")
+        count = self._summary.counts.total()
+        holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
+        what = f"was cut off, or is still being written: it {holds}: rescue them with {RESCUE}"
+        return BagError(f"{self._file.path} {what}")
+
+
+def _verified_index(content: bytes, found: Mapping[int, Rows]) -> int:
+    """Channel of a message index, which must be that of the messages found in its chunk."""
+    channel: int
+    channel, size = _INDEX_HEAD.unpack_from(content)
+    require(size <= len(content) - _INDEX_HEAD.size, f"the index of channel {channel} is longer than its record")
+    rows = np.frombuffer(content[_INDEX_HEAD.size :][:size], "<u8").reshape(-1, 2)
+    is_same = np.array_equal(rows[np.argsort(rows[:, 1], kind="stable")], found.get(channel, _NO_ROWS))
+    require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
+    return channel
 
 
 def _by_track(table: MessageTable, channels: Mapping[TrackKey, Sequence[int]]) -> Found:

@@ -1,132 +1,92 @@
-"""Records of an MCAP file, and the messages among them as a table: where they stand, of which channel, and when."""
+"""Messages among the records of a chunk as a table: where they stand, of which channel, and when."""
 
 from __future__ import annotations
 
-import struct
 from array import array
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from io import BytesIO
-from typing import Final, NamedTuple, TypeVar
+from typing import Final, TypeAlias
 
 import numpy as np
-from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Integers, windows
-from lie_rigid_body.recording.chunk import HEAD, OPCODE_AND_LENGTH, Entries
+from lie_rigid_body.recording.records import RECORD_HEAD, ContradictionError, ExcessError, Place, records, require
 
-T = TypeVar("T")
+HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+"""Fields before the payload of a message record."""
 LAST_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
-RECORD_HEAD: Final = struct.Struct("<BQ")
-"""Opcode of a record and length of its content."""
+_SHORTEST: Final = HEAD.itemsize - RECORD_HEAD.size
+"""Length of the content of a message without payload."""
 NO_HINTS: Final = np.empty(0, dtype=np.int64)
-
-
-class ContradictionError(ValueError):
-    """A file that does not hold what it says of itself. The message says what."""
-
-
-class ExcessError(ValueError):
-    """A file that holds more than is read. The message says what."""
-
-
-class Place(NamedTuple):
-    """Opcode of a record, and where its content begins and ends."""
-
-    opcode: int
-    begin: int
-    end: int
-
-
-class RecordContent(BytesIO):
-    """Content of a record: what is said to reach beyond its end is a contradiction, and not cut off there."""
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        """Return the next bytes, all of so many."""
-        found = super().read(size)
-        require(size is None or len(found) >= size, "a length in a record reaches beyond its end")
-        return found
-
-
-def parsed(read: Callable[[ReadDataStream], T], content: bytes) -> T:
-    """Parse the content of a record with a function of the `mcap` library."""
-    return read(ReadDataStream(RecordContent(content)))
-
-
-def require(holds: bool, otherwise: str) -> None:
-    """Raise what is otherwise a contradiction."""
-    if not holds:
-        raise ContradictionError(otherwise)
-
-
-def records(data: bytes, position: int = 0, end: int | None = None) -> Iterator[Place]:
-    """Whole records that follow each other from a byte on, until one would reach beyond the end."""
-    end = len(data) if end is None else end
-    while position + RECORD_HEAD.size <= end:
-        opcode, length = RECORD_HEAD.unpack_from(data, position)
-        begin, position = position + RECORD_HEAD.size, position + RECORD_HEAD.size + length
-        if position > end:
-            return
-        yield Place(opcode, begin, position)
+Rows: TypeAlias = NDArray[np.uint64]
+"""Log time, ns, and place in the uncompressed chunk of each message, shape (N, 2), as an index has them."""
 
 
 @dataclass(frozen=True)
 class MessageTable:
-    """Messages among the records of a chunk, in file order.
+    """Messages among some records, in their order.
 
     Parameters
     ----------
     data : bytes
         The records.
-    starts, ends : ndarray of int64, shape (N,)
-        Where each message's record begins and ends.
-    heads : ndarray of `chunk.HEAD`, shape (N,)
-        Their first bytes.
+    starts : ndarray of int64, shape (N,)
+        Where the record of each message begins.
+    others : tuple of Place
+        The records that are no messages, where they were looked for.
     """
 
     data: bytes
     starts: Integers
-    ends: Integers
-    heads: NDArray[np.void]
+    others: tuple[Place, ...] = ()
 
-    @classmethod
-    def of(cls, data: bytes, starts: Integers, ends: Integers) -> MessageTable:
-        """Table of the messages between these places.
+    @cached_property
+    def heads(self) -> NDArray[np.void]:
+        """First bytes of the messages, of type `HEAD`, shape (N,)."""
+        if not len(self.starts):
+            return np.empty(0, dtype=HEAD)
+        heads: NDArray[np.void] = windows(self.data, HEAD.itemsize)[self.starts].reshape(-1).view(HEAD)
+        return heads
 
-        Raises
-        ------
-        ContradictionError
-            If a message is too short to be one.
-        """
-        require(bool((ends - starts >= HEAD.itemsize).all()), "a message record is too short")
-        return cls(data, starts, ends, _heads(data, starts))
+    @property
+    def ends(self) -> Integers:
+        """Ends of the records of the messages, shape (N,); what reaches beyond the data ends somewhere there."""
+        lengths: Integers = np.minimum(self.heads["length"], len(self.data)).astype(np.int64)
+        return self.starts + RECORD_HEAD.size + lengths
 
     @property
     def log_times(self) -> Integers:
         """Times when the messages were logged, ns, shape (N,)."""
-        return self.heads["log_time"].view(np.int64)
+        times: Integers = self.heads["log_time"].view(np.int64)
+        return times
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The earliest and the latest of them; `LAST_TIME` and 0 without messages."""
+        return int(self.log_times.min(initial=LAST_TIME)), int(self.log_times.max(initial=0))
 
     @cached_property
-    def counts(self) -> dict[int, int]:
-        """Number of messages of each channel that has any."""
-        counts = np.bincount(self.heads["channel"])
-        return {channel: int(counts[channel]) for channel in np.flatnonzero(counts).tolist()}
-
-    @cached_property
-    def entries(self) -> dict[int, Entries]:
-        """Entries of the index of each channel, in file order."""
+    def index(self) -> dict[int, Rows]:
+        """Rows of each channel that has messages, in their order; the channels in that of their first messages."""
         order = np.argsort(self.heads["channel"], kind="stable")
         rows = np.empty((len(order), 2), dtype="<u8")
         rows[:, 0], rows[:, 1] = self.heads["log_time"][order], self.starts[order]
-        parts = np.split(rows, np.cumsum([*self.counts.values()])[:-1])
-        return {
-            channel: Entries(channel, own, int(own[:, 0].min()), int(own[:, 0].max()))
-            for channel, own in zip(self.counts, parts, strict=False)
-        }
+        counts = np.bincount(self.heads["channel"])
+        channels = np.flatnonzero(counts)
+        parts = zip(channels.tolist(), np.split(rows, np.cumsum(counts[channels])[:-1]), strict=False)
+        return dict(sorted(parts, key=lambda part: int(part[1][0, 1])))
 
     def require_times(self) -> None:
         """Refuse times beyond 64 bits with a sign."""
@@ -135,15 +95,7 @@ class MessageTable:
             require(latest <= LAST_TIME, f"the {name} of a message is {latest} ns, beyond {LAST_TIME}")
 
 
-def _heads(data: bytes, starts: Integers) -> NDArray[np.void]:
-    """First bytes of message records."""
-    if not len(starts):
-        return np.empty(0, dtype=HEAD)
-    heads: NDArray[np.void] = windows(data, HEAD.itemsize)[starts].reshape(-1).view(HEAD)
-    return heads
-
-
-def find_messages(data: bytes, hints: Integers, most: int) -> tuple[MessageTable, list[Place]]:
+def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
     """Find the messages among records, and the other records.
 
     Parameters
@@ -156,45 +108,46 @@ def find_messages(data: bytes, hints: Integers, most: int) -> tuple[MessageTable
     most : int
         Largest number of records that may be found.
 
+    Returns
+    -------
+    MessageTable
+        Its data end where the whole records end.
+
     Raises
     ------
     ContradictionError
-        If a record reaches beyond the data, or a message is too short to be one.
+        If a message is too short to be one.
     ExcessError
         If there are more records.
     """
     hinted = _hinted(data, hints)
-    others, messages, left = list[Place](), array("q"), most - len(hinted.starts)
-    before, behind = np.append(0, hinted.ends), np.append(hinted.starts, len(data))
+    others, starts, left, end = list[Place](), array("q"), most - len(hinted.starts), len(data)
+    before, behind = np.append(0, hinted.ends), np.append(hinted.starts, end)
     for gap in np.flatnonzero(before != behind).tolist():
         position = int(before[gap])
         for place in records(data, position, int(behind[gap])):
             position, left = place.end, left - 1
             if left < 0:
                 raise ExcessError("too many records in chunks for its size")
+            if place.opcode == Opcode.MESSAGE and place.end - place.begin < _SHORTEST:
+                raise ContradictionError("a message record is too short")
             if place.opcode == Opcode.MESSAGE:
-                messages.extend((place.begin - OPCODE_AND_LENGTH, place.end))
+                starts.append(place.start)
             else:
                 others.append(place)
         if position != behind[gap] and len(hinted.starts):
             return find_messages(data, NO_HINTS, most)
-        require(position == behind[gap], "a record is longer than its chunk")
-    if not messages:
-        return hinted, others
-    found = np.frombuffer(messages, dtype=np.int64).reshape(-1, 2)
-    starts, ends = (
-        np.sort(np.concatenate(pair)) for pair in ((hinted.starts, found[:, 0]), (hinted.ends, found[:, 1]))
-    )
-    return MessageTable.of(data, starts, ends), others
+        if position != behind[gap]:
+            end = position
+    found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)])) if starts else hinted.starts
+    return MessageTable(data[:end], found, tuple(others))
 
 
 def _hinted(data: bytes, hints: Integers) -> MessageTable:
     """Table of the messages to which hints point, perhaps within each other; empty if what stands there is none."""
-    starts = np.sort(hints)
-    if len(starts) and starts[0] >= 0 and starts[-1] <= len(data) - HEAD.itemsize:
-        heads = _heads(data, starts)
-        ends = starts + OPCODE_AND_LENGTH + np.minimum(heads["length"], len(data)).astype(np.int64)
-        are_messages = (heads["opcode"] == Opcode.MESSAGE) & (ends >= starts + HEAD.itemsize)
+    table = MessageTable(data, np.sort(hints))
+    if len(hints) and table.starts[0] >= 0 and table.starts[-1] <= len(data) - HEAD.itemsize:
+        are_messages = (table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= _SHORTEST)
         if are_messages.all():
-            return MessageTable(data, starts, ends, heads)
-    return MessageTable.of(data, NO_HINTS, NO_HINTS)
+            return table
+    return MessageTable(data, NO_HINTS)

@@ -7,10 +7,10 @@ import errno
 import os
 import secrets
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from io import BufferedWriter, FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, BinaryIO, Final
 
 from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _UNFINISHED: Final = (".lie_rigid_body-", ".part")
 """How the name of a file that is to replace an older one begins and ends until it is whole."""
+RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
+"""The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of writing to where there is no room left."""
 
@@ -193,20 +195,28 @@ def write_file(path: str | Path, data: bytes, *, overwrite: bool) -> None:
     BagError
         If it exists and may not be replaced, or cannot be written.
     """
+    with written(path, overwrite=overwrite) as stream:
+        stream.write(data)
+
+
+@contextlib.contextmanager
+def written(path: str | Path, *, overwrite: bool) -> Iterator[BinaryIO]:
+    """Context in which a file is written; it is whole when that ends, or not there at all.
+
+    Raises
+    ------
+    BagError
+        If it exists and may not be replaced, or cannot be written.
+    """
     out = OutputFile(path, overwrite=overwrite)
     try:
-        out.stream.write(data)
+        yield out.stream
         out.commit()
     except BaseException as error:
         out.discard()  # part of it is of no use, and would stand in the way of the next one
         if not isinstance(error, OSError):
             raise
-        raise unwritten(path, error) from None
-
-
-def unwritten(path: str | Path, error: OSError) -> BagError:
-    """That a file cannot be written, why not, and what to do."""
-    return BagError(f"{path} cannot be written: {reason(error)}: {remedy(error)}, or give another place")
+        raise BagError(f"{path} cannot be written: {reason(error)}: {remedy(error)}, or give another place") from None
 
 
 def reason(error: Exception) -> str:
@@ -217,11 +227,6 @@ def reason(error: Exception) -> str:
 def remedy(error: OSError) -> str:
     """What to do about an error of writing."""
     return "make room" if error.errno in NO_ROOM else "look after the disk"
-
-
-def rescue() -> str:
-    """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
-    return "'lie-rigid-body recover BROKEN -o FIXED'"
 
 
 class _GrowingFile(FileIO):

@@ -9,27 +9,27 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.pairing import Block, Pairing, StampedValues, stamped_values
+from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.segments import (
-    as_written,
     declared_segments,
     number_samples,
     segment_parts,
     segments_with_samples,
     with_inertia,
 )
-from lie_rigid_body.recording.tracks import PoseTrack, Recording, TakeReadings, TwistTrack
-from lie_rigid_body.simulation import Segment
+from lie_rigid_body.recording.topic_messages import TakeReadings, TopicMessages
+from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.wording import short_repr
 
-Batches: TypeAlias = Iterable[tuple[PoseTrack, TwistTrack]]
+Batches: TypeAlias = Iterable[tuple[TopicMessages, TopicMessages]]
 """Poses and twists in file order."""
-Topics: TypeAlias = tuple[StampedValues, ...]
+Topics: TypeAlias = tuple[TopicMessages, ...]
 """Poses and twists with their stamps, or none of either."""
+_HELD_BACK: Final = 1024
+"""Number of samples that wait for others which stand behind them in the file, though they come first."""
 _ALL_OF: Final = 20_000
 """Number of samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
 _BUCKETS: Final = 2000
@@ -39,19 +39,128 @@ _CLOSE: Final = 0.05
 
 
 @dataclass(frozen=True)
-class RecordedSegment:
-    """Samples of one segment, as recorded.
+class Block:
+    """Samples that have both pose and twist, in the order of their stamps.
+
+    Parameters
+    ----------
+    samples : ndarray of int64, shape (N,)
+        Their numbers; zeros until they are numbered.
+    stamps_ns : ndarray of int64, shape (N,)
+    states : State
+        Of shapes (N, 4) and (N, 3), not normalised.
+    """
+
+    samples: Integers
+    stamps_ns: Integers
+    states: State
+
+    __repr__ = short_repr
+
+    def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
+        states = State.trusted(self.states.attitude_xyzw[rows], self.states.body_rate[rows])
+        return Block(self.samples[rows], self.stamps_ns[rows], states)
+
+    @classmethod
+    def joined(cls, blocks: Sequence[Block]) -> Block:
+        """Samples of blocks that follow each other, or of none."""
+        none = np.empty(0, dtype=np.int64)
+        attitudes, rates = ([b.states.attitude_xyzw for b in blocks], [b.states.body_rate for b in blocks])
+        return cls(
+            np.concatenate([none, *(b.samples for b in blocks)]),
+            np.concatenate([none, *(b.stamps_ns for b in blocks)]),
+            State.trusted(np.concatenate([np.empty((0, 4)), *attitudes]), np.concatenate([np.empty((0, 3)), *rates])),
+        )
+
+
+class Pairing:
+    """Pairs of poses and twists of one stamp, made as they come; what is too late, alone or doubled is left out."""
+
+    def __init__(self) -> None:
+        self._waiting: Topics = ()
+        self._until = int(np.iinfo(np.int64).min)
+        self.alone = np.empty(0, dtype=np.int64)
+        """Stamps of what was released last that only one of the topics has."""
+
+    def add(self, *new: TopicMessages) -> Block:
+        """Take poses and twists, and return the samples behind which none is expected any more."""
+        parts = zip(self._waiting, new, strict=True) if self._waiting else zip(new)
+        topics = tuple(self._ordered(TopicMessages.joined(part)) for part in parts)
+        if any(len(topic) <= _HELD_BACK for topic in topics):
+            return self._release(topics, self._until)
+        return self._release(topics, min(int(topic.stamps_ns[-1 - _HELD_BACK]) for topic in topics))
+
+    def finish(self) -> Block:
+        """Return all samples that are left."""
+        return self._release(self._waiting, int(np.iinfo(np.int64).max))
+
+    def _ordered(self, topic: TopicMessages) -> TopicMessages:
+        """Sort by stamps; of several with one stamp the first is kept, and what comes too late is not."""
+        stamps = topic.stamps_ns
+        if len(stamps) and not (stamps[0] > self._until and (np.diff(stamps) > 0).all()):
+            distinct, first = np.unique(stamps, return_index=True)
+            return topic[first[distinct > self._until]]
+        return topic
+
+    def _release(self, topics: Topics, until: int) -> Block:
+        ends = [int(np.searchsorted(topic.stamps_ns, until, side="right")) for topic in topics]
+        pose, twist = (topic[:end] for topic, end in zip(topics, ends, strict=True))
+        self._waiting, self._until = tuple(topic[end:] for topic, end in zip(topics, ends, strict=True)), until
+        self.alone = pose.stamps_ns[:0]
+        if not np.array_equal(pose.stamps_ns, twist.stamps_ns):
+            self.alone = np.setxor1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True)
+            _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
+            pose, twist = pose[both[0]], twist[both[1]]
+        states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())  # behind the translations
+        return Block(np.zeros_like(pose.stamps_ns), pose.stamps_ns, states)
+
+
+def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -> Iterator[Topics]:
+    """Poses and twists with their stamps, batch by batch.
+
+    A bare twist has its log time, if that is to be on the grid, or its pose's stamp: the two are then in one order.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    batches : iterable of (TopicMessages, TopicMessages)
+        Poses and twists of the bag, in file order.
+    clock : SampleClock
+        Of the first segment.
+
+    Raises
+    ------
+    BagError
+        At the end, if bare twists in order are not as many as poses.
+    """
+    by_log: bool | None = True if bag.stamped or bag.as_written else None
+    stamps, waiting = np.empty(0, dtype=np.int64), list[TopicMessages]()
+    for poses, twists in batches:
+        if by_log is None and len(twists):
+            first_ns = twists.log_times_ns[:1]
+            by_log = clock.stamp_ns(int(number_samples(clock, first_ns)[0])) == int(first_ns[0])
+        if by_log:
+            yield poses, twists
+            continue
+        stamps, rest = np.concatenate([stamps, poses.stamps_ns]), TopicMessages.joined([*waiting, twists])
+        both = min(len(stamps), len(rest))
+        yield poses, replace(rest[:both], stamps_ns=stamps[:both])
+        stamps, waiting = stamps[both:], [rest[both:]]
+    if not by_log and (len(stamps) or any(map(len, waiting))):
+        raise BagError(
+            f"{bag.name}: {bag.twist_count} twists without stamps cannot be paired with {bag.pose_count} poses: "
+            "run the node with stamped_twist true, or record with it"
+        )
+
+
+@dataclass(frozen=True)
+class RecordedSegment(Block):
+    """Samples of one segment, as recorded. See `Block` for the other parameters.
 
     Parameters
     ----------
     segment : Segment
         As the bag declares it.
-    samples : ndarray of int64, shape (N,)
-        Numbers of the samples that have both pose and twist, rising.
-    stamps_ns : ndarray of int64, shape (N,)
-        Their stamps.
-    states : State
-        Their states, of shapes (N, 4) and (N, 3), not normalised.
     count : int
         Number of samples that the bag has of it: more than N where they were thinned.
     close : int
@@ -59,13 +168,8 @@ class RecordedSegment:
     """
 
     segment: Segment
-    samples: Integers
-    stamps_ns: Integers
-    states: State
     count: int
     close: int
-
-    __repr__ = short_repr
 
 
 def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[Segment]:
@@ -98,7 +202,7 @@ def paired(
     bag : Bag or Recording
     segments : sequence of Segment
         See `bag_segments`.
-    batches : iterable of (PoseTrack, TwistTrack)
+    batches : iterable of (TopicMessages, TopicMessages)
         Poses and twists of the bag, in file order.
 
     Yields
@@ -111,7 +215,7 @@ def paired(
         Stamps among them that only one of the two topics has.
     """
     pairing = Pairing()
-    for topics in stamped_values(batches, segments[0].clock(), bag.name, logged_at_stamps=as_written(bag)):
+    for topics in stamped_topics(bag, batches, segments[0].clock()):
         yield topics, pairing.add(*topics), pairing.alone
     yield (), pairing.finish(), pairing.alone
 
@@ -168,26 +272,20 @@ def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count
         raise BagError(f"{name}: no sample has both a pose and a twist of the same stamp: record both topics together")
 
 
-def recorded_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
+def recorded_segments(bag: Bag | Recording) -> list[RecordedSegment]:
     """Segments of a bag with all their samples, in memory; those without a sample, that a reset followed, left out.
-
-    Parameters
-    ----------
-    bag : Bag or Recording
-    inertia : sequence of float, optional
-        Principal moments in place of the declared inertia, kg m².
 
     Raises
     ------
     BagError
         If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
     ParameterError
-        If a declared scenario or the given inertia is impossible.
+        If a declared scenario is impossible.
     """
-    segments = bag_segments(bag, inertia)
-    blocks: list[list[Block]] = [[Block.empty()] for _ in segments]
+    segments = bag_segments(bag)
+    blocks: list[list[Block]] = [[] for _ in segments]
     places = _read(bag, segments, lambda i, block: blocks[i].append(block))
-    joined = [(segments[i], blocks[i][0].joined(*blocks[i][1:])) for i in places]
+    joined = [(segments[i], Block.joined(blocks[i])) for i in places]
     return [_recorded(segment, whole, len(whole.samples), len(whole.samples)) for segment, whole in joined]
 
 
@@ -195,7 +293,13 @@ def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = Non
     """Segments of a bag with so few of their samples that they can be drawn, and look as all would.
 
     Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
-    momentum or in energy: a curve through them has the envelope of all. See `recorded_segments`.
+    momentum or in energy: a curve through them has the envelope of all. See `recorded_segments` for errors.
+
+    Parameters
+    ----------
+    bag : Bag or Recording
+    inertia : sequence of float, optional
+        Principal moments in place of the declared inertia, kg m².
     """
     segments = bag_segments(bag, inertia)
     counts = Counter[int]()
@@ -219,7 +323,7 @@ def _read(bag: Bag | Recording, segments: Sequence[Segment], take: Callable[[int
             count += len(part.samples)
             take(i, part)
     require_samples(bag.name, segments, first_ns, count)
-    return [i for i, _ in segments_with_samples(segments, seen, whole=as_written(bag))]
+    return [i for i, _ in segments_with_samples(segments, seen, whole=bag.as_written)]
 
 
 class _Thinning:
@@ -231,7 +335,7 @@ class _Thinning:
         self._segment, self._count, self._size, self._body = segment, count, size, scenario.body()
         self._stride = 1 if count <= _ALL_OF else max(1, int(min(_CLOSE, count * turn) / (turn or 1.0)))
         self._resolved = _ALL_OF * self._stride
-        self._kept = [Block.empty()]
+        self._kept: list[Block] = []
         self._taken = self._close = 0
 
     def add(self, block: Block) -> None:
@@ -254,11 +358,11 @@ class _Thinning:
 
     def result(self) -> RecordedSegment:
         """Return the segment with what was kept."""
-        return _recorded(self._segment, self._kept[0].joined(*self._kept[1:]), self._count, self._close)
+        return _recorded(self._segment, Block.joined(self._kept), self._count, self._close)
 
 
 def _recorded(segment: Segment, block: Block, count: int, close: int) -> RecordedSegment:
-    return RecordedSegment(segment, block.samples, block.stamps_ns, block.states, count, close)
+    return RecordedSegment(block.samples, block.stamps_ns, block.states, segment, count, close)
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

@@ -1,25 +1,34 @@
-"""Segments of a bag, from one reset to the next, and the numbers of their samples by the stamps."""
+"""Segments of a bag, from one reset to the next, and by which of them a message was measured, as what number.
+
+The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are those of the
+segment's scenario. `Delivery.measured_ns` inverts this to 8 ns, so that the nearest reading of the sensor's grid is the
+right one up to 60 million readings in a second, and what the clock shows at that reading is compared with the stamp
+to the nanosecond.
+"""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError, ParameterError
-from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.bag_writer import REWRITTEN
-from lie_rigid_body.recording.tracks import UNNAMED, BagFacts
-from lie_rigid_body.simulation import SOFTWARE, SampleClock, Segment
+from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.recording.topic_messages import TopicMessages
+from lie_rigid_body.simulation import SampleClock, Segment
+from lie_rigid_body.wording import short_repr
 
 MOST_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
-_RECORDER: Final = "libmcap "
-"""Beginning of the library name in a file by `ros2 bag record`."""
+UNNAMED: Final = "the bag"
+"""Name in errors of a bag that has none."""
+_ROUNDING_NS: Final = 8
+"""Largest error of the time at which a clock that errs shows a stamp, ns."""
+_FAR: Final = np.iinfo(np.int64).max
 
 
 def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict[str, Segment]:
@@ -48,21 +57,6 @@ def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict
     except InputError as error:
         raise BagError(f"{bag} does not explain itself: {error}: record it anew") from None
     return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
-
-
-def as_written(bag: BagFacts) -> bool:
-    """Whether a bag is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
-
-    It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its start.
-    What `ros2 bag record` made of a running node begins in the midst, and is logged when it was received; what
-    `Run.to_bag` made of such a bag begins there as well.
-    """
-    if REWRITTEN in bag.library:
-        return False
-    if bag.library.startswith(f"{SOFTWARE} ") or bag.expected_samples is not None:
-        return True
-    log_time, text = bag.scenario_texts[0]
-    return log_time == Segment.from_json(text).start_ns and not bag.library.startswith(_RECORDER)
 
 
 def with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
@@ -129,11 +123,9 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
     # in two parts, as the product of a long time and a rate exceeds 53 bits
     elapsed = stamps_ns - clock.epoch_ns
     whole = elapsed // NS  # half of the time of `divmod`
-    rest = elapsed - whole * NS
-    if float(clock.rate).is_integer():
-        rate = int(clock.rate)
-        return whole * rate + np.rint(rest * (clock.rate * 1e-9)).astype(np.int64)
-    return np.rint(whole * clock.rate + rest * (clock.rate * 1e-9)).astype(np.int64)
+    in_rest = (elapsed - whole * NS) * (clock.rate * 1e-9)
+    rate = int(clock.rate)
+    return whole * rate + np.rint(whole * (clock.rate - rate) + in_rest).astype(np.int64)
 
 
 def grid(clock: SampleClock, numbers: Integers) -> Integers:
@@ -142,3 +134,158 @@ def grid(clock: SampleClock, numbers: Integers) -> Integers:
     if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
         return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
+
+
+@dataclass(frozen=True)
+class PlacedMessages:
+    """Messages of a sensor's topic that belong to one segment.
+
+    Parameters
+    ----------
+    place : int
+        That of the segment among those declared.
+    messages : TopicMessages
+    numbers : ndarray of int64, shape (N,)
+        Numbers of the nearest readings of the sensor there.
+    times_ns : ndarray of int64, shape (N,)
+        When these were measured, ns, plus what the stamps are off what the clock showed then.
+    """
+
+    place: int
+    messages: TopicMessages
+    numbers: Integers
+    times_ns: Integers
+
+    __repr__ = short_repr
+
+
+_Part: TypeAlias = tuple[int, slice | Integers | Booleans, Integers, Integers]
+"""Place of a segment, which messages are of it, the numbers of their readings, and when these were measured, ns."""
+
+
+class SensorClocks:
+    """The clocks of one sensor in the segments of a bag.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        In the order of their starts.
+    name : str
+        The sensor's.
+
+    Attributes
+    ----------
+    err : bool
+        Whether any of them errs.
+    early : int
+        Messages before the first segment.
+    unshown : (int, int)
+        Messages whose stamp no clock shows within its segment: how many, and the first stamp, ns.
+    """
+
+    def __init__(self, segments: Sequence[Segment], name: str) -> None:
+        self._segments = segments
+        self._models = [segment.scenario.sensors.on.get(name) for segment in segments]
+        self._starts = np.array([segment.start_ns for segment in segments])
+        self._previous_ns = int(self._starts[0])
+        deliveries = [model.delivery for model in self._models if model is not None]
+        self.err = any(delivery is not None and delivery.is_off for delivery in deliveries)
+        shown = [self._shown_ns(place, self._starts[place : place + 2]) for place in range(len(segments))]
+        self._from_ns = np.array([of_one[0] for of_one in shown]) - _ROUNDING_NS
+        self._until_ns = np.array([*(of_one[-1] for of_one in shown[:-1]), _FAR - _ROUNDING_NS]) + _ROUNDING_NS
+        self.early, self.unshown = 0, (0, 0)
+
+    def placed(self, messages: TopicMessages, *, in_order: bool) -> Iterator[PlacedMessages]:
+        """The messages that come next by their segments, in the order of these.
+
+        Parameters
+        ----------
+        messages : TopicMessages
+        in_order : bool
+            Whether their log times are those at which the readings arrived, which tell the segments. Otherwise, of
+            several clocks that show a stamp, the right one is that which shows it at the time nearest to the reading
+            before.
+        """
+        stamps, left = messages.stamps_ns, np.ones(len(messages), dtype=np.bool_)
+        for place, rows, numbers, times_ns in self.parts(messages.log_times_ns, stamps, in_order=in_order):
+            left[rows] = False
+            yield PlacedMessages(place, messages[rows], numbers, times_ns)
+        early = left & (stamps < self._from_ns.min()) if self.err and not in_order else left
+        self.early += int(np.count_nonzero(early))
+        unshown = stamps[left & ~early]
+        if len(unshown):
+            self.unshown = self.unshown[0] + len(unshown), self.unshown[1] or int(unshown[0])
+
+    def parts(self, times_ns: Integers, stamps_ns: Integers, *, in_order: bool) -> Iterator[_Part]:
+        """The segments that messages belong to, by their log times and stamps; see `placed`."""
+        if self.err and not in_order:
+            yield from self._by_stamps(stamps_ns)
+            return
+        for place, rows in segment_parts(self._segments, times_ns if in_order else stamps_ns):
+            yield place, rows, *self._read(place, stamps_ns[rows])[:2]
+
+    def _by_stamps(self, stamps_ns: Integers) -> Iterator[_Part]:
+        near = np.flatnonzero((self._from_ns <= stamps_ns.max()) & (self._until_ns >= stamps_ns.min()))
+        shown = (self._inside(place, stamps_ns) for place in near.tolist())
+        found = np.concatenate([np.empty((5, 0), dtype=np.int64), *shown], axis=1)
+        least = np.full(len(stamps_ns), _FAR)
+        np.minimum.at(least, found[0], np.abs(found[1]))
+        best = found[:, np.abs(found[1]) == least[found[0]]]
+        rows, _, places, numbers, times = best[:, np.argsort(best[0], kind="stable")]
+        _, chosen, counts = np.unique(rows, return_index=True, return_counts=True)
+        for i in np.flatnonzero(counts > 1).tolist():
+            before = times[chosen[i - 1]] if i else self._previous_ns
+            chosen[i] += np.argmin(np.abs(times[chosen[i] : chosen[i] + counts[i]] - before))
+        if len(chosen):
+            self._previous_ns = int(times[chosen[-1]])
+        for place in np.unique(places[chosen]).tolist():
+            own = chosen[places[chosen] == place]
+            yield place, rows[own], numbers[own], times[own]
+
+    def _inside(self, place: int, stamps_ns: Integers) -> Integers:
+        """Rows of the stamps that the clock may have shown within a segment: which, how far off, and what `_Part` has.
+
+        Shape (5, K).
+        """
+        numbers, times, off = self._read(place, stamps_ns)
+        rows = np.flatnonzero(np.searchsorted(self._starts, times - off, side="right") - 1 == place)
+        if self._models[place] is None:
+            off = np.full_like(off, _FAR)  # where there is no sensor, any clock of one shows a stamp rather
+        return np.stack([rows, off[rows], np.full(len(rows), place), numbers[rows], times[rows]])
+
+    def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers, Integers]:
+        """The readings of a segment that are nearest to stamps: numbers, times with what is off, and that alone, ns."""
+        segment, model = self._segments[place], self._models[place]
+        if model is None:
+            return number_samples(segment.clock(), stamps_ns), stamps_ns, np.zeros_like(stamps_ns)
+        clock, delivery = SampleClock(segment.scenario.epoch_ns, model.rate), model.delivery
+        near = stamps_ns if delivery is None else delivery.measured_ns(stamps_ns, clock.epoch_ns)
+        numbers = number_samples(clock, np.clip(near, 0, MAX_EPOCH_NS - int(clock.period_ns)))
+        measured = grid(clock, numbers)
+        off = stamps_ns - self._shown_ns(place, measured)
+        return numbers, measured + off, off
+
+    def _shown_ns(self, place: int, measured_ns: Integers) -> Integers:
+        """What the clock shows at some times in a segment, ns."""
+        delivery = getattr(self._models[place], "delivery", None)
+        epoch_ns = self._segments[place].scenario.epoch_ns
+        return measured_ns if delivery is None else measured_ns + delivery.error_ns(measured_ns, epoch_ns)
+
+
+def measured_ns(segments: Sequence[Segment], sensor: str, stamps_ns: Integers) -> Integers:
+    """When the readings of a sensor in a recorder's bag were measured, ns: their stamps, unless a clock errs.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        All that the bag declares.
+    sensor : str
+        Its name.
+    stamps_ns : ndarray of int64, shape (N,)
+    """
+    clocks, measured = SensorClocks(segments, sensor), np.empty_like(stamps_ns)
+    parts = list(clocks.parts(stamps_ns, stamps_ns, in_order=False)) if clocks.err and len(stamps_ns) else []
+    for _, rows, _, times_ns in parts:
+        measured[rows] = times_ns
+    is_told = sum(len(numbers) for _, _, numbers, _ in parts) == len(stamps_ns)
+    return measured if is_told else stamps_ns  # as good as any where no clock shows a stamp

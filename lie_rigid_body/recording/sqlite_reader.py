@@ -103,13 +103,12 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         with Reader(path) as reader:
             yield reader
-    except (BagError, MemoryError, GeneratorExit):
+    except (BagError, MemoryError):
         raise
-    except (AttributeError, KeyError, TypeError):  # SQLite takes values of any type in any column
-        what = "a column of its tables has a value of another type, or one that is unknown"
-        raise BagError(f"{path} cannot be read as an SQLite bag: {what}: restore a copy, or record again") from None
     except Exception as error:  # the library's, and those of the library below it
         what = " ".join(f"{type(error).__name__}: {error}".split())
+        if isinstance(error, AttributeError | KeyError | TypeError):  # SQLite takes values of any type in any column
+            what = "a column of its tables has a value of another type, or one that is unknown"
         raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
 
 

@@ -130,7 +130,7 @@ def require_room(given: argparse.Namespace) -> None:
     BagError
     """
     from lie_rigid_body.recording import output_file
-    from lie_rigid_body.recording.bag_folders import files_of
+    from lie_rigid_body.recording.bag_files import files_of
 
     bags = [bag for bag in (given.run, given.truth) if bag is not None]
     for path in (given.plot, given.report):

@@ -12,7 +12,7 @@ from rclpy.subscription import Subscription
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside

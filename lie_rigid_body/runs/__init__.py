@@ -5,8 +5,9 @@
 - `ensemble`: simulated runs of a scenario, of one seed or of many;
 - `truth`: the attitude between the samples of a run, from its scenario;
 - `unavoidable`: the error that the noise of its sensors leaves to any filter;
-- `recorded_estimate`: an estimate and its truth in a bag;
-- `live_estimate`: the same from topics, of what is in `heard` and `kept_estimate`.
+- `recorded_estimate`, `live_estimate`: an estimate and its truth in a bag, and message by message from topics;
+- `kept_estimate`: what counts of an estimate, of either;
+- `estimators`, `blind`: functions of a run that estimate, and runs that do not tell them the truth.
 """
 
 from lie_rigid_body.runs.ensemble import simulate

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count, islice
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import Final, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Integers, plain
+from lie_rigid_body.arrays import plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import numbers_of
@@ -23,9 +24,9 @@ from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
-from lie_rigid_body.sensors import SENSORS, Sensor
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Simulation, motions_of
-from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.simulation.segment import SampleClock
 from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300
@@ -103,21 +104,20 @@ def simulate(
     if parameters.get("record_path"):
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
-    if seeds is None:
-        alone = scenario_of(scenario, parameters)
-        _warn(alone)
-        _require_memory(alone, length, 1, memory_limit)
-        return _run(alone, length, motions_of)
-    if "sensor_seed" in parameters:
-        raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
-    chosen = _chosen(seeds, most=max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1)
-    given = _given(scenario, parameters)
-    made = (Scenario.from_parameters({**given, "sensor_seed": plain(seed)}) for seed in chosen)
-    first = next(made)
-    _warn(first)
+    given, chosen = _given(scenario, parameters), list[dict[str, object]]([{}])
+    if seeds is not None:
+        if "sensor_seed" in parameters:
+            raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
+        most = max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1
+        chosen = [{"sensor_seed": plain(seed)} for seed in _chosen(seeds, most)]
+    scenarios = (Scenario.from_parameters({**given, **seed}) for seed in chosen)
+    first = next(scenarios)
+    if first.without_effect:
+        warnings.warn(first.without_effect, stacklevel=2)
     _require_memory(first, length, len(chosen), memory_limit)
-    shared = _SharedMotions()
-    return tuple(_run(one, length, shared) for one in [first, *made])
+    motions = motions_of if seeds is None else _SharedMotions()
+    runs = tuple(_run(one, length, motions) for one in [first, *scenarios])
+    return runs[0] if seeds is None else runs
 
 
 def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> Scenario:
@@ -128,11 +128,6 @@ def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str,
     InputError
     """
     return Scenario.from_parameters(_given(scenario, parameters))
-
-
-def _warn(scenario: Scenario) -> None:
-    if scenario.without_effect:
-        warnings.warn(scenario.without_effect, stacklevel=3)
 
 
 def _given(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> dict[str, object]:
@@ -154,16 +149,14 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
     """Refuse runs that would take more memory than is allowed, before any is computed."""
     truth = SampleClock(0, scenario.rate).count_before(duration)
     readings = {name: SampleClock(0, model.rate).count_before(duration) for name, model in scenario.sensors.on.items()}
-    largest = max((_reading_bytes(SENSORS[name]) * count for name, count in readings.items()), default=0)
+    numbers = {
+        name: sum(len(numbers_of(topic, field)) for topic in SENSORS[name].topics for field in topic.fields)
+        for name in readings
+    }
+    largest = max((max(_TRUTH_BYTES, _NUMBER_BYTES * numbers[name]) * readings[name] for name in readings), default=0)
     kept = (runs + 1) * _KEPT_BYTES * sum(readings.values()) + runs * _RUN_BYTES
     samples = truth + runs * sum(readings.values())
     require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
-
-
-def _reading_bytes(sensor: Sensor) -> int:
-    """Memory that a reading takes at most while it is computed, bytes."""
-    numbers = sum(len(numbers_of(topic, field)) for topic in sensor.topics for field in topic.fields)
-    return max(_TRUTH_BYTES, _NUMBER_BYTES * numbers)
 
 
 def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], Callable[[], Motion]]) -> Run:
@@ -184,6 +177,14 @@ def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
 
 
+@dataclass
+class _KeptStates:
+    """A motion, and its states at the times of a clock, as many as anyone has asked for: each is computed once."""
+
+    motion: Motion
+    states: State
+
+
 class _SharedMotions:
     """The motions of one start for many simulations, which ask for the times of the same clocks."""
 
@@ -196,27 +197,11 @@ class _SharedMotions:
         def motion() -> Motion:
             turn = next(turns)
             if turn == len(self._kept):
-                self._kept.append(_KeptStates(make()))
+                start = make()
+                self._kept.append(_KeptStates(start, start.at(np.empty(0, dtype=np.int64))))
             return _SharedStates(self._kept[turn])
 
         return motion
-
-
-class _KeptStates:
-    """The states of a motion at the times of a clock, as many as anyone has asked for: each is computed once."""
-
-    def __init__(self, motion: Motion) -> None:
-        self.motion = motion
-        self._states = motion.at(np.empty(0, dtype=np.int64))
-
-    def from_number(self, first: int, t_ns: Integers) -> State:
-        """The states at times, ns, of which so many came before."""
-        known = self._states
-        missing = t_ns[len(known) - first :]
-        if len(missing):
-            new = self.motion.at(missing)
-            self._states = _joined(known, new) if len(known) else new
-        return self._states[first : first + len(t_ns)]
 
 
 class _SharedStates:
@@ -232,11 +217,14 @@ class _SharedStates:
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
-        times = np.asarray(t_ns, dtype=np.int64)
-        first, self._asked = self._asked, self._asked + len(times)
-        return self._kept.from_number(first, times)
-
-
-def _joined(known: State, new: State) -> State:
-    attitude = np.concatenate([known.attitude_xyzw, new.attitude_xyzw])
-    return State.trusted(attitude, np.concatenate([known.body_rate, new.body_rate]))
+        times, first, known = np.asarray(t_ns, dtype=np.int64), self._asked, self._kept.states
+        self._asked += len(times)
+        missing = times[len(known) - first :]
+        if len(missing):
+            new = self._kept.motion.at(missing)
+            both = [new] if not len(known) else [known, new]
+            self._kept.states = State.trusted(
+                np.concatenate([states.attitude_xyzw for states in both]),
+                np.concatenate([states.body_rate for states in both]),
+            )
+        return self._kept.states[first : self._asked]

@@ -1,18 +1,73 @@
-"""The attitudes of an estimate that count for its score, as they come from a topic."""
+"""The attitudes of an estimate that count for its score, as they come, in memory that does not grow for ever."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
+from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.parameters import NS, exact_duration
-from lie_rigid_body.runs.heard import MOST_WAITING, HeardTruth
-from lie_rigid_body.runs.kept import Kept, Rows, joined
-from lie_rigid_body.runs.recorded_estimate import LENIENCE_NS, disorder, left_ahead, passed_by
+from lie_rigid_body.recording.topic_messages import AttitudeTrack
+
+MOST_KEPT: Final = 100_000
+"""Largest number of samples of the estimate, and of the poses, that are kept: a quarter of an hour at 100 Hz.
+
+Of more every second is kept, then every fourth, and so on. Their score takes about 3 s; launch kills what does not end
+within 10 s."""
+MOST_BLOCKS: Final = 2000
+"""Largest number of pieces of what is kept, before they are joined."""
+MOST_WAITING: Final = 50_000
+"""Largest number of estimates that wait for a truth; of more the oldest are given up."""
+LENIENCE_NS: Final = NS
+"""Largest time between the last estimate and the last pose heard, ns, as each has its way. The scenario tells the truth
+so far beyond the poses: stamps further on are of another clock. A filter further behind has ended."""
+
+
+class Kept:
+    """Attitudes in order of time, of which evenly so many are kept that memory does not grow.
+
+    Attributes
+    ----------
+    count, disordered : int
+        Number of attitudes that came in order, and of those that were left out because they were stamped before an
+        earlier one.
+    first_ns, last_ns : int
+        Stamps of the first and of the last; 0 if there is none.
+    stride : int
+        One in so many is kept.
+    """
+
+    def __init__(self, most: int = MOST_KEPT) -> None:
+        self.count = self.disordered = self.first_ns = self.last_ns = 0
+        self.stride, self._most = 1, most
+        self._blocks: list[AttitudeTrack] = []
+        self._last: AttitudeTrack | None = None
+
+    def add(self, track: AttitudeTrack) -> AttitudeTrack:
+        """Take attitudes, and return those of them that are in order."""
+        ordered = track[in_order(track.stamps_ns, self.last_ns if self.count else None)]
+        self.disordered += len(track) - len(ordered)
+        if len(ordered):
+            stamps, self._last = ordered.stamps_ns, ordered[-1:]
+            self.first_ns, self.last_ns = self.first_ns if self.count else int(stamps[0]), int(stamps[-1])
+            self._blocks.append(ordered[-self.count % self.stride :: self.stride])
+            self.count += len(ordered)
+        if sum(map(len, self._blocks)) > self._most or len(self._blocks) > MOST_BLOCKS:
+            kept = AttitudeTrack.joined(self._blocks)
+            while len(kept) > self._most:
+                kept, self.stride = kept[np.arange(0, len(kept), 2)], 2 * self.stride
+            self._blocks = [kept]
+        return ordered
+
+    def track(self) -> AttitudeTrack:
+        """The attitudes that are kept, and the last; of at least one that came."""
+        last = [self._last] if self._last is not None and (self.count - 1) % self.stride else []
+        return AttitudeTrack.joined([*self._blocks, *last])
 
 
 class Duration:
@@ -75,14 +130,13 @@ class Duration:
 
 
 class KeptEstimate:
-    """Attitudes that can be used, in order, within the duration, and not ahead of the poses that were heard.
+    """Attitudes that can be used, in order, within the duration, and not ahead of the truth.
 
     What is ahead waits, and is left out if later ones are not: one wrong stamp would put all that follow it out of
     order, and complete the duration.
 
     Parameters
     ----------
-    truth : HeardTruth
     most : int
         Largest number of attitudes that are kept.
     duration_s : float or None
@@ -91,23 +145,22 @@ class KeptEstimate:
     Attributes
     ----------
     kept : Kept
-        Attitudes, and the covariances where there are any.
     duration : Duration
     unusable : int
         Number of attitudes that were left out because they are not finite, or zero.
     """
 
-    def __init__(self, truth: HeardTruth, most: int, duration_s: float | None) -> None:
-        self._truth, self.kept, self.duration = truth, Kept(most), Duration(duration_s)
+    def __init__(self, most: int, duration_s: float | None = None) -> None:
+        self.kept, self.duration = Kept(most), Duration(duration_s)
         self.unusable = self._first_unusable_ns = 0
-        self._ahead: Rows | None = None
+        self._ahead: list[AttitudeTrack] = []
         self._astray_s = np.empty(0)
 
     @property
     def last_ns(self) -> int | None:
         """Stamp of the last attitude that can be used, ns, also of one that waits; None if there is none."""
-        if self._ahead is not None:
-            return int(self._ahead[0][-1])
+        if self._ahead:
+            return int(self._ahead[0].stamps_ns[-1])
         return self.kept.last_ns if self.kept.count else None
 
     @property
@@ -121,16 +174,26 @@ class KeptEstimate:
         """Number of attitudes that were left out because of their stamps."""
         return self.kept.disordered + len(self._astray_s)
 
-    def add(self, rows: Rows | None) -> Rows | None:
-        """Take attitudes and covariances, and return what counts of them and of those that waited, if anything does."""
-        parts = [part for part in (self._ahead, rows) if part is not None]
-        return self._take(*self._timely(*joined(parts))) if parts else None
+    def add(self, new: list[AttitudeTrack], truth_ns: int, last_pose_ns: int | None) -> AttitudeTrack | None:
+        """Take attitudes, and return what counts of them and of those that waited, if anything does.
 
-    def end(self) -> None:
+        Parameters
+        ----------
+        new : list of AttitudeTrack
+        truth_ns : int
+            Begin of the truth, ns.
+        last_pose_ns : int or None
+            Stamp behind which the truth is not known yet, ns; None if it has no end.
+        """
+        parts, self._ahead = [*self._ahead, *new], []
+        if not parts:
+            return None
+        track = AttitudeTrack.joined(parts)
+        return self._take(track if last_pose_ns is None else self._timely(track, last_pose_ns), truth_ns)
+
+    def end(self, truth_ns: int) -> None:
         """Take what waits as well: no later truth is to come."""
-        if self._ahead is not None:
-            self._take(*self._ahead)
-            self._ahead = None
+        self.add([], truth_ns, None)
 
     def fault(self) -> str:
         """Sentence about the attitudes that cannot be used, without a full stop; empty if there are none."""
@@ -144,41 +207,46 @@ class KeptEstimate:
     def notes(self) -> Iterator[str]:
         """Sentences for the reader of the score about the attitudes that were left out."""
         count = self.kept.count + self.left_out
-        yield from left_ahead(self._astray_s, count)
+        if len(self._astray_s):
+            yield (
+                f"Left out of {count} estimates: {len(self._astray_s)} stamped far ahead of the truth, the first by "
+                f"{self._astray_s[0]:.12g} s, where later ones are not: find out what stamped them."
+            )
         if self.kept.disordered:
-            yield disorder(self.kept.disordered, count)
+            yield (
+                f"{self.kept.disordered} of {count} estimates were stamped before one that had come, and are left "
+                "out: is there one publisher, and does time never jump back?"
+            )
         if self.unusable:
             yield f"{self.fault()}."
 
-    def _timely(self, stamps: Integers, numbers: Array) -> Rows:
-        """Rows that do not wait, but for those that are stamped ahead of the poses, and of later ones, by mistake."""
-        last_ns = self._truth.last_pose_ns
-        if last_ns is None:
-            return stamps, numbers
-        ahead = stamps > last_ns + LENIENCE_NS
-        astray = passed_by(ahead)
+    def _timely(self, track: AttitudeTrack, last_ns: int) -> AttitudeTrack:
+        """What does not wait, but for what is stamped ahead of the poses, and of later attitudes, by mistake."""
+        stamps, ahead = track.stamps_ns, track.stamps_ns > last_ns + LENIENCE_NS
+        astray = ahead & np.logical_or.accumulate(~ahead[::-1])[::-1]
         self._astray_s = np.concatenate([self._astray_s, (stamps[astray] - last_ns) / NS])
         waits = ahead & ~astray
         if np.count_nonzero(waits) > MOST_WAITING:  # that is no wrong stamp, but another clock
-            ahead, waits = astray, np.zeros_like(ahead)
-        self._ahead = (stamps[waits], numbers[waits]) if waits.any() else None
-        if self._ahead is not None:
+            return track[~astray]
+        if waits.any():
+            self._ahead = [track[waits]]
             self.duration.pass_by(stamps[waits], self.kept.last_ns if self.kept.count else int(stamps[waits][0]))
-        return stamps[~ahead], numbers[~ahead]
+        return track[~ahead]
 
-    def _take(self, stamps: Integers, numbers: Array) -> Rows | None:
-        usable = _usable(numbers[:, :4])
-        self.duration.begin(stamps[usable], self._truth.begin_ns)
-        inside = self.duration.holds(stamps)
-        unusable = stamps[inside & ~usable]
+    def _take(self, track: AttitudeTrack, truth_ns: int) -> AttitudeTrack | None:
+        usable = _usable(track)
+        self.duration.begin(track.stamps_ns[usable], truth_ns)
+        inside = self.duration.holds(track.stamps_ns)
+        unusable = track.stamps_ns[inside & ~usable]
         if len(unusable):
             self._first_unusable_ns = self._first_unusable_ns if self.unusable else int(unusable[0])
             self.unusable += len(unusable)
-        rows = self.kept.add(stamps[inside & usable], numbers[inside & usable])
-        return rows if len(rows[0]) else None
+        kept = self.kept.add(track[inside & usable])
+        return kept if len(kept) else None
 
 
-def _usable(attitude_xyzw: Array) -> Booleans:
+def _usable(track: AttitudeTrack) -> Booleans:
     """Whether each attitude is finite and not zero."""
-    finite = np.isfinite(attitude_xyzw).all(axis=1)
-    return np.asarray(finite & (quaternion.norm(np.where(finite[:, np.newaxis], attitude_xyzw, 0.0)) >= SMALLEST_NORM))
+    finite = np.isfinite(track.attitude_xyzw).all(axis=1)
+    known = np.where(finite[:, np.newaxis], track.attitude_xyzw, 0.0)
+    return np.asarray(finite & (quaternion.norm(known) >= SMALLEST_NORM))

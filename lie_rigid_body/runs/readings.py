@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -11,22 +11,15 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages import NOT_GIVEN
 from lie_rigid_body.messages.definitions import places
-from lie_rigid_body.sensors import Field, Readings, Sensor, Topic
-from lie_rigid_body.simulation import SensorSamples
+from lie_rigid_body.messages.encoding import told_fields
+from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.segments import measured_ns
+from lie_rigid_body.recording.topic_messages import TopicMessages, fixed_number, value_columns
+from lie_rigid_body.sensors import Field, Sensor, Topic
+from lie_rigid_body.simulation import Segment, SensorSamples
 from lie_rigid_body.wording import call_repr
 
-if TYPE_CHECKING:
-    from lie_rigid_body.recording.sensor_reader import SensorMessages
-
 T = TypeVar("T")
-
-
-class ReadOnly:
-    """A dataclass with views of its arrays that cannot be written: an estimate is scored by the stamps it got."""
-
-    def __post_init__(self) -> None:
-        for name, array in vars(self).items():
-            object.__setattr__(self, name, read_only(array))
 
 
 def read_only(value: T) -> T:
@@ -80,35 +73,44 @@ class SensorArrays:
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
         """Make the arrays of the readings of a simulation."""
         arrays = {field.array: None for topic in sensor.topics for field in topic.fields}
-        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.readings.arrays})
+        return cls(samples.stamps_ns, samples.times_ns, {**arrays, **samples.arrays})
 
     @classmethod
-    def of_messages(
-        cls, sensor: Sensor, messages: Mapping[str, SensorMessages | None], declared: Collection[str]
-    ) -> SensorArrays | None:
-        """Make the arrays of the topics of a bag, by their relative names. Readings arrived at their log times.
+    def of_recording(cls, sensor: Sensor, recording: Recording, segments: Sequence[Segment]) -> SensorArrays | None:
+        """Make the arrays of the messages of a bag.
 
         Parameters
         ----------
         sensor : Sensor
-        messages : mapping of str to (SensorMessages or None)
-        declared : collection of str
-            Arrays that the scenarios tell. Where there is no message, they decide whether an optional field is there.
+        recording : Recording
+        segments : sequence of Segment
+            All that it declares.
 
         Returns
         -------
         SensorArrays or None
-            None without the sensor's first topic.
+            None if no scenario has the sensor, nor its first topic is in the bag.
         """
-        first = messages[sensor.topics[0].name]
-        if first is None:
+        found = {
+            topic.name: messages
+            for topic in sensor.topics
+            if isinstance(messages := recording.readings.get(topic.name), TopicMessages)
+        }
+        models = [s.scenario.sensors.on[sensor.name] for s in segments if sensor.name in s.scenario.sensors.on]
+        name, message_type = sensor.topics[0].name, sensor.topics[0].message_type
+        if name not in found and not models:
             return None
+        first = found.setdefault(name, TopicMessages.none_of(message_type))
+        arrived_ns = first.log_times_ns
+        if not recording.as_written:
+            arrived_ns = measured_ns(segments, sensor.name, first.stamps_ns)
+        declared = {field.array for model in models for topic in sensor.topics for field in told_fields(topic, model)}
         arrays = {
-            field.array: _array(topic, field, messages[topic.name], first.stamps_ns, declared)
+            field.array: _array(topic, field, found.get(topic.name), first.stamps_ns, declared)
             for topic in sensor.topics
             for field in topic.fields
         }
-        return cls(first.stamps_ns, first.log_times_ns, arrays)
+        return cls(first.stamps_ns, arrived_ns, arrays)
 
     def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
         """Take the readings that arrive in some time, as messages tell them.
@@ -121,24 +123,23 @@ class SensorArrays:
         arrays = {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
         for topic in sensor.topics[1:]:
             columns = [arrays[field.array] for field in topic.fields]
-            told = [np.isfinite(column).all(axis=1) for column in columns if column is not None]
-            missing = len(self.t_ns) - int(np.logical_and.reduce(told).sum()) * (len(told) == len(columns))
-            if missing or len(told) < len(columns):
+            none = np.zeros(len(self.t_ns), dtype=np.bool_)
+            told = [none if column is None else np.isfinite(column).all(axis=1) for column in columns]
+            missing = int(np.count_nonzero(~np.logical_and.reduce(told)))
+            if missing:
                 raise InputError(
                     f"the run does not tell {topic.name} of {missing} of {len(self.t_ns)} readings of its "
                     f"{sensor.title}, which a bag holds: record all of {topic.name} as well"
                 )
-        readings = Readings({name: array for name, array in arrays.items() if array is not None})
+        readings = {name: array for name, array in arrays.items() if array is not None}
         lost = np.zeros(len(self.t_ns), dtype=np.bool_)
         return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside(self.arrival_ns)]
 
 
 def _array(
-    topic: Topic, field: Field, messages: SensorMessages | None, t_ns: Integers, declared: Collection[str]
+    topic: Topic, field: Field, messages: TopicMessages | None, t_ns: Integers, declared: Collection[str]
 ) -> Array | None:
     """Array of a field at the stamps of readings: None if no message tells it, NaN at readings without a message."""
-    from lie_rigid_body.recording.sensor_reader import fixed_number, value_columns
-
     columns = value_columns(topic, field)
     shape = field.shape or (len(columns),)
     if messages is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,29 +11,25 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
+from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
-from lie_rigid_body.evaluation.estimate import in_order
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
-from lie_rigid_body.parameters import NS
-from lie_rigid_body.recording.attitude_reader import ATTITUDE_TYPES, AttitudeTrack, read_attitudes
 from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bag_reader import read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.recording.track_decoding import taken, texts
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
+from lie_rigid_body.runs.kept_estimate import KeptEstimate
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr, shown
 
-_TYPES: Final = (*ATTITUDE_TYPES, STRING)
-LENIENCE_NS: Final = NS
-"""Largest time between the last estimate and the last pose heard, ns, as each has its way. The scenario tells the truth
-so far beyond the poses: stamps further on are of another clock. A filter further behind has ended."""
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 
@@ -129,6 +126,8 @@ def recorded_estimate(
         If a bag cannot be read, the topic holds no estimate of one body, or there is no truth of one body.
     ParameterError
         If a declared scenario is impossible.
+    InputError
+        If an attitude is not finite, or zero.
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))
@@ -137,56 +136,20 @@ def recorded_estimate(
     else:
         truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
         true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
-    track = read_attitudes(path, contents, topic, true.frames)
+    track, kept = read_attitudes(path, contents, topic, true.frames), KeptEstimate(sys.maxsize)
     # the truth of a scenario alone has no end that a stamp could be ahead of
-    last_ns = int((track if true.poses is None else true.poses).stamps_ns.max())
-    astray = passed_by(track.stamps_ns > last_ns + LENIENCE_NS)
-    sound = _part(track, ~astray)
-    ordered = _part(sound, in_order(sound.stamps_ns))
-    read = held_against(ordered, true, true.until(int(ordered.stamps_ns.max())))
-    count, late = len(track.stamps_ns), len(sound.stamps_ns) - len(ordered.stamps_ns)
-    ahead_s = (track.stamps_ns[astray] - last_ns) / NS
-    told = (*left_ahead(ahead_s, count), *((disorder(late, count),) if late else ()))
-    return replace(read, notes=(*read.notes, *told), left_out=late + len(ahead_s))
-
-
-def _part(track: AttitudeTrack, kept: Booleans) -> AttitudeTrack:
-    """Some of the messages of a track."""
-    P = track.covariance
-    return replace(
-        track,
-        stamps_ns=track.stamps_ns[kept],
-        attitude_xyzw=track.attitude_xyzw[kept],
-        covariance=None if P is None else P[kept],
-    )
-
-
-def passed_by(ahead: Booleans) -> Booleans:
-    """Mask of the messages stamped ahead of the truth that came before one that is not: their stamps are wrong."""
-    return np.asarray(ahead & np.logical_or.accumulate(~ahead[::-1])[::-1])
-
-
-def left_ahead(ahead_s: Array, count: int) -> tuple[str, ...]:
-    """Note of a score about estimates that are left out, as they are stamped so far ahead, s; of so many in all."""
-    if not len(ahead_s):
-        return ()
-    return (
-        f"Left out of {count} estimates: {len(ahead_s)} stamped far ahead of the truth, the first by "
-        f"{ahead_s[0]:.12g} s, where later ones are not: find out what stamped them.",
-    )
-
-
-def disorder(late: int, count: int) -> str:
-    """Note of a score about estimates out of order, which are left out: so many of all."""
-    return (
-        f"{late} of {count} estimates were stamped before one that had come, and are left out: is there one publisher, "
-        "and does time never jump back?"
-    )
+    kept.add([track], 0, None if true.poses is None else int(true.poses.stamps_ns.max()))
+    kept.end(0)
+    if kept.unusable:
+        unit("estimate", track.attitude_xyzw)  # refuses them
+    ordered = kept.kept.track()
+    read = held_against(ordered, true, true.until(int(ordered.stamps_ns[-1])))
+    return replace(read, notes=(*read.notes, *kept.notes()), left_out=kept.left_out)
 
 
 def _estimate_or_truth(*topics: str) -> Wanted:
     """Want the messages of an estimate's topic, and of those that are said to or may tell the truth."""
-    return lambda name, kind: kind in _TYPES and (name in topics or name.rpartition("/")[2] in ("scenario", "pose"))
+    return lambda name, kind: kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
 
 
 @dataclass(frozen=True)
@@ -225,9 +188,7 @@ class TrueMotion:
         attitude = self.poses.attitude_xyzw[first]
         if not self.segments:
             return SampledTruth(stamps, attitude)
-        clock = self.segments[-1].clock()
-        end = clock.stamp_ns(clock.count_until(int(stamps[-1]))) - 1
-        return ScenarioTruth(self.segments, int(stamps[0]), max(end, int(stamps[-1])), stamps, attitude)
+        return ScenarioTruth.of_samples(self.segments, stamps, attitude)
 
 
 def _true_motion(
@@ -244,16 +205,17 @@ def _true_motion(
     candidates = [
         track
         for track in contents.tracks.values()
-        if track.count and track.topic != estimate_topic and not _is_of_others(path, track)
+        if track.count
+        and track.topic != estimate_topic
+        # a text may be that of another node, which calls something else a scenario
+        and (track.message_type != STRING or tells_of_body(path, contents, track))
     ]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:
-        segments = tuple(
-            declared_segments(
-                (text for _, text in texts(path, scenario.topic, [taken(path, scenario)])), f"{path}"
-            ).values()
-        )
+        require_cdr(path, scenario)
+        told = read_scenarios(path, contents, scenario)
+        segments = tuple(declared_segments((text for _, text in told), f"{path}").values())
         candidates = [track for track in candidates if track.topic == pose_beside(scenario.topic)]
     pose = given.get(POSE) or _only(path, candidates, POSE, POSE_STAMPED, near)
     if scenario is None and pose is None:
@@ -262,11 +224,6 @@ def _true_motion(
             "its topic by --topic pose:=/NAME"
         )
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
-
-
-def _is_of_others(path: Path, track: RawTrack) -> bool:
-    """Whether a topic of texts is that of another node, which calls something else a scenario."""
-    return track.message_type == STRING and not tells_of_body(texts(path, track.topic, track.pieces))
 
 
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:
@@ -284,15 +241,8 @@ def _notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
             f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
             f"{(first - start) / 1e9:.9g} s after that."
         )
-    yield from _frame_notes(track, true)
-    fault = "" if track.covariance is None else covariance_fault(track.covariance)
-    if fault:
-        yield f"There is no NEES: {fault}."
-
-
-def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
-    """Names of frames that are not those of the truth. An Imu is stamped with the frame of the sensor (REP-145)."""
-    world = true.frames[0] if true.frames else true.poses.frame if true.poses else ""
+    # an Imu is stamped with the frame of the sensor (REP-145)
+    world = true.frames[0] if true.frames else true.poses.frame if true.poses is not None else ""
     ours = {world}
     if track.message_type == IMU and true.segments:
         parameters = true.segments[0].scenario.parameters()
@@ -307,6 +257,9 @@ def _frame_notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
             f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(true.frames[1])}: they "
             "are taken for the same. Is it the right body?"
         )
+    fault = "" if track.covariance is None else covariance_fault(track.covariance)
+    if fault:
+        yield f"There is no NEES: {fault}."
 
 
 def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_topic: str) -> RawTrack | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,7 +19,14 @@ from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.runs.readings import ReadOnly, SensorArrays
+from lie_rigid_body.messages.batch import FAULTS, BatchEncoder
+from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
+from lie_rigid_body.recording.bag_writer import CUT_OFF, REWRITTEN, BagWriter
+from lie_rigid_body.recording.bodies import for_python, require_topics
+from lie_rigid_body.recording.samples import Block, bag_segments, recorded_segments
+from lie_rigid_body.recording.segments import declared_segments
+from lie_rigid_body.recording.topic_messages import FaultMessages
+from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
@@ -29,13 +36,12 @@ from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
-    from lie_rigid_body.recording.bag_reader import Recording
 
 END_OF_TIME: Final = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, eq=False)
-class Run(ReadOnly):
+class Run:
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -60,6 +66,10 @@ class Run(ReadOnly):
     segments: tuple[Segment, ...]
     faults: tuple[Fault, ...] = ()
     _recording: Recording | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, read_only(value))  # an estimate is scored by the stamps that it got
 
     def __repr__(self) -> str:
         return call_repr(self, {"t_ns": self.t_ns, **self.sensors, "segments": len(self.segments)})
@@ -106,53 +116,23 @@ class Run(ReadOnly):
         ParameterError
             If it declares a scenario that cannot be.
         """
-        from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS
-        from lie_rigid_body.messages.encoding import told_fields
-        from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag
-        from lie_rigid_body.recording.bodies import for_python, require_topics
-        from lie_rigid_body.recording.samples import recorded_segments
-        from lie_rigid_body.recording.segments import as_written
-        from lie_rigid_body.recording.sensor_clocks import measured_ns
-        from lie_rigid_body.recording.sensor_reader import (
-            FaultMessages,
-            SensorMessages,
-            no_messages,
-            recorded_faults,
-        )
-
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
         try:
             recording = Bag(path, topics=topics, in_memory=True).load()
         except BagError as error:
             raise for_python(error) from None
-        pieces = recorded_segments(recording)
-        declared = [piece.segment.scenario.sensors for piece in pieces]
-        models = [(name, model) for sensors in declared for name, model in sensors.on.items()]
-        readings: dict[str, SensorMessages | None] = {
-            name: messages if isinstance(messages := recording.readings.get(name), SensorMessages) else None
-            for name in SENSOR_TOPICS
-        }
-        for name in {SENSORS[name].topics[0].name for name, _ in models}:
-            readings[name] = readings[name] or no_messages(SENSOR_TOPICS[name])
-        for name, of_topic in () if as_written(recording) else list(readings.items()):
-            if of_topic is not None and len(of_topic):
-                readings[name] = replace(of_topic, log_times_ns=measured_ns(recording, name))
-        fields = {
-            f.array for name, model in models for topic in SENSORS[name].topics for f in told_fields(topic, model)
-        }
-        found = {sensor.key: SensorArrays.of_messages(sensor, readings, fields) for sensor in SENSORS.values()}
-        has_faults = any(models.have_faults for models in declared)  # else they are of others
-        told = recording.readings.get(FAULTS) if has_faults else None
+        pieces, declared = recorded_segments(recording), bag_segments(recording)
+        whole = Block.joined(pieces)
+        found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
+        told = recording.readings.get(FAULTS)
+        has_faults = any(piece.segment.scenario.sensors.have_faults for piece in pieces)  # else they are of others
         return cls(
-            np.concatenate([piece.stamps_ns for piece in pieces]),
-            State.trusted(
-                np.concatenate([piece.states.attitude_xyzw for piece in pieces]),
-                np.concatenate([piece.states.body_rate for piece in pieces]),
-            ),
+            whole.stamps_ns,
+            whole.states,
             {key: arrays for key, arrays in found.items() if arrays is not None},
             tuple(piece.segment for piece in pieces),
-            recorded_faults(recording.name, told) if isinstance(told, FaultMessages) else (),
+            _faults(recording.name, told) if has_faults and isinstance(told, FaultMessages) else (),
             recording,
         )
 
@@ -182,26 +162,22 @@ class Run(ReadOnly):
             If the path is none, or the run has readings of an IMU without their biases, be it one, as some bags, or of
             a sensor that its scenario has not.
         """
-        from lie_rigid_body.messages.batch import BatchEncoder
-        from lie_rigid_body.recording.bag_writer import BagWriter
-
         declared, origin = self._declared()
-        pieces = [(text, segment, self._within(segment, *bounds)) for text, segment, *bounds in _bounded(declared)]
+        starts = [segment.start_ns for segment in declared.values()][1:]
+        bounds = zip([0, *starts], [*starts, END_OF_TIME], strict=True)
+        pieces = [self._within(segment, *times) for segment, times in zip(declared.values(), bounds, strict=True)]
         with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
-            for text, segment, taken in pieces:
+            for (text, segment), taken in zip(declared.items(), pieces, strict=True):
                 bag.begin_segment(segment, text)
                 bag.write(BatchEncoder(segment.scenario).encode(taken))
 
     def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
         """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""
-        from lie_rigid_body.recording.bag_writer import CUT_OFF, REWRITTEN
-        from lie_rigid_body.recording.segments import as_written, declared_segments
-
         recording = self._recording
         if recording is None:
             return {segment.to_json(): segment for segment in self.segments}, {}
         declared = declared_segments((text for _, text in recording.scenario_texts), recording.name)
-        if as_written(recording):
+        if recording.as_written:
             return declared, {"end": CUT_OFF} if recording.was_cut_off and recording.expected_samples is None else {}
         recorder = recording.library.partition(REWRITTEN)[0]
         return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}
@@ -220,7 +196,6 @@ class Run(ReadOnly):
             Its ``passed``, ``messages`` and ``attitude_accuracy`` (rad) tell the verdict.
         """
         from lie_rigid_body.certificate import certify
-        from lie_rigid_body.recording.bag_reader import read_bag
 
         if self._recording is not None:
             return certify(self._recording, inertia)
@@ -230,9 +205,7 @@ class Run(ReadOnly):
 
     def attitude(self) -> ScenarioTruth:
         """The true attitude at any time from the first sample until just before the one after the last."""
-        clock, last = self.segments[-1].clock(), int(self.t_ns[-1])
-        end = clock.stamp_ns(clock.count_until(last)) - 1
-        return ScenarioTruth(self.segments, int(self.t_ns[0]), end, self.t_ns, self.truth.attitude_xyzw)
+        return ScenarioTruth.of_samples(self.segments, self.t_ns, self.truth.attitude_xyzw)
 
     def score(
         self,
@@ -382,11 +355,12 @@ class Run(ReadOnly):
         return taken
 
 
-def _bounded(declared: Mapping[str, Segment]) -> Iterator[tuple[str, Segment, int, int]]:
-    """Each segment by its text, with the first stamp that may be in it and the first after it."""
-    starts = [segment.start_ns for segment in declared.values()]
-    for (text, segment), begin, end in zip(declared.items(), [0, *starts[1:]], [*starts[1:], END_OF_TIME], strict=True):
-        yield text, segment, begin, end
+def _faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:
+    """The faults that messages of a bag of that name tell of, in file order; repeats of a text count once."""
+    try:
+        return tuple(map(Fault.from_json, dict.fromkeys(told.texts)))
+    except InputError as error:
+        raise BagError(f"{name}: {error}") from None
 
 
 def _first_after(stamps: Integers, after_s: float) -> int:

@@ -61,6 +61,13 @@ class ScenarioTruth(Truth):
             for i, inside in self._segments_of(stamps):
                 self._corrections[i] = _Correction(int(self._starts[i]), stamps[inside], miss[inside])
 
+    @classmethod
+    def of_samples(cls, segments: Sequence[Segment], stamps_ns: Integers, attitude_xyzw: ArrayLike) -> ScenarioTruth:
+        """The motion from the first sample until just before the one that would follow the last."""
+        clock, last_ns = segments[-1].clock(), int(stamps_ns[-1])
+        end_ns = max(clock.stamp_ns(clock.count_until(last_ns)) - 1, last_ns)
+        return cls(segments, int(stamps_ns[0]), end_ns, stamps_ns, attitude_xyzw)
+
     def at(self, stamps_ns: Integers) -> Array:
         """The exact solution, turned to the samples."""
         stamps = np.asarray(stamps_ns)

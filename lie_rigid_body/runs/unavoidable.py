@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Truth
 from lie_rigid_body.evaluation.unavoidable import (
@@ -20,9 +20,9 @@ from lie_rigid_body.evaluation.unavoidable import (
 )
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
-from lie_rigid_body.sensors.sensor import AttitudeAid, VectorAid
+from lie_rigid_body.sensors.sensor import VectorAid
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.simulation.sample_clock import SampleClock
+from lie_rigid_body.simulation.segment import SampleClock
 
 THINNED: Final = 40_000
 """Readings of the IMU at which the bound is computed for a score, in a few seconds at most.
@@ -56,15 +56,14 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
         None without an IMU, or where a sensor that tells the attitude has no noise: then the bound is 0. It is None as
         well where the IMU tells its orientation, whose noise is not that of an independent reading.
     """
-    parts = []
-    whole = max(1, last_ns - segments[0].start_ns) if segments else 1
+    if not segments or not all(_has_noise(segment.scenario.sensors) for segment in segments):
+        return None
+    whole, parts = max(1, last_ns - segments[0].start_ns), list[UnavoidableError]()
     for segment, later in zip_longest(segments, segments[1:]):
         end = min(last_ns, later.start_ns - 1 if later else last_ns)
         share = None if most is None else max(FEWEST, most * (end - segment.start_ns) // whole)
-        part = _of_segment(segment, end, share)
-        if part is None:
-            return None
-        parts += [part] if len(part.stamps_ns) else []
+        stamps = _stamps(segment, segment.scenario.sensors.imu.rate, end)
+        parts += [_of_segment(segment, stamps, end, share)] if len(stamps) else []
     if not parts:
         return None
     return UnavoidableError(
@@ -115,17 +114,14 @@ def _left_by_errors(scenario: Scenario) -> float:
     return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
 
-def _of_segment(segment: Segment, last_ns: int, most: int | None) -> UnavoidableError | None:
-    scenario = segment.scenario
-    imu = scenario.sensors.imu
-    if imu is None or not _has_noise(scenario.sensors):
-        return None
-    every = _stamps(segment, imu.rate, last_ns)
-    if not len(every):
-        return UnavoidableError(np.empty((0, 3, 3)), np.empty((0, 3, 3)), np.empty((0, 3, 3)), every)
+def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int | None) -> UnavoidableError:
+    scenario, imu = segment.scenario, segment.scenario.sensors.imu
     vectors, attitudes = _aids(segment, last_ns)
-    others = [*(np.asarray(aid.stamps_ns) for aid in vectors), *(np.asarray(aid.stamps_ns) for aid in attitudes)]
-    numbers = _kept(every, others, most)
+    numbers = _kept(
+        every,
+        [np.asarray(stamps) for stamps in (*(v.stamps_ns for v in vectors), *(a.stamps_ns for a in attitudes))],
+        most,
+    )
     stamps = every[numbers]
     return unavoidable_error(
         stamps,
@@ -165,21 +161,16 @@ def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[At
                 bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
                 vectors.append(VectorReadings(stamps, aid.reference, aid.noise, bias))
             else:
-                attitudes.append(AttitudeReadings(stamps, _covariance(aid)))
+                across, about, axis = aid.across**2, aid.about**2, np.outer(aid.axis, aid.axis)
+                attitudes.append(AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis))
     return vectors, attitudes
 
 
-def _covariance(aid: AttitudeAid) -> Array:
-    across, about = aid.across**2, aid.about**2
-    return np.asarray(across * np.eye(3) + (about - across) * np.outer(aid.axis, aid.axis))
-
-
 def _has_noise(sensors: Sensors) -> bool:
-    """Whether each sensor that tells of the attitude has white noise; one without would leave no error."""
-    aids = [aid for model in sensors.on.values() for aid in model.aids]
-    return bool(
-        sensors.imu.orientation is None and sensors.imu.gyro.noise_density and not any(aid.is_exact for aid in aids)
-    )
+    """Whether there is an IMU, and each sensor that tells of the attitude has white noise: else no error is left."""
+    imu, aids = sensors.imu, [aid for model in sensors.on.values() for aid in model.aids]
+    told = imu is not None and imu.orientation is None and imu.gyro.noise_density
+    return bool(told and not any(aid.is_exact for aid in aids))
 
 
 def _stamps(segment: Segment, rate: float, last_ns: int) -> Integers:

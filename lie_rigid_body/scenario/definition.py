@@ -214,25 +214,15 @@ class Scenario:
     def _longest_step(self, fastest: float) -> float:
         return longest_step(self.max_step, METHODS[self.method].largest_turn, fastest)
 
-    def _slowest_rate(self) -> float:
-        """Lowest sampling rate among truth and active sensors, Hz."""
-        return min(self._rates())
-
-    def _rates(self) -> list[float]:
-        """Sampling rates of the truth and of the active sensors, Hz."""
-        return [self.rate, *(sensor.rate for sensor in self.sensors.on.values())]
-
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
             require_frame_name(name, getattr(self, name))
         self._require_distinct_frames()
         with np.errstate(all="ignore"):  # what goes wrong is said below
             body, start = self.body(), self._valid_start()
-            _require_normal_inertia(body)
-            _require_normal_motion(body, start)
+            _require_normal(body, start)
         fastest = self.rate_bound()
         if self.motion == "moving_chart":
-            self._require_small_steps(fastest)
             self._require_possible_steps(fastest)
         for model in self.sensors.on.values():
             if error := model.refusal(fastest):
@@ -252,17 +242,17 @@ class Scenario:
             name = f"initial_{error.name}"
             raise ParameterError(name, str(error).removeprefix(f"{error.name}: ")) from None
 
-    def _require_small_steps(self, fastest: float) -> None:
-        step = min(self._longest_step(fastest), 1.0 / self._slowest_rate())
+    def _require_possible_steps(self, fastest: float) -> None:
+        """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""
+        slowest = min([self.rate, *(sensor.rate for sensor in self.sensors.on.values())])
+        step = min(self._longest_step(fastest), 1.0 / slowest)
         if fastest * step > LARGEST_TURN_PER_STEP:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
                 f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
             )
-
-    def _require_possible_steps(self, fastest: float) -> None:
-        steps = self.steps_per_sample(self._slowest_rate())
+        steps = self.steps_per_sample(slowest)
         if steps > MOST_STEPS:
             raise ParameterError(
                 "initial_body_rate",
@@ -277,17 +267,14 @@ def _shorter(longest: float) -> str:
     return f"give at most {step:g} s, or " if step >= BY_NAME["max_step"].minimum else ""
 
 
-def _require_normal_inertia(body: RigidBody) -> None:
+def _require_normal(body: RigidBody, start: State) -> None:
+    """Refuse what is out of the range of double precision; an energy may be so small that it is 0."""
     if not (_is_normal(body.principal_moments) and _is_normal(1.0 / body.principal_moments)):
         raise ParameterError(
             "inertia",
             f"principal moments {_listed(body.principal_moments)}, or their inverses, are beyond double precision: "
             "give moments between 1e-300 and 1e300 kg m²",
         )
-
-
-def _require_normal_motion(body: RigidBody, start: State) -> None:
-    """Refuse energies and momenta out of the range of double precision; an energy may be so small that it is 0."""
     energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(

@@ -178,13 +178,9 @@ def sources(
 ) -> list[Source]:
     """The sources that `gather` merges, each read once: a pipe can be read no second time."""
     given = [(path, read_parameter_file(path, node_name, namespace)) for path in files_read(scenario, files)]
-    return [*given, (None, dict(_own_assignment(text, node_name) for text in assignments))]
-
-
-def _own_assignment(text: str, node_name: str) -> tuple[str, object]:
-    """An assignment, which may name the node as one for ROS may: ``NODE:NAME:=VALUE``."""
-    name, value = parse_assignment(text)
-    return name.removeprefix(f"{node_name}:"), value
+    # one for ROS may name the node: NODE:NAME:=VALUE
+    assigned = {name.removeprefix(f"{node_name}:"): value for name, value in map(parse_assignment, assignments)}
+    return [*given, (None, assigned)]
 
 
 def merge(given: Sequence[Source]) -> dict[str, object]:

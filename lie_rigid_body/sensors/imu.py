@@ -3,34 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
-from typing import Final, cast
+from typing import Any, Final, Self
+
+import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.lie import so3
+from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Parameter, Value, Vector, require_at_most, vector
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.gyro_rate import IntegratedRate
-from lie_rigid_body.sensors.noise import NoiseSource
-from lie_rigid_body.sensors.orientation import Orientation, OrientationModel
-from lie_rigid_body.sensors.parameters import angle, not_negative, numbers, triad_fault_parameters, triad_parameters
-from lie_rigid_body.sensors.sensor import (
-    Carrier,
-    Field,
-    Instrument,
-    Sensor,
-    SensorModel,
-    Topic,
-    VectorAid,
-    diagonal,
+from lie_rigid_body.parameters import Parameter, Vector, require_at_most
+from lie_rigid_body.sensors.inertial import IntegratedRate, SpecificForce
+from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import (
+    Values,
+    angle,
+    not_negative,
+    numbers,
+    triad_fault_parameters,
+    triad_parameters,
+    values_of,
 )
+from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Conditioning, Signal
-from lie_rigid_body.sensors.specific_force import SpecificForce
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
 
@@ -41,6 +38,30 @@ LARGEST_TURN_PER_READING: Final = 3.0
 
 
 @dataclass(frozen=True)
+class OrientationModel:
+    """The model of an orientation: exp(n_k) ⊗ A, with A the attitude and n_k a small rotation in the world frame.
+
+    Parameters
+    ----------
+    inclination_noise : float
+        Standard deviation of n about each horizontal axis of the world, rad.
+    heading_noise : float
+        Standard deviation of n about the vertical, z of the world, rad.
+    """
+
+    inclination_noise: float
+    heading_noise: float
+
+    __repr__ = short_repr
+
+    @property
+    def covariance(self) -> tuple[float, ...]:
+        """Covariance of n, of small rotations about the fixed axes of the world, rad², row by row."""
+        inclination, heading = self.inclination_noise**2, self.heading_noise**2
+        return (inclination, 0.0, 0.0, 0.0, inclination, 0.0, 0.0, 0.0, heading)
+
+
+@dataclass(frozen=True, repr=False)
 class ImuModel(SensorModel):
     """The model of an IMU. Its frame has the body's axes, but for the misalignments, at the end of the lever arm.
 
@@ -69,40 +90,27 @@ class ImuModel(SensorModel):
     lever_arm: Vector
     orientation: OrientationModel | None = None
 
-    __repr__ = short_repr
-
     @classmethod
-    def from_values(cls, values: Mapping[str, Value]) -> ImuModel:
-        """Make the model of the parameters' values, and validate it.
-
-        Raises
-        ------
-        ParameterError
-        """
-        lever_arm = vector(values, "accelerometer_lever_arm")
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+        lever_arm, tells = values["accelerometer_lever_arm"], values["imu_orientation"]
         require_at_most("accelerometer_lever_arm", lever_arm, LONGEST_LEVER_ARM_M, "m")
-        return cls(
-            rate=cast(float, values["imu_rate"]),
-            seed=cast(int, values["sensor_seed"]),
-            gyro_rate=cast(str, values["gyro_rate"]),
+        return super().from_values(
+            sensor,
+            values,
+            gyro_rate=values["gyro_rate"],
             gyro=TriadModel.from_values("gyro", values),
             accelerometer=TriadModel.from_values("accelerometer", values),
-            accelerometer_mode=cast(str, values["accelerometer_mode"]),
-            gravity=cast(float, values["gravity"]),
+            accelerometer_mode=values["accelerometer_mode"],
+            gravity=values["gravity"],
             lever_arm=lever_arm,
-            orientation=OrientationModel.from_values(values),
-            delivery=Delivery.from_values("imu", values),
+            orientation=OrientationModel(**values_of(OrientationModel, sensor, values)) if tells else None,
         )
 
     @property
     def support(self) -> float:
         """Specific force of what holds the mass centre, along z of the world frame, m/s²; 0 in free fall."""
         return self.gravity if self.accelerometer_mode == "pivot_gravity" else 0.0
-
-    @property
-    def faulty(self) -> tuple[Faulty | None, ...]:
-        """Delivery, gyro and accelerometer, which can have faults."""
-        return (self.delivery, self.gyro.faults, self.accelerometer.faults)
 
     @property
     def aids(self) -> tuple[VectorAid, ...]:
@@ -135,92 +143,59 @@ class Imu(Instrument):
     model : ImuModel
     body : RigidBody
         The body to which it is fixed.
-    before_ns : int
-        A time one interval before the first sample, ns; it may be negative.
-    before : State
-        The body's state at that time. Only an integrated rate looks at them.
     """
 
-    def __init__(self, model: ImuModel, body: RigidBody, before_ns: int, before: State) -> None:
-        self._model = model
-        self._integrated = _integrated(model, before_ns, before)
+    def __init__(self, model: ImuModel, body: RigidBody) -> None:
+        self._model, self._integrates = model, model.gyro_rate == "integrated"
         self._force = SpecificForce(body, model.lever_arm, model.support)
-        self._gyro = Triad(
-            model.gyro,
-            model.rate,
-            model.seed,
-            turn_on=NoiseSource.GYRO_TURN_ON,
-            walk=NoiseSource.GYRO_WALK,
-            white=NoiseSource.GYRO_WHITE,
+        gyro = (NoiseSource.GYRO_TURN_ON, NoiseSource.GYRO_WALK, NoiseSource.GYRO_WHITE)
+        self._gyro = Triad(model.gyro, model.rate, model.seed, *gyro)
+        accelerometer = (
+            NoiseSource.ACCELEROMETER_TURN_ON,
+            NoiseSource.ACCELEROMETER_WALK,
+            NoiseSource.ACCELEROMETER_WHITE,
         )
-        self._accelerometer = Triad(
-            model.accelerometer,
-            model.rate,
-            model.seed,
-            turn_on=NoiseSource.ACCELEROMETER_TURN_ON,
-            walk=NoiseSource.ACCELEROMETER_WALK,
-            white=NoiseSource.ACCELEROMETER_WHITE,
-        )
-        self._orientation = None if model.orientation is None else Orientation(model.orientation, model.seed)
+        self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, *accelerometer)
+        self._turn = WhiteNoise(model.seed, NoiseSource.ORIENTATION_WHITE, 1.0)
+        self.walks = bool(model.gyro.bias_random_walk or model.accelerometer.bias_random_walk)
 
-    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
-        """The next readings before their converters; see `Instrument.measure`."""
-        rates = states.body_rate if self._integrated is None else self._integrated.over(times_ns, states)
+    def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:
+        """Begin with the reading one interval after a time; see `Instrument.begin_after`."""
+        if self._integrates:
+            self._rate = IntegratedRate(before_ns, state())
+
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings before their converters; see `Instrument.measure`."""
+        rates = self._rate.over(times_ns, states) if self._integrates else states.body_rate
         rate = Signal(rates, condition=lambda: self._rate_conditioning(states))
-        gyro, gyro_bias = self._gyro.signals(times_ns, rate)
-        force, force_bias = self._accelerometer.signals(times_ns, self._force.signal(states))
+        gyro, gyro_bias = self._gyro.signals(first, times_ns, rate)
+        force, force_bias = self._accelerometer.signals(first, times_ns, self._force.signal(states))
         signals = {
             "gyro": gyro,
             "specific_force": force,
             "gyro_bias": gyro_bias,
             "accelerometer_bias": force_bias,
         }
-        if self._orientation is not None:
-            signals["orientation_xyzw"] = self._orientation.signal(states)
+        if self._model.orientation is not None:
+            signals["orientation_xyzw"] = self._oriented(self._model.orientation, states, first)
         return signals
 
     def _rate_conditioning(self, states: State) -> Conditioning:
         """How far the true rates may differ; an integrated one is the difference of two attitudes over the interval."""
         speed, rate = so3.norm(states.body_rate), self._model.rate
-        if self._model.gyro_rate != "integrated":
+        if not self._integrates:
             return Conditioning.of(speed, per_rate=1.0)
         return Conditioning.of(speed + rate, per_rate=1.0, span=1.0 / rate)
 
-    @property
-    def walks(self) -> bool:
-        """Whether the bias of gyro or accelerometer walks."""
-        return bool(self._model.gyro.bias_random_walk or self._model.accelerometer.bias_random_walk)
-
-    def repeated(
-        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
-    ) -> Iterator[int]:
-        """Readings that an axis that is stuck repeats; see `Instrument.repeated`."""
-        for faults in (self._model.gyro.faults, self._model.accelerometer.faults):
-            if faults is not None:
-                yield from faults.repeated(number, elapsed_ns, number_before)
-
-    def skip(self, count: int, before_ns: int, before: State) -> None:
-        """Leave out the next readings; see `Instrument.skip`."""
-        self._integrated = _integrated(self._model, before_ns, before)
-        self._gyro.skip(count)
-        self._accelerometer.skip(count)
-        if self._orientation is not None:
-            self._orientation.skip(count)
-
-
-def _integrated(model: ImuModel, before_ns: int, before: State) -> IntegratedRate | None:
-    """Mean rates from a time, ns, on, at which the body has a state; None of a gyro that measures the rate itself."""
-    return IntegratedRate(before_ns, before) if model.gyro_rate == "integrated" else None
-
-
-def _made(model: ImuModel, carrier: Carrier, before_ns: int) -> Imu:
-    # an instantaneous rate does not look at the state before, to which no integrator goes
-    before = carrier.exact_motion().at(before_ns) if model.gyro_rate == "integrated" else carrier.start()
-    return Imu(model, carrier.body(), before_ns, before)
-
-
-def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
-    return _UNORIENTED
+    def _oriented(self, model: OrientationModel, states: State, first: int) -> Signal:
+        """The orientations that it tells, world-from-body, scalar last, shape (N, 4)."""
+        attitude, error = states.attitude_xyzw, np.zeros((len(states.attitude_xyzw), 3))
+        sigma = np.array([model.inclination_noise, model.inclination_noise, model.heading_noise])
+        if sigma.any():
+            error = sigma * self._turn.draw(first, len(attitude))
+            attitude = quaternion.multiply(quaternion.exp(error), attitude)
+        # half of an angle is what a component of a quaternion changes by at most
+        return Signal(attitude, condition=lambda: Conditioning.of(1.0 + so3.norm(error), 0.5))
 
 
 def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
@@ -233,6 +208,10 @@ def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:
     }
 
 
+def _fixed_of_bias(model: ImuModel) -> dict[str, tuple[float, ...]]:
+    return _UNORIENTED
+
+
 _UNORIENTED: Final[dict[str, tuple[float, ...]]] = {
     "orientation": (0.0, 0.0, 0.0, 1.0),
     "orientation_covariance": (-1.0, *[0.0] * 8),
@@ -243,7 +222,7 @@ IMU: Final = Sensor(
     "imu",
     "IMU",
     ImuModel,
-    _made,
+    Imu,
     (
         Topic(
             "imu/data_raw",

@@ -3,35 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Any, Final, Self
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import State
-from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.magnetic_disturbance import MagneticDisturbance
-from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, WhiteNoise
-from lie_rigid_body.sensors.parameters import episode_parameters, not_negative, numbers, triad_fault_parameters
-from lie_rigid_body.sensors.quantisation import Converter
-from lie_rigid_body.sensors.sensor import (
-    Carrier,
-    Field,
-    Instrument,
-    Sensor,
-    SensorModel,
-    Topic,
-    VectorAid,
-    diagonal,
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.parameters import Vector, require_at_most
+from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty
+from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import (
+    Values,
+    episode_parameters,
+    not_negative,
+    numbers,
+    triad_fault_parameters,
 )
-from lie_rigid_body.sensors.signal import Signal
-from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
+from lie_rigid_body.sensors.signal import Converter, Signal
+from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
@@ -39,7 +32,61 @@ LARGEST_SOFT_IRON: Final = 1e6
 """Largest magnitude of an entry of the soft-iron matrix."""
 
 
+_KIND: Final = "magnetic_disturbance"
+
+
 @dataclass(frozen=True)
+class MagneticDisturbance(Faulty):
+    """A field that comes and goes: something of iron comes by, or a current flows for a while.
+
+    It is of the world, its size times (1 − s²)², with s from −1 to 1 over an episode.
+
+    Parameters
+    ----------
+    sensor, seed, window
+        See `Faulty`.
+    episodes : Episodes
+    size : float
+        Magnitude at its height, T; the direction in the world is drawn evenly over the sphere.
+    """
+
+    episodes: Episodes
+    size: float
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Values) -> Self | None:
+        """Make the disturbance of the parameters; None if there is none. See `Faulty.from_values`."""
+        episodes = Episodes.from_values(values, sensor, _KIND, _KIND)
+        size = values[f"{_KIND}_size"]
+        return None if episodes is None else cls(sensor, episodes.seed, episodes.window, episodes, size)
+
+    def field(self, times_ns: Integers) -> Array:
+        """The field in the world at some times since the segment's start, shape (N, 3), T."""
+        numbers = self.episodes.at(times_ns)
+        inside = np.flatnonzero(numbers >= 0)
+        field = np.zeros((len(times_ns), 3))
+        age = times_ns[inside] - self.episodes.begins_ns(numbers[inside])
+        s = 2.0 * age / self.episodes.duration_ns - 1.0
+        bump = 1.0 - s * s
+        field[inside] = (bump * bump)[:, np.newaxis] * self._heights(numbers[inside])
+        return field
+
+    def _heights(self, numbers: Integers) -> Array:
+        """The field at the height of each episode, shape (N, 3), T."""
+        from scipy.special import ndtri  # slow to import: not before there is a disturbance
+
+        # the direction of three normal deviates is uniform on the sphere
+        x, y, z = ndtri(self.episodes.draws(numbers)[:, 1:]).T
+        return np.asarray(self.size * np.stack([x, y, z], axis=-1) / np.sqrt(x * x + y * y + z * z)[:, np.newaxis])
+
+    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
+        """Faults that begin in a stretch of time, one for each axis of the world; see `Faulty`."""
+        for number, begin, end in self.episodes.between(begin_ns, end_ns):
+            for axis, size in zip(AXES, self._heights(np.array([number]))[0].tolist(), strict=True):
+                yield Fault(_KIND, self.sensor, axis, begin, end, size)
+
+
+@dataclass(frozen=True, repr=False)
 class MagnetometerModel(SensorModel):
     """The model of a magnetometer in the field B of the world, at the attitude A.
 
@@ -77,42 +124,20 @@ class MagnetometerModel(SensorModel):
     disturbance: MagneticDisturbance | None = None
     faults: TriadFaults | None = None
 
-    __repr__ = short_repr
-
     @classmethod
-    def from_values(cls, values: Mapping[str, Value]) -> MagnetometerModel:
-        """Build the model from parameter values.
-
-        Raises
-        ------
-        ParameterError
-            If a value is invalid.
-        """
-        number = {key: cast(float, values[f"magnetometer_{key}"]) for key in _NUMBERS}
-        converter = Converter(number["resolution"], number["range"])
-        converter.validate("magnetometer")
-        field, hard_iron = vector(values, "magnetic_field"), vector(values, "magnetometer_hard_iron")
-        soft_iron = vector(values, "magnetometer_soft_iron")
-        require_at_most("magnetic_field", field, STRONGEST_FIELD_T, "T")
-        require_at_most("magnetometer_hard_iron", hard_iron, STRONGEST_FIELD_T, "T")
-        require_at_most("magnetometer_soft_iron", soft_iron, LARGEST_SOFT_IRON, "")
-        return cls(
-            rate=number["rate"],
-            seed=cast(int, values["sensor_seed"]),
-            field=field,
-            noise_density=number["noise_density"],
-            hard_iron=hard_iron,
-            soft_iron=soft_iron,
-            converter=converter,
-            delivery=Delivery.from_values("magnetometer", values),
-            disturbance=MagneticDisturbance.from_values(values),
-            faults=TriadFaults.from_values("magnetometer", values),
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+        require_at_most("magnetic_field", values["magnetic_field"], STRONGEST_FIELD_T, "T")
+        require_at_most("magnetometer_hard_iron", values["magnetometer_hard_iron"], STRONGEST_FIELD_T, "T")
+        require_at_most("magnetometer_soft_iron", values["magnetometer_soft_iron"], LARGEST_SOFT_IRON, "")
+        return super().from_values(
+            sensor,
+            values,
+            field=values["magnetic_field"],
+            converter=Converter.from_values(sensor, values),
+            disturbance=MagneticDisturbance.from_values(sensor, values),
+            faults=TriadFaults.from_values(sensor, values),
         )
-
-    @property
-    def faulty(self) -> tuple[Faulty | None, ...]:
-        """Delivery, surroundings and axes, which can have faults."""
-        return (self.delivery, self.disturbance, self.faults)
 
     @property
     def variance(self) -> float:
@@ -126,55 +151,34 @@ class MagnetometerModel(SensorModel):
         return (VectorAid(self.field, noise, iron),) if any(self.field) else ()
 
 
-_NUMBERS: Final = ("rate", "noise_density", "resolution", "range")
-
-
 class Magnetometer(Instrument):
     """A magnetometer at work: the field on the body's axes, which are the sensor's, T.
 
     Parameters
     ----------
     model : MagnetometerModel
+    body : RigidBody, optional
+        The body to which it is fixed, at which it does not look.
     """
 
-    def __init__(self, model: MagnetometerModel) -> None:
-        self._field = np.array(model.field)
-        self._soft_iron = np.array(model.soft_iron).reshape(3, 3)
-        self._hard_iron = np.array(model.hard_iron)
-        self._converter = model.converter
-        self._noise = BlockBuffer(
-            WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate))
-        )
-        self._disturbance = model.disturbance
-        self._faults = None if model.faults is None else FaultyTriad(model.faults, model.rate, model.converter)
+    def __init__(self, model: MagnetometerModel, body: RigidBody | None = None) -> None:
+        self._model, self._soft_iron = model, np.array(model.soft_iron).reshape(3, 3)
+        sigma = model.noise_density * math.sqrt(model.rate)
+        self._noise = WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, sigma)
+        self._faulty = None if model.faults is None else FaultyTriad(model.faults, model.rate, model.converter)
 
-    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
-        """The next readings before the converter; see `Instrument.measure`."""
-        world_field = np.broadcast_to(self._field, (len(times_ns), 3))
-        if self._disturbance is not None:
-            world_field = world_field + self._disturbance.field(times_ns)
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings before the converter; see `Instrument.measure`."""
+        model, count = self._model, len(times_ns)
+        world_field = np.broadcast_to(model.field, (count, 3))
+        if model.disturbance is not None:
+            world_field = world_field + model.disturbance.field(times_ns)
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
-        signal = Signal(field, self._converter).through(self._soft_iron).plus(self._hard_iron)
-        signal = signal.plus(self._noise.take(len(field)))
-        if self._faults is not None:
-            signal = self._faults.disturbed(times_ns, signal.plus(self._faults.drift(times_ns)))
+        signal = Signal(field, model.converter).through(self._soft_iron).plus(np.array(model.hard_iron))
+        signal = signal.plus(self._noise.draw(first, count))
+        if model.faults is not None and self._faulty is not None:
+            signal = self._faulty.disturbed(first, times_ns, signal.plus(model.faults.drift(times_ns)))
         return {"field": signal}
-
-    def skip(self, count: int, before_ns: int, before: State) -> None:
-        """Leave out the next readings; see `Instrument.skip`."""
-        self._noise.skip(count)
-        if self._faults is not None:
-            self._faults.skip(count)
-
-    def repeated(
-        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
-    ) -> Iterator[int]:
-        """Readings that an axis that is stuck repeats; see `Instrument.repeated`."""
-        return iter(()) if self._faults is None else self._faults.model.repeated(number, elapsed_ns, number_before)
-
-
-def _made(model: MagnetometerModel, carrier: Carrier, before_ns: int) -> Magnetometer:
-    return Magnetometer(model)
 
 
 def _fixed(model: MagnetometerModel) -> dict[str, tuple[float, ...]]:
@@ -187,7 +191,7 @@ MAGNETOMETER: Final = Sensor(
     "magnetometer",
     "magnetometer",
     MagnetometerModel,
-    _made,
+    Magnetometer,
     (
         Topic(
             "imu/mag",

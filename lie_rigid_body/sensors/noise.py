@@ -14,21 +14,23 @@ J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as
 from __future__ import annotations
 
 from enum import IntEnum, unique
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.sensors.signal import Conditioning, Signal
 
-BLOCK: Final = 256
-"""Vectors drawn at once when fewer are wanted: to draw one costs almost as much as to draw all of them."""
+_FEW: Final = 256
+"""Numbers that are drawn in vain at most, rather than that the generator is set to another place."""
 _WORDS_PER_COUNT: Final = 4
 """Random words that Philox 4×64 makes of one value of its counter."""
 _SKIPPED_AT_ONCE: Final = 65_536
 """Vectors of a walk that are drawn together where they are left out, which bounds the memory."""
-_HIGHEST_BIT: Final = np.uint64(2**63)
-"""Bit of the sign of a double. In a random word it is clear where the uniform number is below ½."""
+_WALK: Final = 0.5
+"""Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps:
+the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""
 _ONE: Final = np.float64(1.0).view(np.uint64)
 """Bits of the double 1."""
 
@@ -52,20 +54,51 @@ class NoiseSource(IntEnum):
     SUN_SENSOR_WHITE = 10
 
 
-class RandomVectors(Protocol):
-    """A sequence of random vectors."""
+class Draws:
+    """Uniform numbers between 0 and 1, so many for each whole number from 0 on, in whatever order they are asked for.
 
-    def draw(self, count: int) -> Array:
-        """The next ``count`` vectors, shape (count, 3)."""
-        ...
+    Parameters
+    ----------
+    seed : int
+        Seed from 0 to 2⁶⁴ − 1.
+    source : int
+        A `NoiseSource`, or the stream of a fault.
+    width : int, optional
+        How many belong to each whole number.
+    """
 
-    def skip(self, count: int) -> None:
-        """Leave out the next ``count`` vectors."""
-        ...
+    def __init__(self, seed: int, source: int, width: int = _WORDS_PER_COUNT) -> None:
+        self._key, self._width = np.array([seed, source], dtype=np.uint64), width
+        self._words, self._taken = np.random.Philox(key=self._key), 0
+
+    def following(self, first: int, count: int) -> Array:
+        """Numbers that belong to ``count`` whole numbers from ``first`` on, shape (count, width)."""
+        begin = self._width * first
+        if begin != self._taken:  # to set a generator to a place takes as long as to draw 1000 words
+            blocks, rest = divmod(begin, _WORDS_PER_COUNT)
+            self._words = np.random.Philox(counter=blocks, key=self._key)
+            self._words.random_raw(rest)
+        self._taken = begin + self._width * count
+        return uniform(self._words.random_raw(self._width * count)).reshape(count, self._width)
+
+    def of(self, numbers: Integers) -> Array:
+        """Numbers that belong to some whole numbers, shape (N, width)."""
+        if not len(numbers):
+            return np.empty((0, self._width))
+        low, high = int(numbers.min()), int(numbers.max())
+        if high - low < 4 * len(numbers) + _FEW:
+            return self.following(low, high - low + 1)[numbers - low]
+        return np.concatenate([self.following(int(number), 1) for number in numbers])
+
+
+def uniform(words: NDArray[np.uint64]) -> Array:
+    """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
+    numbers = (words >> np.uint64(12) | _ONE).view(np.float64)  # 1 + 2⁻⁵² j
+    return np.subtract(numbers, 1.0 - 2.0**-53, out=numbers)
 
 
 class WhiteNoise:
-    """Independent normal vectors of mean 0.
+    """Independent normal vectors of mean 0, one for each whole number from 0 on.
 
     Parameters
     ----------
@@ -78,69 +111,16 @@ class WhiteNoise:
     """
 
     def __init__(self, seed: int, source: int, sigma: float) -> None:
-        self._key = np.array([seed, source], dtype=np.uint64)
-        self._words = np.random.Philox(key=self._key)
-        self._taken = 0
-        self._sigma = sigma
+        self.sigma, self._draws = sigma, Draws(seed, source, width=3)
 
-    def draw(self, count: int) -> Array:
-        """The next ``count`` vectors, shape (count, 3)."""
-        self._taken += 3 * count
-        return self._normal(self._words.random_raw(3 * count)).reshape(count, 3)
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation on each axis."""
-        return self._sigma
-
-    def skip(self, count: int) -> None:
-        """Leave out the next ``count`` vectors. The time that this takes does not depend on ``count``."""
-        self._taken += 3 * count
-        blocks, rest = divmod(self._taken, _WORDS_PER_COUNT)
-        self._words = np.random.Philox(counter=blocks, key=self._key)
-        self._words.random_raw(rest)
-
-    def _normal(self, words: NDArray[np.uint64]) -> Array:
-        if self._sigma == 0.0:
-            return (~words & _HIGHEST_BIT).view(np.float64)  # the zeros have the signs of deviates
+    def draw(self, first: int, count: int) -> Array:
+        """The vectors of ``count`` whole numbers from ``first`` on, shape (count, 3)."""
+        numbers = self._draws.following(first, count)
+        if self.sigma == 0.0:
+            return np.copysign(0.0, numbers - 0.5)  # the zeros have the signs of deviates
         from scipy.special import ndtri  # slow to import: not before there is noise
 
-        numbers = uniform(words)
-        return np.multiply(self._sigma, ndtri(numbers, out=numbers), out=numbers)
-
-
-def uniform(words: NDArray[np.uint64]) -> Array:
-    """Numbers (2j + 1) 2⁻⁵³: the midpoints of 2⁵² equal cells, which never are 0 or 1, and lie evenly about ½."""
-    numbers = (words >> np.uint64(12) | _ONE).view(np.float64)  # 1 + 2⁻⁵² j
-    return np.subtract(numbers, 1.0 - 2.0**-53, out=numbers)
-
-
-class Draws:
-    """Uniform numbers between 0 and 1, four for each whole number from 0 on, in whatever order they are asked for.
-
-    Parameters
-    ----------
-    seed : int
-        Seed from 0 to 2⁶⁴ − 1.
-    source : int
-    """
-
-    def __init__(self, seed: int, source: int) -> None:
-        self._key = np.array([seed, source], dtype=np.uint64)
-
-    def following(self, first: int, count: int) -> Array:
-        """Numbers that belong to ``count`` whole numbers from ``first`` on, shape (count, 4)."""
-        words = np.random.Philox(counter=first, key=self._key).random_raw(4 * count)
-        return uniform(words).reshape(count, 4)
-
-    def of(self, numbers: Integers) -> Array:
-        """Numbers that belong to some whole numbers, shape (N, 4)."""
-        if not len(numbers):
-            return np.empty((0, 4))
-        low, high = int(numbers.min()), int(numbers.max())
-        if high - low < 4 * len(numbers) + BLOCK:
-            return self.following(low, high - low + 1)[numbers - low]
-        return np.concatenate([self.following(int(number), 1) for number in numbers])
+        return np.multiply(self.sigma, ndtri(numbers, out=numbers), out=numbers)
 
 
 class RandomWalk:
@@ -153,50 +133,37 @@ class RandomWalk:
     """
 
     def __init__(self, start: Array, steps: WhiteNoise) -> None:
-        self._next = start[np.newaxis]
-        self._steps = steps
+        self._steps, self._number = steps, 0
+        self._next, self._largest = start[np.newaxis], np.zeros((1, 3))
 
-    def draw(self, count: int) -> Array:
-        """The next ``count`` vectors, shape (count, 3)."""
+    def signal(self, first: int, count: int) -> Signal:
+        """The values from number ``first`` on, which does not lie before what was asked for, shape (count, 3).
+
+        Where values are left out, their steps are drawn all the same, unless all of them are 0.
+        """
+        at_once = _SKIPPED_AT_ONCE if self._steps.sigma else _FEW
+        while self._number < first:
+            self._following(min(first - self._number, at_once))
+            if not self._steps.sigma:
+                self._number = first  # after so many zeros of either sign, their sum is +0
+        return self._following(count)
+
+    def _following(self, count: int) -> Signal:
+        steps = self._steps.draw(self._number, count)
         # accumulate adds one step after the other, so that where a block begins changes no bit
-        path = np.add.accumulate(np.concatenate([self._next, self._steps.draw(count)]), axis=0)
-        self._next = path[count:]
-        return path[:count]
+        path = np.add.accumulate(np.concatenate([self._next, steps]), axis=0)
+        values, largest, first = path[:count], self._largest, self._number
+        self._next, self._number = path[count:], first + count
+        walks = self._steps.sigma > 0.0
+        if walks and count:
+            self._largest = np.maximum(largest, np.abs(values).max(axis=0))
 
-    def skip(self, count: int) -> None:
-        """Leave out the next ``count`` vectors. Steps have to be drawn for it, unless all of them are 0."""
-        if self._steps.sigma == 0.0:
-            few = min(count, BLOCK)  # after so many zeros of either sign, their sum is +0
-            self.draw(few)
-            self._steps.skip(count - few)
-            return
-        for done in range(0, count, _SKIPPED_AT_ONCE):
-            self.draw(min(count - done, _SKIPPED_AT_ONCE))
+        def conditioning() -> Conditioning:
+            sizes, nothing = np.abs(values), np.zeros((2, *values.shape))
+            if walks:
+                so_far = np.maximum.accumulate(np.concatenate([largest, sizes]), axis=0)[1:]
+                steps = np.arange(first, first + count, dtype=np.float64)[:, np.newaxis]
+                sizes = sizes + _WALK * np.sqrt(steps) * so_far
+            return Conditioning(np.concatenate([sizes[np.newaxis], nothing]))
 
-
-class BlockBuffer:
-    """A buffer of random vectors, drawn in blocks and taken in any number.
-
-    Parameters
-    ----------
-    vectors : RandomVectors
-    """
-
-    def __init__(self, vectors: RandomVectors) -> None:
-        self._vectors = vectors
-        self._ready = np.empty((0, 3))
-
-    def take(self, count: int) -> Array:
-        """The next ``count`` vectors, shape (count, 3)."""
-        missing = count - len(self._ready)
-        if missing > 0:
-            self._ready = np.concatenate([self._ready, self._vectors.draw(max(missing, BLOCK))])
-        taken, self._ready = self._ready[:count], self._ready[count:]
-        return taken
-
-    def skip(self, count: int) -> None:
-        """Leave out the next ``count`` vectors."""
-        drawn = min(count, len(self._ready))
-        self._ready = self._ready[drawn:]
-        if count > drawn:
-            self._vectors.skip(count - drawn)
+        return Signal(values, condition=conditioning)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from typing import Final
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from typing import Any, Final, TypeAlias
 
 from lie_rigid_body.parameters import Parameter
+
+Values: TypeAlias = Mapping[str, Any]
+"""Values of all parameters of sensors by their names, each of the type of its parameter."""
 
 LARGEST: Final = 1e9
 """Largest value of a parameter that has no narrower limit, in its unit."""
@@ -18,10 +22,12 @@ _LARGEST_OFFSET_S: Final = 2.2e9
 """Largest offset of a sensor's clock, s: it may begin at 0 when it is switched on, in any year that ROS can stamp."""
 _LARGEST_SKEW: Final = 0.01
 """Largest skew of a sensor's clock, s/s."""
-_HALF_TURN: Final = math.pi
-"""Largest angle of a parameter, rad."""
-_ONES: Final = (1.0, 1.0, 1.0)
-_ZEROS: Final = (0.0, 0.0, 0.0)
+
+
+def values_of(kind: type, name: str, values: Values) -> dict[str, Any]:
+    """Values of the parameters that a dataclass has as fields: FIELD for each parameter NAME_FIELD."""
+    found = {field.name: values.get(f"{name}_{field.name}") for field in fields(kind)}
+    return {field: value for field, value in found.items() if value is not None}
 
 
 def not_negative(name: str, description: str, default: float = 0.0, maximum: float = LARGEST) -> Parameter:
@@ -31,7 +37,7 @@ def not_negative(name: str, description: str, default: float = 0.0, maximum: flo
 
 def angle(name: str, description: str) -> Parameter:
     """A parameter that is an angle from 0 to π, rad."""
-    return not_negative(name, description, maximum=_HALF_TURN)
+    return not_negative(name, description, maximum=math.pi)
 
 
 def numbers(name: str, default: tuple[float, ...], description: str) -> Parameter:
@@ -49,10 +55,10 @@ def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
             f"{sensor}_turn_on_bias",
             f"{name}: standard deviation of the bias at the start on each axis, drawn from the seed, {unit}; 0: none.",
         ),
-        numbers(f"{sensor}_scale_factor", _ONES, f"{name}: factor on each of its axes."),
+        numbers(f"{sensor}_scale_factor", (1.0, 1.0, 1.0), f"{name}: factor on each of its axes."),
         numbers(
             f"{sensor}_misalignment",
-            _ZEROS,
+            (0.0, 0.0, 0.0),
             f"{name}: rotation vector from the body's axes to its own, rad, of norm at most π.",
         ),
         not_negative(f"{sensor}_resolution", f"{name}: step of its readings, {unit}; 0: continuous."),
@@ -64,66 +70,67 @@ def _either_sign(name: str, description: str, limit: float) -> Parameter:
     return Parameter(name, "double", 0.0, description, minimum=-limit, maximum=limit)
 
 
-def episode_parameters(name: str, what: str, duration: float) -> Iterator[Parameter]:
+def episode_parameters(name: str, what: str, duration: float) -> tuple[Parameter, ...]:
     """Parameters of the interval and the duration of episodes; ``what`` names the episodes, with a capital."""
-    yield not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none.")
-    yield not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S)
+    return (
+        not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none."),
+        not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S),
+    )
 
 
-def delivery_parameters(sensor: str, title: str) -> Iterator[Parameter]:
+def delivery_parameters(sensor: str, title: str) -> tuple[Parameter, ...]:
     """Parameters of how the readings of a sensor arrive."""
-    name = capitalised(title)
-    yield not_negative(
-        f"{sensor}_dropout_probability", f"{name}: probability that a reading is lost; 0: none.", maximum=1.0
+    name = f"{title[:1].upper()}{title[1:]}"
+    return (
+        not_negative(
+            f"{sensor}_dropout_probability", f"{name}: probability that a reading is lost; 0: none.", maximum=1.0
+        ),
+        *episode_parameters(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0),
+        not_negative(
+            f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_LONGEST_DELAY_S
+        ),
+        not_negative(
+            f"{sensor}_latency_jitter",
+            f"{name}: most that is added to the latency, drawn evenly for each reading, s.",
+            maximum=_LONGEST_DELAY_S,
+        ),
+        _either_sign(
+            f"{sensor}_clock_offset",
+            f"{name}: how far its clock, which stamps, is ahead at the epoch, s.",
+            _LARGEST_OFFSET_S,
+        ),
+        _either_sign(f"{sensor}_clock_skew", f"{name}: by how much its clock is too fast, s/s.", _LARGEST_SKEW),
     )
-    yield from episode_parameters(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0)
-    yield not_negative(
-        f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_LONGEST_DELAY_S
-    )
-    yield not_negative(
-        f"{sensor}_latency_jitter",
-        f"{name}: most that is added to the latency, drawn evenly for each reading, s.",
-        maximum=_LONGEST_DELAY_S,
-    )
-    yield _either_sign(
-        f"{sensor}_clock_offset",
-        f"{name}: how far its clock, which stamps, is ahead at the epoch, s.",
-        _LARGEST_OFFSET_S,
-    )
-    yield _either_sign(f"{sensor}_clock_skew", f"{name}: by how much its clock is too fast, s/s.", _LARGEST_SKEW)
 
 
-def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float, level: float) -> Iterator[Parameter]:
+def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float, level: float) -> tuple[Parameter, ...]:
     """Parameters of the faults of a sensor's axes; sizes are defaults for when a fault is switched on."""
     name = sensor.capitalize()
-    yield not_negative(
-        f"{sensor}_spike_probability",
-        f"{name}: probability of a spike in a reading, on one axis; 0: none.",
-        maximum=1.0,
+    return (
+        not_negative(
+            f"{sensor}_spike_probability",
+            f"{name}: probability of a spike in a reading, on one axis; 0: none.",
+            maximum=1.0,
+        ),
+        not_negative(f"{sensor}_spike_size", f"{name}: size of a spike, of either sign, {unit}.", spike),
+        *episode_parameters(f"{sensor}_noise_burst", f"{name}, bursts of noise", 1.0),
+        not_negative(f"{sensor}_noise_burst_density", f"{name}: white noise that a burst adds, {unit}/√Hz.", density),
+        *episode_parameters(f"{sensor}_stuck", f"{name}, an axis that is stuck at its last reading", 1.0),
+        *episode_parameters(f"{sensor}_saturation", f"{name}, saturation below its range", 1.0),
+        not_negative(
+            f"{sensor}_saturation_level", f"{name}: largest size of a reading during a saturation, {unit}.", level
+        ),
+        not_negative(
+            f"{sensor}_temperature_drift",
+            f"{name}: standard deviation on each axis of the bias' change with temperature, {unit}; 0: none.",
+        ),
+        not_negative(
+            f"{sensor}_temperature_drift_duration",
+            f"{name}: time from fault_begin on in which that change comes about, s.",
+            600.0,
+            _LONGEST_S,
+        ),
     )
-    yield not_negative(f"{sensor}_spike_size", f"{name}: size of a spike, of either sign, {unit}.", spike)
-    yield from episode_parameters(f"{sensor}_noise_burst", f"{name}, bursts of noise", 1.0)
-    yield not_negative(f"{sensor}_noise_burst_density", f"{name}: white noise that a burst adds, {unit}/√Hz.", density)
-    yield from episode_parameters(f"{sensor}_stuck", f"{name}, an axis that is stuck at its last reading", 1.0)
-    yield from episode_parameters(f"{sensor}_saturation", f"{name}, saturation below its range", 1.0)
-    yield not_negative(
-        f"{sensor}_saturation_level", f"{name}: largest size of a reading during a saturation, {unit}.", level
-    )
-    yield not_negative(
-        f"{sensor}_temperature_drift",
-        f"{name}: standard deviation on each axis of the bias' change with temperature, {unit}; 0: none.",
-    )
-    yield not_negative(
-        f"{sensor}_temperature_drift_duration",
-        f"{name}: time from fault_begin on in which that change comes about, s.",
-        600.0,
-        _LONGEST_S,
-    )
-
-
-def capitalised(title: str) -> str:
-    """Write a title as the begin of a sentence."""
-    return title[:1].upper() + title[1:]
 
 
 def fault_switches(parameters: Iterable[Parameter]) -> dict[str, tuple[str, ...]]:

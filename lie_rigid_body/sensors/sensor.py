@@ -5,18 +5,17 @@ from __future__ import annotations
 import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field
-from typing import Any, Final, Protocol
+from dataclasses import KW_ONLY, dataclass, field, is_dataclass
+from typing import Any, Final, Self
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Parameter, Value, Vector
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Faulty
-from lie_rigid_body.sensors.parameters import delivery_parameters
+from lie_rigid_body.parameters import Parameter, Vector
+from lie_rigid_body.sensors.fault import Delivery, Faulty
+from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.wording import short_repr
 
@@ -24,42 +23,37 @@ BLOCK: Final = 16_384
 """Readings that are measured at once: the signals of more would fill the caches of a processor."""
 
 
-@dataclass(frozen=True)
-class Readings:
-    """Readings of a sensor, one row of each array for each reading.
+class Instrument(ABC):
+    """A sensor at work in one segment: readings in order, the same to the bit in batches of any size.
 
-    Parameters
+    Attributes
     ----------
-    arrays : mapping of str to ndarray, shape (N, ...)
-        Arrays by the names of `Field.array`.
+    walks : bool
+        Whether readings that are left out take time, as a bias walks through them.
     """
 
-    arrays: Mapping[str, Array]
-
-    __repr__ = short_repr
-
-    def __len__(self) -> int:
-        return len(next(iter(self.arrays.values())))
-
-    def __getitem__(self, rows: slice | Booleans) -> Readings:
-        return Readings({name: array[rows] for name, array in self.arrays.items()})
-
-    def joined(self, later: Readings) -> Readings:
-        """Join these readings and later ones of the same arrays."""
-        return Readings({name: np.concatenate([array, later.arrays[name]]) for name, array in self.arrays.items()})
-
-
-class Instrument(ABC):
-    """A sensor at work: readings in order, the same to the bit in batches of any size."""
-
+    walks = False
     __copy__ = copy.deepcopy  # it goes on by itself
 
     @abstractmethod
-    def signals(self, times_ns: Integers, states: State) -> dict[str, Signal]:
-        """The next readings before their converters, by the names of their arrays; see `measure`."""
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings before their converters, by the names of their arrays; see `measure`."""
 
-    def measure(self, times_ns: Integers, states: State) -> Readings:
-        """The next readings.
+    def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:  # noqa: B027 (most have nothing to do)
+        """Begin with the reading one interval after a time, at the first one of a segment or behind some left out.
+
+        Of those left out `Faulty.repeated` have to be measured all the same.
+
+        Parameters
+        ----------
+        before_ns : int
+            That time since the segment's start, ns; it may be negative.
+        state : callable
+            Gives the exact state of the body then; most instruments do not look at it.
+        """
+
+    def measure(self, times_ns: Integers, states: State, first: int = 0) -> dict[str, Array]:
+        """Readings that follow each other, by the names of `Field.array`, one row of each array for each reading.
 
         Parameters
         ----------
@@ -67,10 +61,12 @@ class Instrument(ABC):
             Times since the segment's start, ns.
         states : State
             The body's states at those times, of shapes (N, 4) and (N, 3).
+        first : int, optional
+            Number of the first of them, counted from 0 in the segment. It does not lie before what was measured.
 
         Returns
         -------
-        Readings
+        dict of str to ndarray, shape (N, ...)
 
         Raises
         ------
@@ -80,45 +76,9 @@ class Instrument(ABC):
         parts = []
         for begin in range(0, max(1, len(times_ns)), BLOCK):
             rows = slice(begin, begin + BLOCK)
-            signals = self.signals(times_ns[rows], states[rows])
+            signals = self.signals(times_ns[rows], states[rows], first + begin)
             parts.append({name: signal.read() for name, signal in signals.items()})
-        if len(parts) == 1:
-            return Readings(parts[0])
-        return Readings({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
-
-    @abstractmethod
-    def skip(self, count: int, before_ns: int, before: State) -> None:
-        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `measure`.
-
-        Parameters
-        ----------
-        count : int
-        before_ns : int
-            Time of the last of them since the segment's start, ns.
-        before : State
-            The body's state at that time. Only an instrument that integrates over time looks at it.
-        """
-
-    @property
-    def walks(self) -> bool:
-        """Whether readings that are left out take time, as a bias walks through them."""
-        return False
-
-    def repeated(
-        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
-    ) -> Iterator[int]:
-        """Readings that have to be measured, for whoever begins after a reading, as an axis that is stuck repeats them.
-
-        Parameters
-        ----------
-        number : int
-            Number of the reading before those that are wanted.
-        elapsed_ns : callable
-            Gives the time of a reading since the segment's start, ns.
-        number_before : callable
-            Gives the number of the last reading before a time since the segment's start, ns.
-        """
-        return iter(())
+        return parts[0] if len(parts) == 1 else {n: np.concatenate([part[n] for part in parts]) for n in parts[0]}
 
 
 @dataclass(frozen=True)
@@ -175,7 +135,7 @@ class AttitudeAid:
 
 
 @dataclass(frozen=True)
-class SensorModel(ABC):
+class SensorModel:
     """A sensor as its parameters describe it; each kind adds what is particular to it.
 
     Parameters
@@ -196,20 +156,29 @@ class SensorModel(ABC):
     __repr__ = short_repr
 
     @classmethod
-    @abstractmethod
-    def from_values(cls, values: Mapping[str, Value]) -> SensorModel:
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
         """Make the model of the parameters' values, and validate it.
+
+        Parameters
+        ----------
+        sensor : str
+            Name of the sensor, with which the names of its parameters begin.
+        values : mapping of str to value
+        **parts
+            Fields that have no parameter of their name.
 
         Raises
         ------
         ParameterError
             If a value is invalid.
         """
+        known = {"seed": values["sensor_seed"], "delivery": Delivery.from_values(sensor, values)}
+        return cls(**{**values_of(cls, sensor, values), **known, **parts})
 
     @property
-    def faulty(self) -> tuple[Faulty | None, ...]:
-        """Parts of the model that can have faults; None where one has none."""
-        return (self.delivery,)
+    def faulty(self) -> list[Faulty]:
+        """Parts of the model that have faults."""
+        return list(_faulty_in(self))
 
     @property
     def aids(self) -> tuple[VectorAid | AttitudeAid, ...]:
@@ -221,26 +190,12 @@ class SensorModel(ABC):
         return None
 
 
-class _ExactMotion(Protocol):
-    def at(self, t_ns: int) -> State:
-        """The state at a time since the start, ns."""
-        ...
-
-
-class Carrier(Protocol):
-    """The body that carries a sensor, and its motion, as a `Scenario` has them."""
-
-    def body(self) -> RigidBody:
-        """The body."""
-        ...
-
-    def start(self) -> State:
-        """The state at the start."""
-        ...
-
-    def exact_motion(self) -> _ExactMotion:
-        """The exact motion from the start, at times before it as well."""
-        ...
+def _faulty_in(part: object) -> Iterator[Faulty]:
+    for value in vars(part).values():
+        if isinstance(value, Faulty):
+            yield value
+        elif is_dataclass(value):
+            yield from _faulty_in(value)
 
 
 @dataclass(frozen=True)
@@ -250,7 +205,7 @@ class Field:
     Parameters
     ----------
     array : str
-        Name of the array with its values, in `Readings` and in `Run`.
+        Name of the array with its values, in `SensorSamples` and in `Run`.
     place : str
         Name of the field in the message, with dots between its parts, such as ``pose.pose.orientation``.
     unit : str
@@ -282,10 +237,6 @@ def diagonal(variance: float) -> tuple[float, ...]:
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
 
 
-def _nothing(model: Any) -> Mapping[str, tuple[float, ...]]:
-    return {}
-
-
 @dataclass(frozen=True)
 class Topic:
     """A topic of a sensor: messages of a std_msgs/Header and float64 numbers.
@@ -302,8 +253,9 @@ class Topic:
         Fields that differ from message to message.
     frame : str
         Name of the parameter whose value is the frame of the headers.
-    fixed : callable
-        ``fixed(model)`` gives the fields that are the same in every message and not 0: their numbers by their names.
+    fixed : callable or None
+        ``fixed(model)`` gives the fields that are the same in every message and not 0, their numbers by their names;
+        None: there are none.
     """
 
     name: str
@@ -311,7 +263,7 @@ class Topic:
     title: str
     fields: tuple[Field, ...]
     frame: str = "body_frame"
-    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] = _nothing
+    fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] | None = None
 
     __repr__ = short_repr
 
@@ -328,8 +280,7 @@ class Sensor:
         Name of the sensor in tables and sentences.
     model : type of SensorModel
     make : callable
-        ``make(model, carrier, before_ns)`` gives the `Instrument` of a segment. Its first reading comes one interval
-        after ``before_ns``, ns since the start, which may be negative.
+        ``make(model, body)`` gives the `Instrument` of a segment on a `RigidBody`.
     topics : tuple of Topic
         Topics of its messages. The first one has the readings; others tell more of them, at the same stamps.
     parameters : tuple of Parameter
@@ -351,7 +302,7 @@ class Sensor:
     name: str
     title: str
     model: type[SensorModel]
-    make: Callable[[Any, Carrier, int], Instrument]
+    make: Callable[[Any, RigidBody], Instrument]
     topics: tuple[Topic, ...]
     parameters: tuple[Parameter, ...] = ()
     told: tuple[Parameter, ...] = ()

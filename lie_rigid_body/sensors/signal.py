@@ -1,17 +1,94 @@
-"""Signals: what an instrument measures before its converter, and how far another computer may find it otherwise."""
+"""Signals: what an instrument measures, its converter, and how far another computer may find it otherwise."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.wording import short_repr
+
+FINEST_RESOLUTION: Final = 1e-18
+"""Finest step of a converter, in the sensor's unit: far finer than any instrument, and no count of steps overflows."""
+_ROUND_OFF: Final = 2.0**-50
+"""Relative round-off granted to a limit over a step: 0.3 holds three steps of 0.1, though 3 · 0.1 exceeds 0.3."""
+
+
+@dataclass(frozen=True)
+class Converter:
+    """A converter that counts in steps, and saturates at the last step within its range.
+
+    Parameters
+    ----------
+    resolution : float
+        One step, in the unit of the reading; 0: continuous.
+    range : float
+        Largest size of a reading; 0: no limit.
+    """
+
+    resolution: float
+    range: float
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Values) -> Converter:
+        """Make the converter of the parameters whose names begin with ``sensor``.
+
+        Raises
+        ------
+        ParameterError
+            If the resolution is too fine for double precision, or coarser than the range.
+        """
+        found, name = cls(**values_of(cls, sensor, values)), f"{sensor}_resolution"
+        step = found.resolution
+        if 0.0 < step < FINEST_RESOLUTION:
+            raise ParameterError(
+                name, f"{step:g} is finer than {FINEST_RESOLUTION:g}, the finest step: give 0 for a continuous reading"
+            )
+        if found.range and step > found.range:
+            raise ParameterError(
+                name,
+                f"{step:g} is more than {sensor}_range, {found.range:g}: give a finer resolution, or a range of 0 "
+                "for none",
+            )
+        return found
+
+    def read(self, values: Array) -> Array:
+        """The readings: the nearest multiple of the resolution, ties to even, that is within the range.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., 3)
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+        """
+        if self.range:
+            values = np.clip(values, -self.range, self.range)  # beyond it the number of steps may overflow
+        if self.resolution:
+            values = np.rint(values / self.resolution) * self.resolution
+        return self.limited(values, self.range) if self.range else values
+
+    def limited(self, values: Array, limit: float) -> Array:
+        """Values that saturate at the largest reading within a limit."""
+        largest = limit
+        if self.resolution:
+            # the last multiple of the resolution
+            steps = float(np.floor(limit / self.resolution * (1.0 + _ROUND_OFF)))
+            largest = min(steps * self.resolution, limit)
+        return np.asarray(np.clip(values, -largest, largest))
+
+    @property
+    def variance(self) -> float:
+        """Variance that rounding adds to a signal that crosses many steps, resolution²/12."""
+        return self.resolution * self.resolution / 12.0
 
 
 @dataclass(frozen=True)
@@ -40,24 +117,13 @@ class Conditioning:
         """The conditioning of these numbers for each reading, shape (N,), all axes alike."""
         return cls(np.stack(np.broadcast_arrays(size, per_attitude, per_rate))[..., np.newaxis], span)
 
-    @property
-    def size(self) -> Array:
-        """Sum of the sizes of the parts, in the unit of the signal, shape (N, 1) or (N, 3)."""
-        return np.asarray(self.numbers[0])
-
-    @property
-    def per_attitude(self) -> Array:
-        """Change of the signal per rad of an error of the attitude, shape (N, 1) or (N, 3)."""
-        return np.asarray(self.numbers[1])
-
-    @property
-    def per_rate(self) -> Array:
-        """Change of the signal per rad/s of an error of the body rate, shape (N, 1) or (N, 3)."""
-        return np.asarray(self.numbers[2])
+    def scaled(self, gains: Array | float) -> Conditioning:
+        """The conditioning of a signal that is multiplied by a number, or by one on each axis."""
+        return replace(self, numbers=gains * self.numbers)
 
     def enlarged(self, part: Array | float) -> Conditioning:
         """The conditioning of a signal that has one more part of this size on each axis."""
-        parts = np.zeros((3, *np.broadcast_shapes(self.size.shape, np.shape(part))))
+        parts = np.zeros((3, *np.broadcast_shapes(self.numbers.shape[1:], np.shape(part))))
         parts[0] = part
         return replace(self, numbers=self.numbers + parts)
 
@@ -98,11 +164,7 @@ class Signal:
         """The signal on axes whose sensitivities are the rows of a matrix, shape (3, 3)."""
         gains = so3.norm(matrix)
         values = apply_tensor(matrix, self.values)
-        return replace(self, values=values, condition=lambda: self._scaled(gains))
-
-    def _scaled(self, gains: Array) -> Conditioning:
-        whole = self.conditioning()
-        return replace(whole, numbers=gains * whole.numbers)
+        return replace(self, values=values, condition=lambda: self.conditioning().scaled(gains))
 
     def plus(self, part: Array, roundings: Callable[[], Array | float] = lambda: 0.0) -> Signal:
         """The signal with one more part.

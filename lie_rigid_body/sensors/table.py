@@ -9,14 +9,13 @@ from typing import Any, Final, cast
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
-from lie_rigid_body.sensors.attitude_sensor import ATTITUDE_SENSOR
 from lie_rigid_body.sensors.fault import PARTS
 from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import IMU
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
 from lie_rigid_body.sensors.parameters import WINDOW_PARAMETERS, fault_switches
+from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
-from lie_rigid_body.sensors.sun_sensor import SUN_SENSOR
 from lie_rigid_body.wording import listed, short_repr
 
 SLOWEST_RATE: Final = 1e-6
@@ -135,8 +134,9 @@ class Sensors:
         """Make the sensors of all their parameters, each in its own type; see `from_parameters`."""
         for name in frame_parameters() & set(values):
             require_frame_name(name, cast(str, values[name]))
-        models = {name: sensor.model.from_values(values) for name, sensor in SENSORS.items()}  # refuse also what is off
-        return cls(tuple((name, models[name]) for name, sensor in SENSORS.items() if _is_on(sensor.switch, values)))
+        # refuse also what is off
+        models = [(name, sensor.model.from_values(name, values)) for name, sensor in SENSORS.items()]
+        return cls(tuple((name, model) for name, model in models if _is_on(SENSORS[name].switch, values)))
 
     def __getattr__(self, name: str) -> Any:
         if name in SENSORS:

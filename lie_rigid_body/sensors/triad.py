@@ -1,30 +1,182 @@
-"""A triad of sensitive axes and its errors, the same for gyro and accelerometer."""
+"""A triad of sensitive axes, its errors and its faults, the same for gyro and accelerometer."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final, cast
+from functools import cached_property
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
-from lie_rigid_body.parameters import Value, Vector, require_at_most, vector
-from lie_rigid_body.sensors.noise import BlockBuffer, NoiseSource, RandomWalk, WhiteNoise
-from lie_rigid_body.sensors.quantisation import Converter
-from lie_rigid_body.sensors.signal import Conditioning, Signal
-from lie_rigid_body.sensors.triad_faults import FaultyTriad, TriadFaults
+from lie_rigid_body.parameters import Vector, require_at_most
+from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty, nanoseconds, stream
+from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
+from lie_rigid_body.sensors.parameters import Values, values_of
+from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.wording import short_repr
 
 LARGEST_SCALE_FACTOR: Final = 1e6
-_WALK: Final = 0.5
-"""Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps:
-the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""
-_SKIPPED_AT_ONCE: Final = 65_536
-"""Steps of a walk that are drawn at once where its readings are left out."""
+
+
+@dataclass(frozen=True)
+class TriadFaults(Faulty):
+    """The faults of a triad.
+
+    Parameters
+    ----------
+    sensor, seed, window
+        See `Faulty`.
+    spike_probability : float
+        That a reading has one, on one axis.
+    spike_size : float
+        Unit of the reading; its sign is drawn.
+    noise_burst : Episodes or None
+        In which there is more white noise.
+    noise_burst_density : float
+        Unit/√Hz.
+    stuck : Episodes or None
+        In which an axis repeats what it read before.
+    saturation : Episodes or None
+        In which the readings saturate at a lower level.
+    saturation_level : float
+        Unit; no multiple of the resolution that is above it, but for round-off, is read.
+    temperature_drift : float
+        Standard deviation of the change of the bias on each axis, unit.
+    temperature_drift_duration : float
+        Time in which it comes about, from the window's begin on, evenly, s.
+    """
+
+    spike_probability: float
+    spike_size: float
+    noise_burst: Episodes | None
+    noise_burst_density: float
+    stuck: Episodes | None
+    saturation: Episodes | None
+    saturation_level: float
+    temperature_drift: float
+    temperature_drift_duration: float
+
+    switches = (
+        *("spike_probability", "noise_burst_interval", "stuck_interval", "saturation_interval"),
+        "temperature_drift",
+    )
+    kinds_of_episodes = ("noise_burst", "stuck", "saturation")
+
+    @cached_property
+    def drifted(self) -> Array:
+        """The whole change of the bias with temperature on each axis, unit, shape (3,)."""
+        noise = WhiteNoise(self.seed, stream(self.sensor, "temperature_drift"), self.temperature_drift)
+        return noise.draw(0, 1).reshape(3)
+
+    def drift(self, times_ns: Integers) -> Array:
+        """What the drift with temperature adds to the bias at some times since the segment's start, shape (N, 3)."""
+        age, duration = times_ns - self.window.begin_ns, nanoseconds(self.temperature_drift_duration)
+        share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
+        return np.asarray(share[:, np.newaxis] * self.drifted)
+
+    def spikes(self, first: int, times_ns: Integers) -> Array:
+        """What spikes add to some readings, shape (N, 3), unit; see `Delivery.lost` for the arguments."""
+        spikes = np.zeros((len(times_ns), 3))
+        if self.spike_probability:
+            drawn = self.draws("spike").following(first, len(times_ns))
+            hit = np.flatnonzero((drawn[:, 0] < self.spike_probability) & self.window.holds(times_ns))
+            spikes[hit, axis_of(drawn[hit, 1])] = np.where(drawn[hit, 2] < 0.5, -self.spike_size, self.spike_size)
+        return spikes
+
+    def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
+        """Faults that begin in a stretch of time; see `Faulty`."""
+        start = self.window.begin_ns
+        if self.temperature_drift and begin_ns <= start < end_ns:
+            end = start + nanoseconds(self.temperature_drift_duration)
+            for axis, size in zip(AXES, self.drifted.tolist(), strict=True):
+                yield Fault("temperature_drift", self.sensor, axis, start, end, size)
+        spikes = self.spikes(first, times_ns)
+        for row, column in np.argwhere(spikes).tolist():
+            time = int(times_ns[row])
+            yield Fault("spike", self.sensor, AXES[column], time, time, float(spikes[row, column]))
+        bursts, saturation = (self.noise_burst, self.noise_burst_density), (self.saturation, self.saturation_level)
+        for episodes, size in (bursts, (self.stuck, None), saturation):
+            if episodes is not None:
+                for number, begin, end in episodes.between(begin_ns, end_ns):
+                    axis = AXES[stuck_axes(episodes, np.array([number]))[0]] if episodes is self.stuck else ""
+                    yield Fault(episodes.kind, self.sensor, axis, begin, end, size)
+
+    def repeated(
+        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
+    ) -> Iterator[int]:
+        """Readings that those after one may repeat on an axis that is stuck; see `Faulty.repeated`."""
+        axes: set[int] = set()
+        if self.stuck is not None:
+            yield number
+        while self.stuck is not None and (time_ns := elapsed_ns(number)) >= 0:
+            episode = self.stuck.at(np.array([time_ns]))
+            axes.add(int(stuck_axes(self.stuck, episode)[0]))
+            if episode[0] < 0 or len(axes) > 1:
+                return
+            number = number_before(int(self.stuck.begins_ns(episode)[0]))
+            yield number
+
+
+def axis_of(drawn: Array) -> Integers:
+    """The axis, from 0 to 2, of each number that is uniform between 0 and 1."""
+    return (3.0 * drawn).astype(np.int64)
+
+
+def stuck_axes(stuck: Episodes, numbers: Integers) -> Integers:
+    """The axis, from 0 to 2, that is stuck in each of some episodes."""
+    return axis_of(stuck.draws(np.maximum(numbers, 0))[:, 1])
+
+
+class FaultyTriad:
+    """The faults of three axes at work, on readings in order.
+
+    Parameters
+    ----------
+    model : TriadFaults
+    rate : float
+        Readings per second.
+    converter : Converter
+        What makes readings of the signal.
+    """
+
+    def __init__(self, model: TriadFaults, rate: float, converter: Converter) -> None:
+        self._model, self._converter = model, converter
+        sigma = model.noise_burst_density * math.sqrt(rate)
+        self._burst = WhiteNoise(model.seed, stream(model.sensor, "noise_burst", 1), sigma)
+        self._last: Signal | None = None
+
+    def disturbed(self, first: int, times_ns: Integers, signal: Signal) -> Signal:
+        """The signal of readings with bursts, spikes, saturation and what is stuck; see `Instrument.signals`."""
+        model, count = self._model, len(times_ns)
+        if model.noise_burst is not None:
+            inside = model.noise_burst.at(times_ns)[:, np.newaxis] >= 0
+            signal = signal.plus(np.where(inside, self._burst.draw(first, count), 0.0))
+        signal = signal.plus(model.spikes(first, times_ns))
+        if model.saturation is not None:
+            # to clip keeps the order of numbers, and adds no round-off
+            inside = model.saturation.at(times_ns)[:, np.newaxis] >= 0
+            clipped = self._converter.limited(signal.values, model.saturation_level)
+            signal = replace(signal, values=np.where(inside, clipped, signal.values))
+        return signal if model.stuck is None or not count else self._held(model.stuck, times_ns, signal)
+
+    def _held(self, stuck: Episodes, times_ns: Integers, signal: Signal) -> Signal:
+        """The signal that repeats, on a stuck axis, that of the reading before: so whatever the converter."""
+        numbers = stuck.at(times_ns)
+        axes = stuck_axes(stuck, numbers)
+        rows = np.repeat(np.arange(len(times_ns))[:, np.newaxis], 3, axis=1)
+        for number in np.unique(numbers[numbers >= 0]):
+            inside = np.flatnonzero(numbers == number)
+            axis, before = axes[inside[0]], inside[0] - 1
+            # of the very first reading there is none before
+            rows[inside, axis] = rows[before, axis] if before >= 0 else 0 if self._last is None else -1
+        signal = signal.held(rows, self._last)
+        self._last = signal[-1:]
+        return signal
 
 
 @dataclass(frozen=True)
@@ -69,21 +221,27 @@ class TriadModel:
     __repr__ = short_repr
 
     @classmethod
-    def from_values(cls, sensor: str, values: Mapping[str, Value]) -> TriadModel:
+    def from_values(cls, sensor: str, values: Values) -> TriadModel:
         """The model of the parameters whose names begin with ``sensor``, validated.
 
         Raises
         ------
         ParameterError
         """
-        number = {key: cast(float, values[f"{sensor}_{key}"]) for key in _NUMBERS}
-        converter = Converter(number.pop("resolution"), number.pop("range"))
-        converter.validate(sensor)
-        scale, turn = vector(values, f"{sensor}_scale_factor"), vector(values, f"{sensor}_misalignment")
-        require_at_most(f"{sensor}_scale_factor", scale, LARGEST_SCALE_FACTOR, "")
-        _require_rotation_vector(f"{sensor}_misalignment", turn)
-        faults = TriadFaults.from_values(sensor, values)
-        return cls(**number, scale_factor=scale, misalignment=turn, converter=converter, faults=faults)
+        found = cls(
+            **values_of(cls, sensor, values),
+            converter=Converter.from_values(sensor, values),
+            faults=TriadFaults.from_values(sensor, values),
+        )
+        require_at_most(f"{sensor}_scale_factor", found.scale_factor, LARGEST_SCALE_FACTOR, "")
+        turn = found.misalignment
+        angle = float(so3.norm(turn))
+        if angle > math.pi:
+            raise ParameterError(
+                f"{sensor}_misalignment",
+                f"{list(turn)} turns by {angle:g} rad, more than pi: give the rotation vector of the shorter way",
+            )
+        return found
 
     @property
     def sensitivity(self) -> Array:
@@ -93,17 +251,6 @@ class TriadModel:
     def variance(self, rate: float) -> float:
         """Variance of one reading on each axis at ``rate`` samples per second: white noise and rounding, unit²."""
         return self.noise_density * self.noise_density * rate + self.converter.variance
-
-
-_NUMBERS: Final = ("noise_density", "bias_random_walk", "turn_on_bias", "resolution", "range")
-
-
-def _require_rotation_vector(name: str, turn: Vector) -> None:
-    angle = float(so3.norm(turn))
-    if angle > math.pi:
-        raise ParameterError(
-            name, f"{list(turn)} turns by {angle:g} rad, more than pi: give the rotation vector of the shorter way"
-        )
 
 
 class Triad:
@@ -120,25 +267,21 @@ class Triad:
     """
 
     def __init__(
-        self, model: TriadModel, rate: float, seed: int, *, turn_on: NoiseSource, walk: NoiseSource, white: NoiseSource
+        self, model: TriadModel, rate: float, seed: int, turn_on: NoiseSource, walk: NoiseSource, white: NoiseSource
     ) -> None:
-        self._sensitivity = model.sensitivity
-        start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(1)[0]
-        steps = WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate))
-        self._bias = BlockBuffer(RandomWalk(start, steps))
-        self._walks = steps.sigma > 0.0
-        self._count, self._largest = 0, np.zeros((1, 3))
-        self._noise = BlockBuffer(WhiteNoise(seed, white, model.noise_density * math.sqrt(rate)))
-        self._converter = model.converter
-        self._faults = None if model.faults is None else FaultyTriad(model.faults, rate, model.converter)
+        start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(0, 1)[0]
+        self._bias = RandomWalk(start, WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate)))
+        self._noise = WhiteNoise(seed, white, model.noise_density * math.sqrt(rate))
+        self._model, self._sensitivity = model, model.sensitivity
+        self._faulty = None if model.faults is None else FaultyTriad(model.faults, rate, model.converter)
 
-    def signals(self, times_ns: Integers, truth: Signal) -> tuple[Signal, Signal]:
-        """The next readings before the converter, and the biases in them.
+    def signals(self, first: int, times_ns: Integers, truth: Signal) -> tuple[Signal, Signal]:
+        """Readings before the converter, and the biases in them; see `Instrument.signals`.
 
         Parameters
         ----------
+        first : int
         times_ns : ndarray of int64, shape (N,)
-            Times since the segment's start, ns.
         truth : Signal
             The true quantity in the body frame, shape (N, 3).
 
@@ -149,36 +292,9 @@ class Triad:
         bias : Signal
             What it adds to them.
         """
-        bias = self._next_bias(len(times_ns))
-        if self._faults is not None:
-            bias = bias.plus(self._faults.drift(times_ns))
-        signal = truth.through(self._sensitivity).plus(bias.values, lambda: bias.conditioning().size)
-        signal = replace(signal.plus(self._noise.take(len(times_ns))), converter=self._converter)
-        return (signal if self._faults is None else self._faults.disturbed(times_ns, signal)), bias
-
-    def _next_bias(self, count: int) -> Signal:
-        """The next biases without their drift: a walk of k steps carries √k roundings of its largest size so far."""
-        values, largest, number = self._bias.take(count), self._largest, self._count
-        self._count += count
-
-        def conditioning() -> Conditioning:
-            sizes = np.abs(values)
-            if not self._walks:
-                return Conditioning(np.stack([sizes, *np.zeros((2, *sizes.shape))]))
-            so_far = np.maximum.accumulate(np.concatenate([largest, sizes]), axis=0)[1:]
-            steps = np.arange(number, number + count, dtype=np.float64)[:, np.newaxis]
-            return Conditioning(np.stack([sizes + _WALK * np.sqrt(steps) * so_far, *np.zeros((2, *sizes.shape))]))
-
-        if self._walks and count:
-            self._largest = np.maximum(largest, np.abs(values).max(axis=0))
-        return Signal(values, condition=conditioning)
-
-    def skip(self, count: int) -> None:
-        """Leave out the next readings; of an axis that is stuck the next ones are then not those of `signals`."""
-        self._noise.skip(count)
-        if not self._walks:
-            self._bias.skip(count)
-        for done in range(0, count if self._walks else 0, _SKIPPED_AT_ONCE):
-            self._next_bias(min(count - done, _SKIPPED_AT_ONCE))
-        if self._faults is not None:
-            self._faults.skip(count)
+        bias = self._bias.signal(first, len(times_ns))
+        if self._model.faults is not None:
+            bias = bias.plus(self._model.faults.drift(times_ns))
+        signal = truth.through(self._sensitivity).plus(bias.values, lambda: bias.conditioning().numbers[0])
+        signal = replace(signal.plus(self._noise.draw(first, len(times_ns))), converter=self._model.converter)
+        return (signal if self._faulty is None else self._faulty.disturbed(first, times_ns, signal)), bias

@@ -2,21 +2,16 @@
 
 Modules:
 
-- `sample_clock`: the stamps of samples, by their numbers;
-- `samples`: states and readings at their stamps;
-- `arrivals`: the times at which readings arrive, which may be late or lost;
+- `segment`: a stretch of motion between two resets, its JSON, the stamps of its samples, and when readings arrive;
+- `samples`: states and readings at their stamps, and queues of them, computed ahead;
+- `measurement`: the readings of one sensor in one segment, which may arrive late or never;
 - `fault_log`: the faults of the sensors as they begin;
-- `segment`: a stretch of motion between two resets, and its JSON;
-- `sample_queue`: samples of one clock, computed ahead and taken in order, across resets;
-- `measurement`: the readings of one sensor in one segment;
-- `shared_motion`: one motion for all sensors of a rate, computed once;
 - `loop`: the truth and the sensors together, across resets.
 """
 
 from lie_rigid_body.simulation.loop import Motions, Simulation, Taken, motions_of
-from lie_rigid_body.simulation.sample_clock import SampleClock
 from lie_rigid_body.simulation.samples import Samples, SensorSamples
-from lie_rigid_body.simulation.segment import SOFTWARE, Segment
+from lie_rigid_body.simulation.segment import SOFTWARE, SampleClock, Segment
 
 __all__ = [
     "SOFTWARE",

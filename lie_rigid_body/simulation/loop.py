@@ -6,21 +6,21 @@ import copy
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Integers
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
+from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation.fault_log import FaultLog
 from lie_rigid_body.simulation.measurement import Measurement
-from lie_rigid_body.simulation.sample_clock import SampleClock
-from lie_rigid_body.simulation.sample_queue import SampleQueue, SensorQueue
-from lie_rigid_body.simulation.samples import Samples, SensorSamples
-from lie_rigid_body.simulation.segment import Segment
-from lie_rigid_body.simulation.shared_motion import Latest, SharedMotion
+from lie_rigid_body.simulation.samples import SampleQueue, Samples, SensorSamples
+from lie_rigid_body.simulation.segment import SampleClock, Segment
 from lie_rigid_body.wording import call_repr, short_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
@@ -56,6 +56,43 @@ class Taken:
     __repr__ = short_repr
 
 
+class _RunningSegment:
+    """The truth and the sensors of one segment: a queue of samples for each clock.
+
+    Parameters
+    ----------
+    segment : Segment
+    motion : callable
+        Makes the motion of each clock in turn, first of the truth.
+
+    Attributes
+    ----------
+    end_ns : int
+        Last time at which its samples are sent, ns. Readings that were to arrive later are lost.
+    """
+
+    def __init__(self, segment: Segment, motion: Callable[[], Motion]) -> None:
+        scenario, self.segment, self.end_ns = segment.scenario, segment, 2 * MAX_EPOCH_NS
+        ahead = partial(scenario.batch_size, LOOK_AHEAD, STEPS_AHEAD)
+        self.clock = segment.clock()
+        states = partial(_states, motion(), segment.start_ns)
+        self.truth = SampleQueue(self.clock, segment.first_sample, states, ahead(scenario.rate))
+        self.sensors: dict[str, SampleQueue[SensorSamples]] = {}
+        for name in scenario.sensors.on:
+            of = Measurement(segment, name, motion())
+            self.sensors[name] = SampleQueue(of.clock, of.first, of.samples, ahead(of.model.rate), of.arrivals)
+
+    @property
+    def queues(self) -> list[SampleQueue[Samples] | SampleQueue[SensorSamples]]:
+        """The queue of the truth, and that of each sensor."""
+        return [self.truth, *self.sensors.values()]
+
+    def end_before(self, later: _RunningSegment) -> None:
+        """Let a later segment follow. Readings that are left are sent before it, unless it has no such sensor."""
+        self.end_ns = min(self.end_ns, later.segment.start_ns - 1)
+        self.sensors = {name: queue for name, queue in self.sensors.items() if name in later.sensors}
+
+
 class Simulation:
     """A simulated body and its sensors: samples in order, on one rising sequence of stamps, across torque-free resets.
 
@@ -73,30 +110,22 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None, motions: Motions | None = None) -> None:
-        self._motions = motions or motions_of
-        self._sensors: dict[str, SensorQueue[SensorSamples]] = {}
-        self._faults: FaultLog | None = None
-        self._ended: list[tuple[Scenario, int]] = []
+        self._motions, self._faults = motions or motions_of, FaultLog()
+        self._running: list[_RunningSegment] = []
         self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else replace(scenario, epoch_ns=epoch_ns), 0)
 
     def start_at(self, epoch_ns: int) -> None:
         """Begin anew with another stamp of sample 0, ns, before anything was taken."""
-        self._sensors, self._faults = {}, None
-        self._begin(replace(self._segment.scenario, epoch_ns=epoch_ns), 0)
+        vars(self).update(vars(Simulation(self.segment.scenario, epoch_ns, self._motions)))
 
     def _begin(self, scenario: Scenario, first: int) -> None:
-        clock = SampleClock(scenario.epoch_ns, scenario.rate)
-        segment = Segment(scenario, first, int(clock.stamps_ns(first, 1)[0]))
-        motion = self._motions(scenario)
-        truth = _truth(segment, clock, motion())
-        queues = {name: _sensor(segment, name, motion()) for name in scenario.sensors.on}
+        start_ns = int(SampleClock(scenario.epoch_ns, scenario.rate).stamps_ns(first, 1)[0])
+        new = _RunningSegment(Segment(scenario, first, start_ns), self._motions(scenario))
         # only now: a scenario that is refused changes nothing
-        self._sensors = {name: _followed(self._sensors.get(name), queue, segment) for name, queue in queues.items()}
-        if self._faults is None:
-            self._faults = FaultLog(segment)
-        else:
-            self._faults.follow(segment)
-        self._clock, self._segment, self._truth = clock, segment, truth
+        for earlier in self._running:
+            earlier.end_before(new)
+        self._running.append(new)
+        self._faults.follow(new.segment)
 
     __copy__ = copy.deepcopy  # it goes on by itself
 
@@ -106,30 +135,26 @@ class Simulation:
     @property
     def segment(self) -> Segment:
         """The present segment."""
-        return self._segment
+        return self._running[-1].segment
 
     @property
     def next_sample(self) -> int:
         """Number of the sample of the truth that comes next."""
-        return self._truth.next_sample
+        return self._running[-1].truth.next_sample
 
     @property
     def clock(self) -> SampleClock:
         """The clock of the truth in the present segment."""
-        return self._clock
+        return self._running[-1].clock
 
     @property
     def next_stamp_ns(self) -> int:
         """Time at which the next sample is due, ns; a reading, also a lost one, is due when it arrives."""
-        return min(queue.stamp_ns(0) for queue in self._queues)
-
-    @property
-    def _queues(self) -> list[SampleQueue[Samples] | SensorQueue[SensorSamples]]:
-        return [self._truth, *self._sensors.values()]
+        return min(queue.stamp_ns(0) for queue in self._oldest().queues)
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples of the truth alone."""
-        return self._truth.take(count)
+        return self._running[-1].truth.take(count)
 
     def take_until(self, stamp_ns: int, at_most: int) -> Taken:
         """Take what comes next up to a time, from the truth and from every sensor, in one segment.
@@ -148,27 +173,27 @@ class Simulation:
         -------
         Taken
         """
-        scenario, stamp_ns = self._oldest(stamp_ns)
-        for queue in self._queues:
+        running = self._oldest()
+        stamp_ns = min(stamp_ns, running.end_ns)
+        for queue in running.queues:
             if queue.count_until(stamp_ns) > at_most:
                 stamp_ns = queue.stamp_ns(at_most - 1)
-        truth = self._truth.take(self._truth.count_until(stamp_ns))
-        taken = {name: queue.take(queue.count_until(stamp_ns)) for name, queue in self._sensors.items()}
-        times = [rows.times_ns for rows in taken.values()]
+        truth = running.truth.take(running.truth.count_until(stamp_ns))
+        taken = {name: queue.take(queue.count_until(stamp_ns)) for name, queue in running.sensors.items()}
         # those up to the last sample and no further: however a run is cut into batches, each is in the same place
-        last_ns = max((int(of_one[-1]) for of_one in (truth.times_ns, *times) if len(of_one)), default=-1)
-        assert self._faults is not None
+        times = (truth.times_ns, *(rows.times_ns for rows in taken.values()))
+        last_ns = max((int(of_one[-1]) for of_one in times if len(of_one)), default=-1)
         received = {name: rows.received() for name, rows in taken.items()}
-        return Taken(truth, received, self._faults.take(last_ns), scenario)
+        return Taken(truth, received, self._faults.take(last_ns), running.segment.scenario)
 
-    def _oldest(self, until_ns: int) -> tuple[Scenario, int]:
-        """The scenario of the next samples, and the last time up to ``until_ns`` at which it is in force, ns."""
-        while self._ended:
-            scenario, end_ns = self._ended[0]
-            if any(queue.count_until(end_ns) for queue in self._sensors.values()):
-                return scenario, min(until_ns, end_ns)
-            self._ended.pop(0)
-        return self._segment.scenario, until_ns
+    def _oldest(self) -> _RunningSegment:
+        """The first segment of which something is left."""
+        while len(self._running) > 1:
+            oldest = self._running[0]
+            if any(queue.count_until(oldest.end_ns) for queue in oldest.queues):
+                return oldest
+            self._running.pop(0)
+        return self._running[0]
 
     def require_stamps(self, last_ns: int) -> None:
         """Refuse a time, ns, up to which some sample or reading would have a stamp that ROS cannot tell.
@@ -177,8 +202,8 @@ class Simulation:
         ------
         ParameterError
         """
-        scenario, start_ns = self._segment.scenario, self._segment.start_ns
-        self._clock.stamps_ns(self._clock.count_until(last_ns) - 1, 1)
+        scenario, start_ns = self.segment.scenario, self.segment.start_ns
+        self.clock.stamps_ns(self.clock.count_until(last_ns) - 1, 1)
         for model in scenario.sensors.on.values():
             if model.delivery is not None:
                 model.delivery.stamps_ns(np.array([start_ns, last_ns]), scenario.epoch_ns)
@@ -193,24 +218,56 @@ class Simulation:
         Segment
             The new one.
         """
-        present = self._segment.scenario
-        if scenario.rate == present.rate:
-            self._begin(replace(scenario, epoch_ns=present.epoch_ns), self.next_sample)
-        else:
-            epoch = int(self._clock.stamps_ns(self.next_sample, 1)[0])
-            self._begin(replace(scenario, epoch_ns=epoch), 0)
-        self._ended.append((present, self._segment.start_ns - 1))
-        return self._segment
+        first, epoch_ns = self.next_sample, self.segment.scenario.epoch_ns
+        if scenario.rate != self.segment.scenario.rate:
+            first, epoch_ns = 0, int(self.clock.stamps_ns(first, 1)[0])
+        self._begin(replace(scenario, epoch_ns=epoch_ns), first)
+        return self.segment
 
 
-def _followed(
-    sensor: SensorQueue[SensorSamples] | None, queue: SampleQueue[SensorSamples], segment: Segment
-) -> SensorQueue[SensorSamples]:
-    """Continue the queue of a sensor with a new segment, or begin it where there was none."""
-    if sensor is None:
-        return SensorQueue(queue)
-    sensor.follow(queue, segment.start_ns)
-    return sensor
+@dataclass
+class Latest:
+    """Latest call of the users in step: its number from 1 on, its times and states, and the motion after it."""
+
+    number: int = 0
+    t_ns: Any = None
+    states: Any = None
+    motion: Any = None
+
+
+class SharedMotion:
+    """A motion for one of several users, each of whom gets the bits of a motion of their own.
+
+    As long as they ask for the same times in the same order, each answer is computed for the first of them and kept
+    for the others until the next one. A user who asks for other times goes on alone.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion at the start, which is copied.
+    latest : Latest
+        What all users share.
+    """
+
+    def __init__(self, motion: Motion, latest: Latest) -> None:
+        self._motion, self._latest = copy.copy(motion), latest
+        self._calls, self._in_step = 0, True
+
+    def at(self, t_ns: ArrayLike) -> State:
+        """The states at the given times, ns."""
+        latest = self._latest
+        self._calls += 1
+        is_known = self._calls == latest.number and np.array_equal(latest.t_ns, t_ns)
+        self._in_step &= is_known or self._calls == latest.number + 1
+        if is_known and self._in_step:
+            self._motion = copy.copy(latest.motion)
+            kept: State = latest.states
+            return kept
+        states = self._motion.at(t_ns)
+        if self._in_step:
+            latest.number, latest.t_ns, latest.states = self._calls, np.array(t_ns), states
+            latest.motion = copy.copy(self._motion)
+        return states
 
 
 def motions_of(scenario: Scenario) -> Callable[[], Motion]:
@@ -222,21 +279,6 @@ def motions_of(scenario: Scenario) -> Callable[[], Motion]:
     rates = [scenario.rate, *(model.rate for model in scenario.sensors.on.values())]
     clocks, start, turns = {rate: Latest() for rate in rates}, scenario.make_motion(), iter(rates)
     return lambda: SharedMotion(start, clocks[next(turns)])
-
-
-def _truth(segment: Segment, clock: SampleClock, motion: Motion) -> SampleQueue[Samples]:
-    return SampleQueue(
-        clock,
-        segment.first_sample,
-        partial(_states, motion, segment.start_ns),
-        segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, clock.rate),
-    )
-
-
-def _sensor(segment: Segment, name: str, motion: Motion) -> SampleQueue[SensorSamples]:
-    measurement = Measurement(segment, name, motion)
-    ahead = segment.scenario.batch_size(LOOK_AHEAD, STEPS_AHEAD, measurement.model.rate)
-    return SampleQueue(measurement.clock, measurement.first, measurement.samples, ahead, measurement.arrivals)
 
 
 # A function of a module, no closure: a simulation is copied, and sent to other processes, with its queues.

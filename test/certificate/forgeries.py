@@ -126,7 +126,7 @@ def in_yaml(change: Callable[[dict[str, Any]], object]) -> Forgery:
         }
         counts = {
             "/pose": ("geometry_msgs/msg/PoseStamped", len(recording.poses.stamps_ns)),
-            "/twist": ("geometry_msgs/msg/TwistStamped", len(recording.twists.body_rates)),
+            "/twist": ("geometry_msgs/msg/TwistStamped", len(recording.twists)),
             "/lie_rigid_body/scenario": ("std_msgs/msg/String", 1),
             "/lie_rigid_body/faults": ("std_msgs/msg/String", 3),
             "/imu/data_raw": ("sensor_msgs/msg/Imu", 6),

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from lie_rigid_body import BagError
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.recording.tracks import PoseTrack, Recording, TwistTrack
+from lie_rigid_body.recording.bag_reader import Recording
+from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Simulation
 
@@ -22,16 +23,17 @@ def recording(*parts: tuple[str, int, Samples], log_delay: int = 0, stamped: boo
     stamps = np.concatenate([samples.stamps_ns for _, _, samples in parts])
     attitudes = np.concatenate([samples.states.attitude_xyzw for _, _, samples in parts])
     rates = np.concatenate([samples.states.body_rate for _, _, samples in parts])
-    zeros, logged = np.zeros((len(stamps), 3)), stamps + log_delay
-    if stamped:
-        twists = TwistTrack("/twist", logged + (7 if log_delay else 0), stamps, rates, zeros, ("base_link",))
-    else:
-        twists = TwistTrack("/twist", logged, None, rates, zeros, ())
+    still, alike, logged = np.zeros((len(stamps), 3)), np.zeros(len(stamps), dtype=np.int64), stamps + log_delay
+    sent = logged + (7 if log_delay and stamped else 0)
+    body, told = ("base_link", stamps) if stamped else (None, sent)
     return Recording(
+        pose_topic="/pose",
+        twist_topic="/twist",
+        stamped=stamped,
         library="test",
         scenario_texts=[(start + log_delay, text) for text, start, _ in parts],
-        poses=PoseTrack("/pose", logged, stamps, attitudes, zeros, ("world",)),
-        twists=twists,
+        poses=TopicMessages(logged, stamps, np.hstack([still, attitudes]), (("world", b""),), alike),
+        twists=TopicMessages(sent, told, np.hstack([still, rates]), ((body, b""),), alike),
     )
 
 
@@ -168,13 +170,13 @@ def test_a_recorder_that_came_late_and_left_between_topics_is_accepted_and_noted
     late = replace(
         whole,
         scenario_texts=[(10**18 + 400_000_123, whole.scenario_texts[0][1])],
-        poses=replace(whole.poses, **_rows(whole.poses, slice(50, 200))),
-        twists=replace(whole.twists, **_rows(whole.twists, slice(53, 199))),
+        poses=whole.poses[50:200],
+        twists=whole.twists[53:199],
     )
     found = certify(late)
     assert found.passed, found.messages
     assert "begins at sample 53" in found.segments[0].notes[0]
-    holed = replace(late, poses=replace(whole.poses, **_rows(whole.poses, np.r_[50:100, 101:200])))
+    holed = replace(late, poses=whole.poses[np.r_[50:100, 101:200]])
     assert certify(holed).messages == ("pose: gap, sample 100 is missing",)
 
 
@@ -184,17 +186,8 @@ def test_a_recorder_that_came_late_still_needs_every_sample_before_a_reset():
     simulation.reset(Scenario.from_parameters({}))
     whole = recording(*parts, part(simulation, 30), log_delay=123_456)
     assert certify(whole).passed
-    holed = replace(whole, poses=replace(whole.poses, **_rows(whole.poses, np.r_[0:49, 50:80])))
+    holed = replace(whole, poses=whole.poses[np.r_[0:49, 50:80]])
     assert certify(holed).messages == ("segment 1: pose: gap, sample 49 is missing",)
-
-
-def _rows(track, rows):
-    names = [
-        n
-        for n in ("log_times_ns", "stamps_ns", "attitudes_xyzw", "positions", "body_rates", "linear")
-        if hasattr(track, n)
-    ]
-    return {name: getattr(track, name)[rows] for name in names}
 
 
 def test_bare_twists_are_paired_by_log_time_or_by_order():
@@ -204,11 +197,7 @@ def test_bare_twists_are_paired_by_log_time_or_by_order():
     assert certify(own).passed
     assert certify(foreign).passed
     with pytest.raises(BagError, match="49 twists without stamps cannot be paired with 50 poses"):
-        certify(replace(foreign, twists=replace(foreign.twists, **_bare_rows(foreign.twists, slice(0, 49)))))
-
-
-def _bare_rows(track, rows):
-    return {name: getattr(track, name)[rows] for name in ("log_times_ns", "body_rates", "linear")}
+        certify(replace(foreign, twists=foreign.twists[0:49]))
 
 
 def test_samples_before_the_first_declaration_are_refused():

@@ -11,7 +11,7 @@ from test_certificate_accepts import run
 from lie_rigid_body.certificate import SegmentCertificate, certify
 from lie_rigid_body.certificate.tolerance import tolerance
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.recording.tracks import Recording
+from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.scenario import Scenario
 
 FAST = {"inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9], "epoch_ns": 1_792_000_000_123_456_789}
@@ -35,17 +35,17 @@ def certified(recording: Recording) -> SegmentCertificate:
 
 def turned(recording: Recording, angle: float, axis: list[float]) -> Recording:
     """One pose turned about an axis of the world."""
-    attitudes = recording.poses.attitudes_xyzw.copy()
+    values = recording.poses.values.copy()
     turn = quaternion.exp(angle * np.asarray(axis) / np.linalg.norm(axis))
-    attitudes[AT] = quaternion.multiply(turn, attitudes[AT])
-    return replace(recording, poses=replace(recording.poses, attitudes_xyzw=attitudes))
+    values[AT, 3:] = quaternion.multiply(turn, values[AT, 3:])
+    return replace(recording, poses=replace(recording.poses, values=values))
 
 
 def scaled(recording: Recording, excess: float) -> Recording:
     """One twist longer than it should be."""
-    rates = recording.twists.body_rates.copy()
-    rates[AT] *= 1.0 + excess
-    return replace(recording, twists=replace(recording.twists, body_rates=rates))
+    values = recording.twists.values.copy()
+    values[AT] *= 1.0 + excess
+    return replace(recording, twists=replace(recording.twists, values=values))
 
 
 def test_the_honest_recording_keeps_well_within_its_limits(honest):
@@ -78,9 +78,9 @@ def test_energy_off_by_hardly_anything_is_caught(honest, sign):
 
 
 def test_a_rate_turned_by_hardly_anything_breaks_eulers_equations(honest):
-    rates = honest.twists.body_rates.copy()
-    rates[AT] = quaternion.rotate(quaternion.exp(np.array([3e-14, -2e-14, 5e-14])), rates[AT])
-    found = certified(replace(honest, twists=replace(honest.twists, body_rates=rates)))
+    values = honest.twists.values.copy()
+    values[AT, 3:] = quaternion.rotate(quaternion.exp(np.array([3e-14, -2e-14, 5e-14])), values[AT, 3:])
+    found = certified(replace(honest, twists=replace(honest.twists, values=values)))
     assert not found.law("Euler's equations").holds
 
 

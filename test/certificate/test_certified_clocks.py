@@ -12,8 +12,8 @@ from tampering import Change, Message, at, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.sensor_clocks import SensorClocks
-from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.recording.segments import SensorClocks
+from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Segment
 
@@ -167,7 +167,7 @@ def test_the_right_reading_is_found_in_any_time_that_can_be_stamped():
         numbers = clock.count_until(int(measured[0])) - 1 + np.arange(100)
         for shift in (0, 1, -1):
             rows = np.arange(float(len(stamps)))[:, np.newaxis]
-            messages = SensorMessages(measured, stamps + shift, rows, (("", b""),), np.zeros_like(stamps))
+            messages = TopicMessages(measured, stamps + shift, rows, (("", b""),), np.zeros_like(stamps))
             for in_order in (True, False):
                 placed = list(SensorClocks(segments, "imu").placed(messages, in_order=in_order))
                 assert [part.place for part in placed] == sorted({int(t >= segments[1].start_ns) for t in measured})

@@ -15,7 +15,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
-from lie_rigid_body.recording.sensor_reader import SensorMessages
+from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -108,7 +108,7 @@ SENSED_CHANGES = {
 
 
 def sensor_readings(recording):
-    return {name: found for name, found in recording.readings.items() if isinstance(found, SensorMessages)}
+    return {name: found for name, found in recording.readings.items() if isinstance(found, TopicMessages)}
 
 
 @pytest.mark.parametrize("change", SENSED_CHANGES)

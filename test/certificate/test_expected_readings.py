@@ -11,7 +11,7 @@ from test_certified_faults import EVERY, LATER
 
 from lie_rigid_body.certificate.readings import Expected, Replay, Replays
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.signal import Converter
 from lie_rigid_body.simulation import Simulation
 
 SCENARIO = Scenario.from_parameters({**BODY, **RATES, **FORCE, **NOISY, **EVERY, **LATER, "motion": "closed_form"})
@@ -60,7 +60,7 @@ def test_a_replay_gives_the_readings_of_the_simulation_wherever_it_begins(simula
                 assert piece.first <= first
                 for array, expected in piece.arrays.items():
                     value = expected.converter.read(expected.signal)[first - piece.first]
-                    assert value.tobytes() == samples.readings.arrays[array][first].tobytes(), (name, array, first)
+                    assert value.tobytes() == samples.arrays[array][first].tobytes(), (name, array, first)
                     limit = expected.uncertainty[first - piece.first].tobytes()
                     assert limits.setdefault((name, array, first), limit) == limit
 

@@ -8,7 +8,7 @@ from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded
 from tampering import Change, at, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import certify, readings
-from lie_rigid_body.recording import bag_reader, pairing
+from lie_rigid_body.recording import bag_reader, samples
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 
 
@@ -32,7 +32,7 @@ def test_batches_change_no_number(bag, tmp_path, monkeypatch, change):
     path = tamper(bag, tmp_path / "changed.mcap", CHANGES[change])
     whole = certify(read_bag(path))
     monkeypatch.setattr(bag_reader, "_BATCH", 50)
-    monkeypatch.setattr(pairing, "_HELD_BACK", 4)
+    monkeypatch.setattr(samples, "_HELD_BACK", 4)
     monkeypatch.setattr(readings, "BLOCK", 7)
     monkeypatch.setattr(readings, "_LONGEST_GAP", 2)
     monkeypatch.setattr(readings, "_PIECES_KEPT", 2)

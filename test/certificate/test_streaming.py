@@ -15,7 +15,7 @@ from lie_rigid_body.certificate.certification import passes
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.recording import bag_reader, pairing, samples
+from lie_rigid_body.recording import bag_reader, samples
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.samples import recorded_segments, thinned_segments
@@ -55,7 +55,7 @@ def test_batches_change_no_number(honest, tmp_path, monkeypatch, change):
     path = tamper(honest, tmp_path / "changed.mcap", CHANGES[change])
     whole = certify(read_bag(path))
     monkeypatch.setattr(bag_reader, "_BATCH", 50)
-    monkeypatch.setattr(pairing, "_HELD_BACK", 4)
+    monkeypatch.setattr(samples, "_HELD_BACK", 4)
     assert certify(Bag(path)) == whole
 
 

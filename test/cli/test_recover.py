@@ -18,7 +18,7 @@ from mcap.writer import Writer
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.cli.recover import main as recover
-from lie_rigid_body.recording.chunk import MAGIC
+from lie_rigid_body.recording.records import MAGIC
 
 
 @pytest.fixture

@@ -24,7 +24,8 @@ from lie_rigid_body.messages.definitions import (
 )
 from lie_rigid_body.messages.layout import Layout, Payloads, header
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import SENSORS, Readings, Sensor
+from lie_rigid_body.sensors import SENSORS, Sensor
+from lie_rigid_body.simulation import SensorSamples
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 FRAMES = ["w", "ab", "imu", "imu_", "imu_l", "imu_li", "imu_lin", "imu_link", "å", "körper", "刚体"]
@@ -51,16 +52,16 @@ def encoder(sensor: str, frame: str = "imu_link", topic: int = 0, **given: objec
     return ReadingEncoder(wanted, scenario.sensors.on[sensor], scenario)
 
 
-def readings(**arrays: np.ndarray) -> Readings:
-    return Readings(arrays)
+def readings(**arrays: np.ndarray) -> SensorSamples:
+    return SensorSamples(STAMPS, STAMPS, np.zeros(len(STAMPS), dtype=bool), arrays)
 
 
 def imu_messages(frame: str = "imu_link") -> Payloads:
-    return encoder("imu", frame, **NOISE).encode(STAMPS, readings(gyro=RATES, specific_force=FORCES))
+    return encoder("imu", frame, **NOISE).encode(readings(gyro=RATES, specific_force=FORCES))
 
 
 def field_messages(frame: str = "imu_link") -> Payloads:
-    return encoder("magnetometer", frame, **NOISE).encode(STAMPS, readings(field=FIELDS))
+    return encoder("magnetometer", frame, **NOISE).encode(readings(field=FIELDS))
 
 
 def decode_by_schema(message_type: str, payload: bytes) -> Any:
@@ -119,10 +120,10 @@ def test_others_read_the_magnetic_field(decode: object, frame: str) -> None:
 @pytest.mark.parametrize("frame", FRAMES)
 def test_others_read_attitudes_vectors_and_orientations(decode: object, frame: str) -> None:
     read = readings(attitude_xyzw=ATTITUDES, covariance=COVARIANCES)
-    poses = encoder("attitude_sensor", frame).encode(STAMPS, read)
-    vectors = encoder("sun_sensor", frame).encode(STAMPS, readings(direction=FIELDS))
+    poses = encoder("attitude_sensor", frame).encode(read)
+    vectors = encoder("sun_sensor", frame).encode(readings(direction=FIELDS))
     ahrs = encoder("imu", frame, imu_orientation=True, imu_inclination_noise=0.5, imu_heading_noise=2.0)
-    oriented = ahrs.encode(STAMPS, readings(gyro=RATES, specific_force=FORCES, orientation_xyzw=ATTITUDES))
+    oriented = ahrs.encode(readings(gyro=RATES, specific_force=FORCES, orientation_xyzw=ATTITUDES))
     for k in range(len(STAMPS)):
         pose = decode(POSE_WITH_COVARIANCE_STAMPED, poses[k])  # type: ignore[operator]
         vector = decode(VECTOR3_STAMPED, vectors[k])  # type: ignore[operator]
@@ -151,8 +152,8 @@ def test_others_read_texts_of_one_length(decode: object) -> None:
 
 def test_covariances_are_unknown_unless_given() -> None:
     read = readings(gyro=RATES, specific_force=FORCES, gyro_bias=RATES, accelerometer_bias=FORCES, field=FIELDS)
-    imu, bias = (decode_by_schema(IMU, encoder("imu", topic=topic).encode(STAMPS, read)[0]) for topic in (0, 1))
-    field = decode_by_schema(MAGNETIC_FIELD, encoder("magnetometer").encode(STAMPS, read)[0])
+    imu, bias = (decode_by_schema(IMU, encoder("imu", topic=topic).encode(read)[0]) for topic in (0, 1))
+    field = decode_by_schema(MAGNETIC_FIELD, encoder("magnetometer").encode(read)[0])
     for message in (imu, bias):
         assert list(message.orientation_covariance) == [-1.0, *[0.0] * 8]
         assert message.orientation.w == 1.0
@@ -176,9 +177,9 @@ def test_batches_of_any_size_give_the_same_bytes() -> None:
     imu, field = encoder("imu", **NOISE), encoder("magnetometer", **NOISE)
     one_by_one = [slice(k, k + 1) for k in range(len(STAMPS))]
     read = readings(gyro=RATES, specific_force=FORCES, field=FIELDS)
-    assert [imu.encode(STAMPS[k], read[k])[0] for k in one_by_one] == list(imu_messages())
-    assert [field.encode(STAMPS[k], read[k])[0] for k in one_by_one] == list(field_messages())
-    assert len(imu.encode(STAMPS[:0], read[:0])) == 0
+    assert [imu.encode(read[k])[0] for k in one_by_one] == list(imu_messages())
+    assert [field.encode(read[k])[0] for k in one_by_one] == list(field_messages())
+    assert len(imu.encode(read[:0])) == 0
 
 
 @pytest.mark.ros

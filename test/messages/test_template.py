@@ -1,4 +1,4 @@
-"""Rows of bytes are the same however many there are, one by one, by arrays, or by compiled code."""
+"""Rows of bytes are the same however many there are, one by one or by arrays."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from lie_rigid_body.messages.template import PUT, Template
+from lie_rigid_body.messages.template import Template
 
 GAP = 3
 """Bytes between two rows in the data."""
@@ -53,17 +53,7 @@ def test_rows_are_the_template_with_their_words(count: int) -> None:
 
 
 @COUNTS
-def test_rows_are_put_at_their_places(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(PUT, "_compiled", None)
-    monkeypatch.setattr(PUT, "_may_compile", False)
-    assert put(words_of(count)) == laid_out(words_of(count))
-
-
-@pytest.mark.parametrize("count", [9, 2000])
-def test_compiled_code_puts_the_same_bytes(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("numba")
-    assert PUT.compile()
-    monkeypatch.setattr(Template, "_many", None)  # nothing else makes rows
+def test_rows_are_put_at_their_places(count: int) -> None:
     assert put(words_of(count)) == laid_out(words_of(count))
 
 

@@ -2,26 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
+import numpy as np
 import pytest
 from bags import MakeBag
 from test_bag_reader import rewrite
 
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bodies import Body, bodies, the_body
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
+from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, the_body
+from lie_rigid_body.recording.mcap_contents import Found, McapContents, Progress, RawMessages, RawTrack, TrackKey
 
 HERE = Path("x.mcap")
 POSE, RATE, TEXT = POSE_STAMPED, TWIST_STAMPED, STRING
 BODY = {"/pose": POSE, "/twist": RATE, "/lie_rigid_body/scenario": TEXT}
 
 
-def contents(topics: dict[str, str], **counts: int) -> McapContents:
+def contents(
+    topics: dict[str, str], ours: tuple[str, ...] = ("",), counts: Mapping[str, int] = MappingProxyType({})
+) -> McapContents:
     tracks = [RawTrack(topic, kind, "cdr", count=counts.get(topic, 3)) for topic, kind in topics.items()]
-    return McapContents(tracks={(track.topic, track.message_type): track for track in tracks})
+    return McapContents(tracks={(track.topic, track.message_type): track for track in tracks}, outlines=[Texts(ours)])
+
+
+class Texts:
+    """Messages of topics of texts, those of some topics scenarios."""
+
+    def __init__(self, ours: tuple[str, ...]) -> None:
+        self._ours = ours
+
+    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+        for key in keys:
+            data = encode_string('{"inertia": [1, 2, 3]}' if key[0].startswith(self._ours) else "9 lanes")
+            yield {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}
 
 
 def inside(namespace: str) -> dict[str, str]:
@@ -33,7 +51,7 @@ def found(topics: dict[str, str], **renamed: str) -> list[Body]:
 
 
 def names(body: Body) -> tuple[str, ...]:
-    return tuple(track.topic for track in body.tracks)
+    return tuple(body.tracks[name].topic for name in TRUTH)
 
 
 def test_each_scenario_with_pose_and_twist_beside_it_is_a_body() -> None:
@@ -72,7 +90,7 @@ def test_a_scenario_that_is_named_is_the_only_one() -> None:
 
 
 def sensors(body: Body) -> dict[str, str]:
-    return {name: track.topic for name, track in body.sensors.items()}
+    return {name: track.topic for name, track in body.tracks.items() if name not in TRUTH}
 
 
 def test_sensors_belong_to_the_body_of_their_namespace() -> None:
@@ -108,7 +126,7 @@ def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[s
 def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
     two, rest = {**inside("/a"), **inside("/b")}, {"/b/imu/data_raw": IMU}
     without_twist = {topic: kind for topic, kind in two.items() if topic != "/b/twist"} | rest
-    mute, doubled = contents(two, **{"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
+    mute, doubled = contents(two, counts={"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
     for held, fault in (
         (contents(without_twist), "x.mcap has /b/lie_rigid_body/scenario and no topic /b/twist: record it as well"),
         (mute, "x.mcap has no message on /b/pose: record it while the body is published"),
@@ -134,18 +152,15 @@ def test_a_renamed_bag_is_read_by_the_names_that_are_given(make_bag: MakeBag, tm
 
 def test_texts_of_another_node_that_are_called_scenario_are_none() -> None:
     """Where it would matter; of a damaged scenario alone it is still told that it is damaged."""
-
-    def is_ours(track: RawTrack) -> bool:
-        return track.topic.startswith(("/lie", "/a/lie", "/b/lie"))
-
+    ours = ("/lie", "/a/lie", "/b/lie")
     for other in ("/x/scenario", "/scenario", "/m/n/scenario"):
         for topics in ({other: TEXT, **BODY}, {**BODY, other: TEXT}):
-            assert [names(body) for body in bodies(HERE, contents(topics), {}, is_ours)] == [tuple(BODY)]
+            assert [names(body) for body in bodies(HERE, contents(topics, ours), {})] == [tuple(BODY)]
     apart = {"/truth/pose": POSE, "/rates": RATE, "/lie_rigid_body/scenario": TEXT, "/x/scenario": TEXT}
-    assert names(bodies(HERE, contents(apart), {}, is_ours)[0]) == tuple(apart)[:3]
+    assert names(bodies(HERE, contents(apart, ours), {})[0]) == tuple(apart)[:3]
     beside = {**inside("/a"), "/c/pose": POSE, "/c/scenario": TEXT}
-    assert [body.name for body in bodies(HERE, contents(beside), {}, is_ours)] == ["/a"]
+    assert [body.name for body in bodies(HERE, contents(beside, ours), {})] == ["/a"]
     with pytest.raises(BagError, match="several topics"):
-        bodies(HERE, contents({**BODY, "/lie2/scenario": TEXT}), {}, is_ours)
+        bodies(HERE, contents({**BODY, "/lie2/scenario": TEXT}, ours), {})
     alone = {"/pose": POSE, "/twist": RATE, "/scenario": TEXT}
-    assert [names(body) for body in bodies(HERE, contents(alone), {}, is_ours)] == [tuple(alone)]
+    assert [names(body) for body in bodies(HERE, contents(alone, ours), {})] == [tuple(alone)]

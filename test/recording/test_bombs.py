@@ -15,9 +15,9 @@ from pathlib import Path
 import pytest
 import zstandard
 from bags import write_bag
+from forged import chunk, framed, record, text
 from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
 from test_bag_reader import rewrite
-from test_hostile_bags import bag, chunk, record, text
 
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.messages import encode_string
@@ -82,43 +82,37 @@ def with_value(folder: Path, name: str, value: object) -> bytes:
     return with_scenario(folder, lambda text: json.dumps({**json.loads(text), name: value}))
 
 
-def in_frame(folder: Path, *records: bytes) -> bytes:
-    return bag(folder / "made.mcap", *records).read_bytes()
-
-
 BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
     "zstd of 10 GiB": (
-        lambda d, n: in_frame(d, chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))),
+        lambda d, n: framed(chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))),
         "a chunk of 1073741824",
     ),
     "zstd of 10 GiB that claims less": (
-        lambda d, n: in_frame(d, chunk("zstd", n, zstd_zeros(10 * GIB))),
+        lambda d, n: framed(chunk("zstd", n, zstd_zeros(10 * GIB))),
         "a chunk does not inflate to the",
     ),
     "lz4 of 1 GiB that claims less": (
-        lambda d, n: in_frame(d, chunk("lz4", n, lz4_zeros(GIB))),
+        lambda d, n: framed(chunk("lz4", n, lz4_zeros(GIB))),
         "a chunk does not inflate to the",
     ),
     "a message that is large": (
-        lambda d, n: in_frame(d, full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
+        lambda d, n: framed(full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
         "more than is read|has no topic",
     ),
-    "messages without end": (lambda d, n: in_frame(d, full_of(EMPTY_MESSAGE, n - 1000)), "records in chunks"),
-    "channels without end": (lambda d, n: in_frame(d, full_of(CHANNEL, n - 1000)), "records in chunks"),
-    "a record of 8 EiB": (lambda d, n: in_frame(d, struct.pack("<BQ", 4, 2**63)), "longer than the file"),
+    "messages without end": (lambda d, n: framed(full_of(EMPTY_MESSAGE, n - 1000)), "records in chunks"),
+    "channels without end": (lambda d, n: framed(full_of(CHANNEL, n - 1000)), "records in chunks"),
+    "a record of 8 EiB": (lambda d, n: framed(struct.pack("<BQ", 4, 2**63)), "longer than the file"),
     "a text of 4 GiB": (
-        lambda d, n: in_frame(d, record(4, struct.pack("<HHI", 1, 0, 2**32 - 1))),
+        lambda d, n: framed(record(4, struct.pack("<HHI", 1, 0, 2**32 - 1))),
         "damaged at byte 37",
     ),
     "a map of 4 GiB": (
-        lambda d, n: in_frame(d, record(12, text("x") + struct.pack("<I", 2**32 - 1))),
+        lambda d, n: framed(record(12, text("x") + struct.pack("<I", 2**32 - 1))),
         "damaged at byte 37",
     ),
-    "an index of 4 GiB": (lambda d, n: in_frame(d, record(7, struct.pack("<HI", 1, 2**32 - 1))), "damaged at byte 37"),
+    "an index of 4 GiB": (lambda d, n: framed(record(7, struct.pack("<HI", 1, 2**32 - 1))), "damaged at byte 37"),
     "an attachment of 8 EiB": (
-        lambda d, n: in_frame(
-            d, record(9, struct.pack("<QQ", 0, 0) + text("x") + text("y") + struct.pack("<Q", 2**63))
-        ),
+        lambda d, n: framed(record(9, struct.pack("<QQ", 0, 0) + text("x") + text("y") + struct.pack("<Q", 2**63))),
         "damaged at byte 37",
     ),
     "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), "nested too deeply"),

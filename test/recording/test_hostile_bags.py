@@ -8,7 +8,6 @@ import struct
 import subprocess
 import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import lz4.frame
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 import zstandard
 from bags import MakeBag
+from forged import chunk, framed
 from mcap.records import Chunk
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
@@ -23,7 +23,7 @@ from test_bag_reader import folder
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording import mcap_contents
+from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
@@ -32,13 +32,6 @@ from lie_rigid_body.recording.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import LONGEST_TEXT, Segment
 
-PACK = {
-    "zstd": zstandard.ZstdCompressor(write_checksum=True).compress,
-    "lz4": partial(lz4.frame.compress, content_checksum=True),
-}
-NOISE = np.random.default_rng(0).bytes(1000)
-SKIPPABLE = struct.pack("<II", 0x184D2A50, 4) + b"abcd"
-"""A frame that decompressors leave out."""
 LARGE = 2 * LARGEST_CHUNK
 MEMORY = 200 * 2**20
 """Bytes that a reader may take beside the libraries: much less than a large chunk inflated."""
@@ -57,21 +50,8 @@ for path in sys.argv[1:]:
 """
 
 
-def record(opcode: int, content: bytes) -> bytes:
-    return struct.pack("<BQ", opcode, len(content)) + content
-
-
-def text(value: str) -> bytes:
-    return struct.pack("<I", len(value)) + value.encode()
-
-
-def chunk(compression: str, size: int, data: bytes) -> bytes:
-    return record(6, struct.pack("<QQQI", 0, 0, size, 0) + text(compression) + struct.pack("<Q", len(data)) + data)
-
-
 def bag(path: Path, *records: bytes) -> Path:
-    head, end = record(1, text("ros2") + text("a forger")), record(15, bytes(4)) + record(2, bytes(20))
-    path.write_bytes(MAGIC + head + b"".join(records) + end + MAGIC)
+    path.write_bytes(framed(*records))
     return path
 
 
@@ -106,35 +86,6 @@ def test_what_does_not_fit_is_refused_before_it_is_there(tmp_path: Path) -> None
     assert [said for line, said in zip(lines, wanted.values(), strict=True) if said not in line] == []
 
 
-@pytest.mark.parametrize("compression", ["", "zstd", "lz4"])
-@pytest.mark.parametrize("size", [0, 999, 1001, 10_000])
-def test_a_chunk_of_another_size_than_it_declares_is_damaged(tmp_path: Path, compression: str, size: int) -> None:
-    pack = {"": bytes, "zstd": zstandard.compress, "lz4": lz4.frame.compress}[compression]
-    path = bag(tmp_path / "x.mcap", chunk(compression, size, pack(bytes(1000))))
-    with pytest.raises(BagError, match=f"damaged at byte 37: a chunk does not inflate to the {size} bytes"):
-        read_bag(path)
-
-
-FRAMES = {
-    "bytes behind": (lambda pack, data: pack(data) + b"garbage", "a chunk has 7 bytes behind its frame of {}"),
-    "the same again": (lambda pack, data: 2 * pack(data), "a chunk has several frames of {}"),
-    "two halves": (lambda pack, data: pack(data[:500]) + pack(data[500:]), "a chunk has several frames of {}"),
-    "skippable first": (lambda pack, data: SKIPPABLE + pack(data), "a chunk does not begin with a frame of {}"),
-    "skippable last": (lambda pack, data: pack(data) + SKIPPABLE, "a chunk has 12 bytes behind its frame of {}"),
-    "no end": (lambda pack, data: pack(data)[:-1], "the {} frame of a chunk has no end"),
-}
-
-
-@pytest.mark.parametrize("how", FRAMES)
-@pytest.mark.parametrize("compression", PACK)
-def test_a_chunk_is_one_compressed_frame(tmp_path: Path, compression: str, how: str) -> None:
-    """Readers differ in what they make of anything else."""
-    made, said = FRAMES[how]
-    path = bag(tmp_path / "x.mcap", chunk(compression, 1000, made(PACK[compression], NOISE)))
-    with pytest.raises(BagError, match=f"damaged at byte 37: {said.format(compression)}"):
-        read_bag(path)
-
-
 @pytest.mark.parametrize("size", [0, 1, 1000, 131_072, 131_073, 500_000])
 def test_frames_of_every_kind_of_block_are_read(size: int) -> None:
     """Of zstd blocks are compressed, as they are, or runs of one byte; with and without the size and a checksum."""
@@ -148,21 +99,8 @@ def test_frames_of_every_kind_of_block_are_read(size: int) -> None:
             assert inflated(Chunk(compression, frame, 0, 0, 0, size)) == data
 
 
-def test_a_message_of_a_channel_that_was_not_declared_is_damage(tmp_path: Path) -> None:
-    message = record(5, struct.pack("<HIQQ", 999, 0, 0, 0) + b"data")
-    with pytest.raises(BagError, match="damaged at byte 37: it has a message of channel 999, which is not declared"):
-        read_bag(bag(tmp_path / "x.mcap", chunk("", len(message), message)))
-
-
-@pytest.mark.parametrize("opcode", [0, 1, 2, 6, 9, 15, 200])
-def test_a_chunk_holds_messages_and_their_types_only(tmp_path: Path, opcode: int) -> None:
-    inner = chunk("", 0, b"") if opcode == 6 else record(opcode, b"")
-    with pytest.raises(BagError, match=f"a record of kind {opcode:#04x} in a chunk"):
-        read_bag(bag(tmp_path / "x.mcap", chunk("", len(inner), inner)))
-
-
 def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", 2**16)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", 2**16)
     with open(tmp_path / "x.mcap", "wb") as out:
         writer = Writer(out, compression=CompressionType.ZSTD)
         writer.start("ros2", "a forger")
@@ -208,11 +146,11 @@ def test_each_file_of_a_bag_allows_for_its_own_messages(
         if each.pieces
     ]
     one = sum(len(piece.data) + 100 * len(piece) for piece in track.pieces)
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one)
-    monkeypatch.setattr(mcap_contents, "_KEPT_PER_BYTE", 0)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", one)
+    monkeypatch.setattr(bag_files, "_KEPT_PER_BYTE", 0)
     whole = BagFiles(path).contents(of_types([POSE_STAMPED])).tracks[track.key].take()
     assert (len(whole), len(whole.data)) == (600, 3 * sum(len(piece.data) for piece in track.pieces))
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", one - 1)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", one - 1)
     with pytest.raises(BagError, match=f"messages of {one} bytes"):
         BagFiles(path).contents(of_types([POSE_STAMPED]))
 

@@ -23,8 +23,8 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.chunk import record_bytes
-from lie_rigid_body.recording.recovery import recover
+from lie_rigid_body.recording.records import record_bytes
+from lie_rigid_body.recording.recovery import NothingWholeError, recover
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -242,3 +242,24 @@ def test_a_stray_message_outside_of_chunks_is_left_out_and_told(tmp_path: Path) 
     (tmp_path / "broken.mcap").write_bytes(broken)
     recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
     assert (recovery.messages, recovery.damaged) == (2, (len(MAGIC + head + good),))
+
+
+def test_a_header_that_is_no_text_or_missing_leaves_nothing(tmp_path: Path) -> None:
+    channel = record_bytes(Channel(id=1, topic="/x", message_encoding="cdr", metadata={}, schema_id=0))
+    for head in (b"", b"\1\2\0\0\0\0\0\0\0\xff\xff", record_bytes(Header(profile="ros2", library="\u00e9"))[:-1]):
+        (tmp_path / "broken.mcap").write_bytes(MAGIC + head + channel)
+        with pytest.raises(NothingWholeError):
+            recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+        assert not (tmp_path / "fixed.mcap").exists()
+
+
+@pytest.mark.parametrize("opcode", [0, Opcode.CHUNK, Opcode.ATTACHMENT])
+def test_room_that_was_kept_for_more_is_not_read(whole: dict[str, Path], tmp_path: Path, opcode: int) -> None:
+    """Some file systems leave a long tail of zeros, which takes no room on the disk, but would in memory."""
+    content, path = whole["zstd"].read_bytes(), tmp_path / "broken.mcap"
+    end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    with path.open("wb") as out:
+        out.write(content[:end] + bytes([opcode]) + b"\xff" * 7)
+        out.truncate(2**36)
+    recovery = recover(path, tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.broken_at) == (len(messages(whole["zstd"])), end)

@@ -12,9 +12,9 @@ from mcap.writer import Writer
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.definitions import STRING
-from lie_rigid_body.recording import mcap_contents
+from lie_rigid_body.messages import decode_string, encode_string
+from lie_rigid_body.messages.definitions import STRING, definition
+from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
@@ -28,8 +28,8 @@ SCENARIO = "/lie_rigid_body/scenario"
 @pytest.fixture(autouse=True)
 def little_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """The bodies' own messages, and not those of others."""
-    monkeypatch.setattr(mcap_contents, "_KEPT_AT_LEAST", 60_000)
-    monkeypatch.setattr(mcap_contents, "_KEPT_PER_BYTE", 0)
+    monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", 60_000)
+    monkeypatch.setattr(bag_files, "_KEPT_PER_BYTE", 0)
 
 
 def mixed(source: Path, target: Path, topic: str, *, left_out: str = "", **options: object) -> Path:
@@ -37,7 +37,9 @@ def mixed(source: Path, target: Path, topic: str, *, left_out: str = "", **optio
     with source.open("rb") as stream, target.open("wb") as out:
         writer, channels = Writer(out, **options), dict[str, int]()  # type: ignore[arg-type]
         writer.start("ros2", "another recorder")
-        log = writer.register_channel(topic, "cdr", writer.register_schema(STRING, "ros2msg", b"string data"))
+        log = writer.register_channel(
+            topic, "cdr", writer.register_schema(STRING, "ros2msg", definition(STRING).encode())
+        )
         for schema, channel, message in make_reader(stream).iter_messages(log_time_order=False):
             assert schema is not None
             if channel.topic not in channels:
@@ -70,6 +72,23 @@ def test_nor_does_a_run_or_a_score_keep_it(tmp_path: Path, topic: str) -> None:
     assert run.imu is not None
     assert (len(run.t_ns), run.faults) == (SAMPLES, ())
     assert len(recorded_estimate(path, "/pose").track.stamps_ns) == SAMPLES
+
+
+def test_other_texts_among_scenarios_end_the_reading(
+    make_bag: MakeBag, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A topic that calls itself a scenario may be without end: a score, too, is refused at the first other text."""
+    path = mixed(make_bag(count=SAMPLES), tmp_path / "mixed.mcap", SCENARIO, chunk_size=1000)
+    read = list[int]()
+
+    def counted(payload: bytes, number: int) -> str:
+        read.append(number)
+        return decode_string(payload, number)
+
+    monkeypatch.setattr("lie_rigid_body.recording.topic_messages.decode_string", counted)
+    with pytest.raises(BagError, match="does not explain itself"):
+        recorded_estimate(path, "/pose", truth_bag=path)
+    assert 1 < max(read) < SAMPLES
 
 
 def test_a_log_in_place_of_the_scenario_is_left_at_its_first_line(make_bag: MakeBag, tmp_path: Path) -> None:

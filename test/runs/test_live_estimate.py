@@ -18,7 +18,8 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.runs.kept import Kept
+from lie_rigid_body.recording.topic_messages import AttitudeTrack
+from lie_rigid_body.runs.kept_estimate import Kept
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 from lie_rigid_body.simulation import Simulation
@@ -158,14 +159,15 @@ def test_kept_rows_are_even_and_bounded():
     kept, rng, begin = Kept(most=64), np.random.default_rng(0), 0
     for size in rng.integers(0, 50, size=100):
         stamps = np.arange(begin, begin + size, dtype=np.int64)
-        assert kept.add(stamps, stamps[:, None].astype(float))[0].tolist() == stamps.tolist()
+        track = AttitudeTrack("/estimate", POSE_STAMPED, stamps, np.repeat(stamps[:, None], 4, axis=1), None, "world")
+        assert kept.add(track).stamps_ns.tolist() == stamps.tolist()
         begin += size
         if begin:
-            assert sum(len(stamps) for stamps, _ in kept._blocks) <= 64
-    stamps, rows = kept.rows()
+            assert sum(map(len, kept._blocks)) <= 64
+    found = kept.track()
     assert kept.count == begin
-    assert stamps.tolist() == sorted({*range(0, begin, kept.stride), begin - 1})
-    assert rows[:, 0].tolist() == stamps.tolist()
+    assert found.stamps_ns.tolist() == sorted({*range(0, begin, kept.stride), begin - 1})
+    assert found.attitude_xyzw[:, 0].tolist() == found.stamps_ns.tolist()
 
 
 def test_what_is_out_of_order_is_left_out_and_named(own, stamps, noisy, tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel, Readings, Sensors
+from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel, Sensors
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])
 START = State(np.array([0.1, -0.7, 0.4, 0.3]) / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
@@ -51,9 +51,11 @@ def magnetometer_model(**given: object) -> MagnetometerModel:
     return model
 
 
-def imu(**given: object) -> Imu:
-    """An IMU on the body of this file, in motion since one step before time 0."""
-    return Imu(imu_model(**given), BODY, -STEP_NS, MOTION.at(np.array([0]))[0])
+def imu(before_ns: int = -STEP_NS, /, **given: object) -> Imu:
+    """An IMU on the body of this file, which is in motion; its first reading comes one step after a time."""
+    made = Imu(imu_model(**given), BODY)
+    made.begin_after(before_ns, lambda: MOTION.at(before_ns))
+    return made
 
 
 def magnetometer(**given: object) -> Magnetometer:
@@ -64,9 +66,9 @@ def at_rest(count: int) -> State:
     return State(np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)), np.zeros((count, 3)))
 
 
-def readings_at_rest(count: int, **given: object) -> Readings:
+def readings_at_rest(count: int, **given: object) -> dict[str, np.ndarray]:
     """What an IMU reads of a body at rest in free fall: its errors alone."""
     model = imu_model(**given)
     period = round(1e9 / model.rate)
     still = at_rest(count)
-    return Imu(model, BODY, -period, still[0]).measure(np.arange(count, dtype=np.int64) * period, still)
+    return Imu(model, BODY).measure(np.arange(count, dtype=np.int64) * period, still)

@@ -23,7 +23,7 @@ def allan_deviation(values: np.ndarray) -> np.ndarray:
 
 
 def readings(sensor: str, **given: object) -> np.ndarray:
-    return readings_at_rest(COUNT, imu_rate=RATE, sensor_seed=5, **given).arrays[READINGS[sensor]]
+    return readings_at_rest(COUNT, imu_rate=RATE, sensor_seed=5, **given)[READINGS[sensor]]
 
 
 @pytest.mark.parametrize(("sensor", "density"), [("gyro", 2e-4), ("accelerometer", 3e-3)])

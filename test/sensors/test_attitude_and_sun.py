@@ -55,15 +55,14 @@ def assert_chi_square(values: np.ndarray) -> None:
 
 def test_perfect_sensors_read_the_truth() -> None:
     assert (
-        AttitudeSensor(attitude_model()).measure(T, STATES).arrays["attitude_xyzw"].tobytes()
-        == STATES.attitude_xyzw.tobytes()
+        AttitudeSensor(attitude_model()).measure(T, STATES)["attitude_xyzw"].tobytes() == STATES.attitude_xyzw.tobytes()
     )
     assert not attitude_model().covariance(STATES.attitude_xyzw).any()
     assert not Sensors.from_parameters().on
 
 
 def test_the_error_is_on_the_right_and_worst_about_the_boresight() -> None:
-    read = AttitudeSensor(NOISY).measure(T, STATES).arrays["attitude_xyzw"]
+    read = AttitudeSensor(NOISY).measure(T, STATES)["attitude_xyzw"]
     error = (TRUTH.inv() * Rotation.from_quat(read)).as_rotvec()
     roll = error @ BORESIGHT
     across = np.linalg.norm(error - roll[:, np.newaxis] * BORESIGHT, axis=1)
@@ -75,7 +74,7 @@ def test_the_error_is_on_the_right_and_worst_about_the_boresight() -> None:
 
 def test_its_covariance_is_of_rotations_about_the_axes_of_the_world() -> None:
     """Read is exp(δ) true with δ about fixed axes: its NEES is chi-square with the covariance that is told."""
-    read = AttitudeSensor(NOISY).measure(T, STATES).arrays["attitude_xyzw"]
+    read = AttitudeSensor(NOISY).measure(T, STATES)["attitude_xyzw"]
     fixed = (Rotation.from_quat(read) * TRUTH.inv()).as_rotvec()
     body = (TRUTH.inv() * Rotation.from_quat(read)).as_rotvec()
     covariance = NOISY.covariance(read)
@@ -90,7 +89,7 @@ def test_its_covariance_is_of_rotations_about_the_axes_of_the_world() -> None:
 def test_the_orientation_of_an_imu_errs_about_the_axes_of_the_world() -> None:
     given = {"imu_orientation": True, "imu_inclination_noise": 3e-3, "imu_heading_noise": 3e-2}
     sensor = imu(**given)
-    read = sensor.measure(T, STATES).arrays["orientation_xyzw"]
+    read = sensor.measure(T, STATES)["orientation_xyzw"]
     error = (Rotation.from_quat(read) * TRUTH.inv()).as_rotvec()
     np.testing.assert_allclose(error.std(axis=0), [3e-3, 3e-3, 3e-2], rtol=5 / np.sqrt(2 * COUNT))
     model = Sensors.from_parameters({"imu_rate": 100.0, **given}).imu
@@ -98,7 +97,7 @@ def test_the_orientation_of_an_imu_errs_about_the_axes_of_the_world() -> None:
     assert model.orientation is not None
     covariance = np.broadcast_to(np.reshape(model.orientation.covariance, (3, 3)), (COUNT, 3, 3))
     assert_chi_square(nees(error, covariance))
-    assert "orientation_xyzw" not in imu().measure(T[:3], STATES[:3]).arrays
+    assert "orientation_xyzw" not in imu().measure(T[:3], STATES[:3])
 
 
 def test_an_evaluation_finds_them_as_large_as_they_say() -> None:
@@ -137,8 +136,8 @@ def test_the_sun_is_a_unit_vector_in_the_body() -> None:
     assert perfect is not None
     assert noisy is not None
     true = TRUTH.inv().apply([0.0, 0.6, 0.8])
-    np.testing.assert_allclose(SunSensor(perfect).measure(T, STATES).arrays["direction"], true, rtol=0, atol=4e-15)
-    read = SunSensor(noisy).measure(T, STATES).arrays["direction"]
+    np.testing.assert_allclose(SunSensor(perfect).measure(T, STATES)["direction"], true, rtol=0, atol=4e-15)
+    read = SunSensor(noisy).measure(T, STATES)["direction"]
     assert np.abs(np.linalg.norm(read, axis=1) - 1.0).max() < 4e-15
     angle = np.linalg.norm(np.cross(read, true), axis=1)
     assert np.sqrt((angle**2).mean() / 2) == pytest.approx(0.01, rel=5 / np.sqrt(4 * COUNT))
@@ -150,6 +149,6 @@ def test_where_batches_begin_changes_nothing(cuts: list[int]) -> None:
     assert sun is not None
     for make in (lambda: AttitudeSensor(NOISY), lambda: SunSensor(sun)):
         sensor, bounds = make(), zip([0, *cuts], [*cuts, 1000], strict=True)
-        parts = [sensor.measure(T[a:b], STATES[a:b]) for a, b in bounds]
-        for name, whole in make().measure(T[:1000], STATES[:1000]).arrays.items():
-            assert np.concatenate([part.arrays[name] for part in parts]).tobytes() == whole.tobytes()
+        parts = [sensor.measure(T[a:b], STATES[a:b], a) for a, b in bounds]
+        for name, whole in make().measure(T[:1000], STATES[:1000]).items():
+            assert np.concatenate([part[name] for part in parts]).tobytes() == whole.tobytes()

@@ -14,8 +14,7 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS, Fault, Sensors
-from lie_rigid_body.sensors.episodes import END_OF_TIME, Episodes, Window
-from lie_rigid_body.sensors.fault import AXES, KINDS, LONGEST_TEXT, PARTS, stream
+from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_TEXT, PARTS, Episodes, Window, stream
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
 NS = 1_000_000_000
@@ -180,7 +179,7 @@ def test_jitter_is_drawn_evenly_where_no_reading_waits_for_another() -> None:
 
 
 def test_a_spike_has_its_size_on_one_axis() -> None:
-    spiky = readings_at_rest(COUNT, gyro_spike_probability=0.05, gyro_spike_size=2.0).arrays["gyro"]
+    spiky = readings_at_rest(COUNT, gyro_spike_probability=0.05, gyro_spike_size=2.0)["gyro"]
     assert set(np.abs(spiky[spiky != 0.0]).tolist()) == {2.0}
     hit = np.flatnonzero(spiky.any(axis=1))
     assert ((spiky[hit] != 0.0).sum(axis=1) == 1).all()
@@ -190,7 +189,7 @@ def test_a_spike_has_its_size_on_one_axis() -> None:
 
 def test_a_burst_is_white_noise_of_its_density() -> None:
     given = {"gyro_noise_burst_interval": 40.0, "gyro_noise_burst_duration": 40.0, "gyro_noise_burst_density": 0.02}
-    burst = readings_at_rest(COUNT, **given).arrays["gyro"]
+    burst = readings_at_rest(COUNT, **given)["gyro"]
     assert np.abs(burst.var(axis=0) / (0.02**2 * 100.0) - 1.0).max() < 10.0 / np.sqrt(COUNT)
 
 
@@ -246,16 +245,14 @@ def test_a_drift_with_temperature_is_a_ramp_of_the_bias() -> None:
     share = np.clip((imu.t_ns / NS - 10.0) / 20.0, 0.0, 1.0)
     np.testing.assert_allclose(imu.gyro_bias - imu.gyro_bias[0], share[:, np.newaxis] * whole, rtol=0, atol=1e-15)
     sizes = np.array([Sensors.from_parameters({"imu_rate": 1.0, **given, "sensor_seed": s}) for s in range(300)])
-    drawn = np.array([s.imu.gyro.faults.drifted() for s in sizes])
+    drawn = np.array([s.imu.gyro.faults.drifted for s in sizes])
     assert np.abs(drawn.std(axis=0) / 0.1 - 1.0).max() < 0.2
 
 
 def test_a_magnetic_disturbance_comes_and_goes_with_its_size_in_the_world() -> None:
     t, given = times(COUNT), {"magnetic_disturbance_interval": 20.0, "magnetic_disturbance_size": 3e-5}
     states = MOTION.at(t)
-    difference = (
-        magnetometer(**given).measure(t, states).arrays["field"] - magnetometer().measure(t, states).arrays["field"]
-    )
+    difference = magnetometer(**given).measure(t, states)["field"] - magnetometer().measure(t, states)["field"]
     size = np.linalg.norm(difference, axis=1)
     episodes = Episodes.from_values({**_defaults(), **given}, "magnetometer", "magnetic_disturbance", KINDS[-1])
     assert episodes is not None

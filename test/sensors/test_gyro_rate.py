@@ -8,27 +8,22 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
-from sensor_models import BODY, MOTION, STEP_NS, imu_model, times
+from sensor_models import MOTION, STEP_NS, imu, times
 
 from lie_rigid_body import State
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.sensors import Imu
-from lie_rigid_body.sensors.gyro_rate import IntegratedRate
-
-
-def sensor(before_ns: int = -STEP_NS, **given: object) -> Imu:
-    return Imu(imu_model(**given), BODY, before_ns, MOTION.at(np.array([before_ns]))[0])
+from lie_rigid_body.sensors.inertial import IntegratedRate
 
 
 def test_an_instantaneous_rate_is_the_body_rate() -> None:
     t = times(100)
-    assert sensor().measure(t, MOTION.at(t)).arrays["gyro"].tolist() == MOTION.at(t).body_rate.tolist()
+    assert imu().measure(t, MOTION.at(t))["gyro"].tolist() == MOTION.at(t).body_rate.tolist()
 
 
 @pytest.mark.parametrize("jitter_ns", [0, 3_000_000])
 def test_integrated_rates_compose_to_the_turn_of_the_body(jitter_ns: int) -> None:
     t = times(500) + np.random.default_rng(2).integers(0, jitter_ns + 1, 500)
-    rates = sensor(gyro_rate="integrated").measure(t, MOTION.at(t)).arrays["gyro"]
+    rates = imu(gyro_rate="integrated").measure(t, MOTION.at(t))["gyro"]
     turn = Rotation.from_quat(MOTION.at(np.array([-STEP_NS])).attitude_xyzw[0])
     for rate, dt, truth in zip(rates, np.diff(t, prepend=-STEP_NS), MOTION.at(t).attitude_xyzw, strict=True):
         turn = turn * Rotation.from_rotvec(rate * (dt * 1e-9))
@@ -38,7 +33,7 @@ def test_integrated_rates_compose_to_the_turn_of_the_body(jitter_ns: int) -> Non
 def test_instantaneous_rates_do_not_compose() -> None:
     t = times(500)
     turn = Rotation.from_quat(MOTION.at(np.array([-STEP_NS])).attitude_xyzw[0])
-    for rate in sensor().measure(t, MOTION.at(t)).arrays["gyro"]:
+    for rate in imu().measure(t, MOTION.at(t))["gyro"]:
         turn = turn * Rotation.from_rotvec(rate * (STEP_NS * 1e-9))
     assert (turn.inv() * Rotation.from_quat(MOTION.at(t).attitude_xyzw[-1])).magnitude() > 1e-4
 
@@ -48,9 +43,9 @@ def test_an_integrated_rate_is_the_rate_in_the_middle_of_a_short_interval() -> N
     errors = []
     for step in (STEP_NS, STEP_NS // 10):
         t = np.array([step], dtype=np.int64)
-        gyro = Imu(imu_model(gyro_rate="integrated"), BODY, 0, MOTION.at(np.array([0]))[0])
+        gyro = imu(0, gyro_rate="integrated")
         middle = MOTION.at(t // 2).body_rate
-        errors.append(np.abs(gyro.measure(t, MOTION.at(t)).arrays["gyro"] - middle).max())
+        errors.append(np.abs(gyro.measure(t, MOTION.at(t))["gyro"] - middle).max())
     assert errors[0] < 1e-4
     assert errors[1] == pytest.approx(errors[0] / 100.0, rel=0.02)
 
@@ -60,7 +55,7 @@ def test_the_sign_of_a_quaternion_changes_nothing() -> None:
     states = MOTION.at(t)
     signs = np.where(np.arange(20) % 3 == 0, -1.0, 1.0)[:, np.newaxis]
     flipped = State.trusted(states.attitude_xyzw * signs, states.body_rate)
-    plain, other = (sensor(gyro_rate="integrated").measure(t, s).arrays["gyro"] for s in (states, flipped))
+    plain, other = (imu(gyro_rate="integrated").measure(t, s)["gyro"] for s in (states, flipped))
     assert plain.tolist() == other.tolist()
 
 
@@ -68,12 +63,12 @@ def test_the_sign_of_a_quaternion_changes_nothing() -> None:
 def test_stamps_that_do_not_rise_are_refused(stamps: list[int]) -> None:
     t = np.array(stamps, dtype=np.int64)
     with pytest.raises(InputError, match=r"^stamps_ns: ") as caught:
-        sensor(gyro_rate="integrated").measure(t, MOTION.at(t))
+        imu(gyro_rate="integrated").measure(t, MOTION.at(t))
     assert "\n" not in str(caught.value)
 
 
 def test_stamps_must_rise_between_batches_too() -> None:
-    gyro, t = sensor(gyro_rate="integrated"), times(5)
+    gyro, t = imu(gyro_rate="integrated"), times(5)
     gyro.measure(t, MOTION.at(t))
     with pytest.raises(InputError, match=r"^stamps_ns: "):
         gyro.measure(t[4:], MOTION.at(t[4:]))

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from reference_noise import normal, philox, words
 from scipy import stats
 
-from lie_rigid_body.sensors.noise import BLOCK, BlockBuffer, NoiseSource, RandomWalk, WhiteNoise, uniform
+from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise, uniform
 
 COUNT = 100_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -65,7 +65,7 @@ def test_source_numbers_are_these_for_ever() -> None:
 @pytest.mark.parametrize("seed", [0, 1, 7, 2**63 - 1])
 @pytest.mark.parametrize("source", NoiseSource)
 def test_deviates_are_the_inverse_normal_of_the_words(seed: int, source: NoiseSource) -> None:
-    drawn = white(source, seed).draw(6).ravel()
+    drawn = white(source, seed).draw(0, 6).ravel()
     for ours, word in zip(drawn.tolist(), words(seed, source), strict=False):
         assert abs(mpmath.mpf(ours) - normal(word)) < 2e-15 * max(1.0, abs(ours))
 
@@ -75,42 +75,45 @@ def test_uniform_numbers_are_exact_and_never_reach_the_ends() -> None:
     assert ends.tolist() == [2.0**-53, 1.0 - 2.0**-53, 0.5 + 2.0**-53, 0.5 - 2.0**-53]
 
 
-@given(st.lists(st.integers(0, 3 * BLOCK), max_size=6))
-def test_batches_of_any_size_give_the_same_bits(counts: list[int]) -> None:
-    def walk() -> RandomWalk:
-        return RandomWalk(np.array([0.1, -3.0, 1e9]), white(sigma=0.01))
-
-    for make in (white, walk):
-        batches = BlockBuffer(make())
-        taken = np.concatenate([np.empty((0, 3)), *(batches.take(n) for n in counts)])
-        assert taken.tobytes() == make().draw(sum(counts)).tobytes()
+@given(st.lists(st.tuples(st.integers(0, 70), st.integers(0, 700)), max_size=6), st.sampled_from([0.0, 0.01]))
+def test_batches_of_any_size_give_the_same_bits_wherever_they_begin(parts: list[tuple[int, int]], sigma: float) -> None:
+    start = np.array([0.1, -3.0, 1e9])
+    noise, walk, at = white(sigma=sigma), RandomWalk(start, white(sigma=sigma)), 0
+    vectors = white(sigma=sigma).draw(0, 5000)
+    values = RandomWalk(start, white(sigma=sigma)).signal(0, 5000).values
+    for left_out, count in parts:
+        rows = slice(at + left_out, at + left_out + count)
+        assert noise.draw(rows.start, count).tobytes() == vectors[rows].tobytes()
+        assert walk.signal(rows.start, count).values.tobytes() == values[rows].tobytes()
+        at = rows.stop
+    assert noise.draw(7, 3).tobytes() == vectors[7:10].tobytes()  # also once more
 
 
 def test_a_walk_adds_one_step_after_the_other() -> None:
-    steps = white(sigma=0.3).draw(1000).tolist()
+    steps = white(sigma=0.3).draw(0, 1000).tolist()
     at = [0.1, 0.2, 0.3]
     path = []
     for step in steps:
         path.append(at)
         at = [a + s for a, s in zip(at, step, strict=True)]
-    assert RandomWalk(np.array([0.1, 0.2, 0.3]), white(sigma=0.3)).draw(1000).tolist() == path
+    assert RandomWalk(np.array([0.1, 0.2, 0.3]), white(sigma=0.3)).signal(0, 1000).values.tolist() == path
 
 
 def test_deviates_are_standard_normal() -> None:
-    values = white().draw(COUNT)
+    values = white().draw(0, COUNT)
     assert np.abs(values.mean(axis=0)).max() < FIVE_SIGMA
     assert np.abs(values.std(axis=0) - 1.0).max() < FIVE_SIGMA
     assert min(stats.kstest(axis, "norm").pvalue for axis in values.T) > 1e-3
 
 
 def test_deviates_are_white() -> None:
-    values = white().draw(COUNT)
-    for lag in (*range(1, 20), BLOCK - 1, BLOCK, BLOCK + 1):
+    values = white().draw(0, COUNT)
+    for lag in (*range(1, 20), 255, 256, 257):
         assert np.abs((values[lag:] * values[:-lag]).mean(axis=0)).max() < FIVE_SIGMA
 
 
 def test_axes_sources_and_seeds_are_independent() -> None:
-    columns = [white(source, seed).draw(COUNT) for source in NoiseSource for seed in (0, 1, 2**62)]
+    columns = [white(source, seed).draw(0, COUNT) for source in NoiseSource for seed in (0, 1, 2**62)]
     correlation = np.atleast_2d(np.corrcoef(np.concatenate(columns, axis=1), rowvar=False))
     assert np.abs(correlation - np.eye(len(correlation))).max() < 1.2 * FIVE_SIGMA  # the largest of 1953 numbers
     squares = np.atleast_2d(np.corrcoef(np.concatenate(columns, axis=1) ** 2, rowvar=False))

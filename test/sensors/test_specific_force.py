@@ -32,7 +32,7 @@ def acceleration_by_differences(motion: ClosedForm, lever_arm: list[float]) -> n
 
 @pytest.mark.parametrize("lever_arm", LEVER_ARMS)
 def test_it_is_the_acceleration_of_the_point(lever_arm: list[float]) -> None:
-    read = imu(accelerometer_lever_arm=lever_arm).measure(AT, MOTION.at(AT)).arrays["specific_force"]
+    read = imu(accelerometer_lever_arm=lever_arm).measure(AT, MOTION.at(AT))["specific_force"]
     assert np.abs(read).max() > 0.05
     assert np.abs(read - acceleration_by_differences(MOTION, lever_arm)).max() < 1e-10
 
@@ -42,8 +42,8 @@ def test_it_holds_for_every_kind_of_body(inertia: list[float]) -> None:
 
     body = RigidBody(inertia)
     motion = ClosedForm(body, START)
-    sensor = Imu(imu_model(accelerometer_lever_arm=LEVER_ARMS[-1]), body, 0, START)
-    read = sensor.measure(AT, motion.at(AT)).arrays["specific_force"]
+    sensor = Imu(imu_model(accelerometer_lever_arm=LEVER_ARMS[-1]), body)
+    read = sensor.measure(AT, motion.at(AT))["specific_force"]
     assert np.abs(read - acceleration_by_differences(motion, LEVER_ARMS[-1])).max() < 1e-10
 
 
@@ -52,14 +52,14 @@ def test_it_holds_for_every_kind_of_body(inertia: list[float]) -> None:
 def test_a_pivot_adds_the_weight_upwards(lever_arm: list[float], gravity: float) -> None:
     states = MOTION.at(AT)
     read = imu(accelerometer_lever_arm=lever_arm, accelerometer_mode="pivot_gravity", gravity=gravity)
-    force = read.measure(AT, states).arrays["specific_force"]
+    force = read.measure(AT, states)["specific_force"]
     expected = acceleration_by_differences(MOTION, lever_arm) + in_body(states, np.tile(gravity * UP, (len(AT), 1)))
     assert np.abs(force - expected).max() < 1e-10
 
 
 def test_free_fall_at_the_mass_centre_reads_exactly_nothing() -> None:
     t = times(50)
-    assert not imu(accelerometer_misalignment=[0.1, -0.2, 0.3]).measure(t, MOTION.at(t)).arrays["specific_force"].any()
+    assert not imu(accelerometer_misalignment=[0.1, -0.2, 0.3]).measure(t, MOTION.at(t))["specific_force"].any()
 
 
 def test_a_steady_spin_reads_the_centripetal_acceleration() -> None:
@@ -69,8 +69,8 @@ def test_a_steady_spin_reads_the_centripetal_acceleration() -> None:
         rate[0, axis], lever_arm[axis], lever_arm[other] = 3.0, 0.7, 0.5
 
         state = State([[0.0, 0.0, 0.0, 1.0]], rate)
-        sensor = Imu(imu_model(accelerometer_lever_arm=lever_arm.tolist()), RigidBody([1.0, 2.0, 2.5]), 0, state[0])
-        force = sensor.measure(np.array([0]), state).arrays["specific_force"][0]
+        sensor = Imu(imu_model(accelerometer_lever_arm=lever_arm.tolist()), RigidBody([1.0, 2.0, 2.5]))
+        force = sensor.measure(np.array([0]), state)["specific_force"][0]
         assert (force[axis], force[third]) == (0.0, 0.0)
         assert force[other] == pytest.approx(-9.0 * 0.5, rel=1e-15)
 

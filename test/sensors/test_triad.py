@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from reference_noise import normal, words
 from scipy import stats
 from scipy.spatial.transform import Rotation
-from sensor_models import BODY, START, at_rest, imu_model, readings_at_rest
+from sensor_models import BODY, at_rest, imu_model, readings_at_rest
 
 from lie_rigid_body import RigidBody, State
 from lie_rigid_body.sensors import Imu
 from lie_rigid_body.sensors.noise import NoiseSource
-from lie_rigid_body.sensors.quantisation import Converter
+from lie_rigid_body.sensors.signal import Converter
 
 COUNT = 50_000
 FIVE_SIGMA = 5.0 / np.sqrt(COUNT)
@@ -28,7 +28,7 @@ def gyro_reads(rates: object, **given: object) -> np.ndarray:
     rate = np.array(rates, dtype=float)
     t = np.arange(len(rate), dtype=np.int64) * PERIOD_NS
     states = State(np.tile([0.0, 0.0, 0.0, 1.0], (len(rate), 1)), rate)
-    return Imu(imu_model(**given), BODY, -PERIOD_NS, states[0]).measure(t, states).arrays["gyro"]
+    return Imu(imu_model(**given), BODY).measure(t, states)["gyro"]
 
 
 def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
@@ -37,7 +37,7 @@ def accelerometer_reads(up_in_body: object, **given: object) -> np.ndarray:
     tilt = Rotation.align_vectors([[0.0, 0.0, 1.0]], [up / np.linalg.norm(up)])[0].as_quat()
     states = State(tilt[np.newaxis], np.zeros((1, 3)))
     model = imu_model(accelerometer_mode="pivot_gravity", gravity=float(np.linalg.norm(up)), **given)
-    return Imu(model, BODY, -PERIOD_NS, states[0]).measure(np.array([0]), states).arrays["specific_force"][0]
+    return Imu(model, BODY).measure(np.array([0]), states)["specific_force"][0]
 
 
 def reading(sensor: str, truth: list[float], **given: object) -> np.ndarray:
@@ -128,14 +128,14 @@ def test_noise_comes_before_resolution() -> None:
 def test_noise_is_not_scaled(sensor: str) -> None:
     plain = readings_at_rest(100, **{f"{sensor}_noise_density": 0.1})
     scaled = readings_at_rest(100, **{f"{sensor}_noise_density": 0.1, f"{sensor}_scale_factor": [2.0, 3.0, 4.0]})
-    assert plain.arrays["gyro"].tolist() == scaled.arrays["gyro"].tolist()
-    assert plain.arrays["specific_force"].tolist() == scaled.arrays["specific_force"].tolist()
+    assert plain["gyro"].tolist() == scaled["gyro"].tolist()
+    assert plain["specific_force"].tolist() == scaled["specific_force"].tolist()
 
 
 @pytest.mark.parametrize("rate", [1.0, 100.0, 12345.678])
 def test_white_noise_is_the_density_times_the_root_of_the_rate(rate: float) -> None:
     read = readings_at_rest(COUNT, imu_rate=rate, gyro_noise_density=0.02, accelerometer_noise_density=0.03)
-    for values, density in ((read.arrays["gyro"], 0.02), (read.arrays["specific_force"], 0.03)):
+    for values, density in ((read["gyro"], 0.02), (read["specific_force"], 0.03)):
         assert np.abs(values.std(axis=0) / (density * np.sqrt(rate)) - 1.0).max() < FIVE_SIGMA
         assert np.abs(values.mean(axis=0)).max() < FIVE_SIGMA * density * np.sqrt(rate)
 
@@ -143,7 +143,7 @@ def test_white_noise_is_the_density_times_the_root_of_the_rate(rate: float) -> N
 @pytest.mark.parametrize("rate", [1.0, 100.0, 12345.678])
 def test_bias_steps_are_the_walk_times_the_root_of_the_interval(rate: float) -> None:
     read = readings_at_rest(COUNT, imu_rate=rate, gyro_bias_random_walk=0.02, accelerometer_bias_random_walk=0.03)
-    for bias, walk in ((read.arrays["gyro_bias"], 0.02), (read.arrays["accelerometer_bias"], 0.03)):
+    for bias, walk in ((read["gyro_bias"], 0.02), (read["accelerometer_bias"], 0.03)):
         assert not bias[0].any()
         assert np.abs(np.diff(bias, axis=0).std(axis=0) * np.sqrt(rate) / walk - 1.0).max() < FIVE_SIGMA
 
@@ -152,8 +152,8 @@ def test_bias_steps_are_the_walk_times_the_root_of_the_interval(rate: float) -> 
 def test_the_true_bias_is_what_the_reading_has_more_than_the_truth(sensor: str) -> None:
     read = readings_at_rest(1000, **{f"{sensor}_bias_random_walk": 0.1, f"{sensor}_turn_on_bias": 1.0})
     pairs = {
-        "gyro": (read.arrays["gyro"], read.arrays["gyro_bias"]),
-        "accelerometer": (read.arrays["specific_force"], read.arrays["accelerometer_bias"]),
+        "gyro": (read["gyro"], read["gyro_bias"]),
+        "accelerometer": (read["specific_force"], read["accelerometer_bias"]),
     }
     values, bias = pairs.pop(sensor)
     assert values.tolist() == bias.tolist()
@@ -164,8 +164,8 @@ def test_the_true_bias_is_what_the_reading_has_more_than_the_truth(sensor: str) 
 def test_turn_on_biases_are_normal_over_the_seeds() -> None:
     seeds = range(500)
     reads = [readings_at_rest(1, sensor_seed=s, gyro_turn_on_bias=0.2, accelerometer_turn_on_bias=3.0) for s in seeds]
-    gyro = np.concatenate([read.arrays["gyro_bias"] for read in reads]) / 0.2
-    accelerometer = np.concatenate([read.arrays["accelerometer_bias"] for read in reads]) / 3.0
+    gyro = np.concatenate([read["gyro_bias"] for read in reads]) / 0.2
+    accelerometer = np.concatenate([read["accelerometer_bias"] for read in reads]) / 3.0
     both = np.concatenate([gyro, accelerometer], axis=1)
     limit = 5.0 / np.sqrt(both.size)
     assert abs(both.mean()) < limit
@@ -180,10 +180,10 @@ def test_the_variance_that_is_told_is_that_of_the_readings() -> None:
     still = at_rest(COUNT)
     turning = State(still.attitude_xyzw, np.linspace(0.0, 100.0, 3 * COUNT).reshape(-1, 3))
     t = np.arange(COUNT, dtype=np.int64) * PERIOD_NS
-    read = Imu(model, RigidBody([1.0, 1.0, 1.0]), -PERIOD_NS, START).measure(t, turning)
-    errors = read.arrays["gyro"] - turning.body_rate
+    read = Imu(model, RigidBody([1.0, 1.0, 1.0])).measure(t, turning)
+    errors = read["gyro"] - turning.body_rate
     assert np.abs(errors.var(axis=0) / model.gyro.variance(model.rate) - 1.0).max() < 2.0 * FIVE_SIGMA
-    variances = read.arrays["specific_force"].var(axis=0)
+    variances = read["specific_force"].var(axis=0)
     assert np.abs(variances / model.accelerometer.variance(model.rate) - 1.0).max() < 2.0 * FIVE_SIGMA
 
 
@@ -209,7 +209,7 @@ def reference_deviates(source: NoiseSource, seed: int, count: int) -> np.ndarray
 )
 def test_every_error_has_deviates_of_its_own(parameter: str, source: NoiseSource) -> None:
     read = readings_at_rest(5, imu_rate=4.0, sensor_seed=11, **{parameter: 0.5})
-    values = read.arrays["gyro"] if parameter.startswith("gyro") else read.arrays["specific_force"]
+    values = read["gyro"] if parameter.startswith("gyro") else read["specific_force"]
     drawn = reference_deviates(source, 11, 5)
     if parameter.endswith("turn_on_bias"):
         expected = np.tile(0.5 * drawn[0], (5, 1))

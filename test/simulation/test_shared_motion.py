@@ -14,7 +14,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import motions_of
-from lie_rigid_body.simulation.shared_motion import Latest, SharedMotion
+from lie_rigid_body.simulation.loop import Latest, SharedMotion
 
 PERIOD_NS = 10_000_000
 KINDS = ("moving_chart", "closed_form")

@@ -141,7 +141,7 @@ def test_sensors_feel_a_reset_from_its_stamp_on() -> None:
     assert before.sum() == 7
     for part, motion, start in ((before, old, EPOCH), (~before, new, segment.start_ns)):
         true = motion.at(imu.stamps_ns[part] - start).body_rate
-        np.testing.assert_allclose(imu.readings.arrays["gyro"][part], true, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(imu.arrays["gyro"][part], true, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
@@ -152,11 +152,11 @@ def test_readings_are_of_the_state_at_their_stamps(motion: str) -> None:
     truth = ClosedForm(simulation.segment.scenario.body(), simulation.segment.scenario.start())
     imu, compass = taken.sensors["imu"], taken.sensors["magnetometer"]
     at_imu, at_field = (truth.at(track.stamps_ns - EPOCH) for track in (imu, compass))
-    np.testing.assert_allclose(imu.readings.arrays["gyro"], at_imu.body_rate, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(imu.arrays["gyro"], at_imu.body_rate, rtol=0, atol=1e-9)
     up = np.einsum("nji,j->ni", matrices(at_imu.attitude_xyzw), [0.0, 0.0, 9.81])
-    np.testing.assert_allclose(imu.readings.arrays["specific_force"], up, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(imu.arrays["specific_force"], up, rtol=0, atol=1e-7)
     field = np.einsum("nji,j->ni", matrices(at_field.attitude_xyzw), NORTH_AND_DOWN)
-    np.testing.assert_allclose(compass.readings.arrays["field"], field, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(compass.arrays["field"], field, rtol=0, atol=1e-13)
 
 
 def matrices(attitude_xyzw: np.ndarray) -> np.ndarray:

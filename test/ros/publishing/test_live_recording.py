@@ -121,4 +121,4 @@ def test_works_without_stdout(tmp_path: Path, stdout: str) -> None:
         finally:
             process.kill()
     assert (process.returncode, without_lateness(complaint.splitlines())) == (0, [])
-    assert read_bag(bag).poses.topic == "/pose"
+    assert read_bag(bag).pose_topic == "/pose"

@@ -1,0 +1,271 @@
+"""Summary of an MCAP file: made of its records as they are written, and held against that of a file that is read.
+
+A reader that seeks believes a summary: a message that an index leaves out would not be in the bag for it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping
+from typing import Any, Final
+
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Footer,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
+
+from lie_rigid_body.recording.message_table import LAST_TIME, MessageTable
+from lie_rigid_body.recording.records import parsed, require
+
+_IN_DATA: Final = frozenset(
+    {
+        Opcode.SCHEMA,
+        Opcode.CHANNEL,
+        Opcode.MESSAGE,
+        Opcode.CHUNK,
+        Opcode.ATTACHMENT,
+        Opcode.METADATA,
+        Opcode.DATA_END,
+    }
+)
+_IN_SUMMARY: Final = frozenset(
+    {
+        Opcode.SCHEMA,
+        Opcode.CHANNEL,
+        Opcode.STATISTICS,
+        Opcode.CHUNK_INDEX,
+        Opcode.ATTACHMENT_INDEX,
+        Opcode.METADATA_INDEX,
+        Opcode.SUMMARY_OFFSET,
+        Opcode.FOOTER,
+    }
+)
+_INDEXES: Final = {
+    Opcode.CHUNK_INDEX: "chunks",
+    Opcode.ATTACHMENT_INDEX: "attachments",
+    Opcode.METADATA_INDEX: "metadata",
+}
+
+
+class Summary:
+    """Summary of the records of a file.
+
+    Attributes
+    ----------
+    schemas : dict of int to Schema
+    channels : dict of int to Channel
+    counts : Counter of int
+        Messages of each channel that has any.
+    first_ns, last_ns : int
+        The earliest and the latest log time, ns; `LAST_TIME` and 0 without messages.
+    chunks : list of ChunkIndex
+    attachments : list of AttachmentIndex
+    """
+
+    def __init__(self) -> None:
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+        self.counts: Counter[int] = Counter()
+        self.first_ns, self.last_ns = LAST_TIME, 0
+        self.chunks: list[ChunkIndex] = []
+        self.attachments: list[AttachmentIndex] = []
+        self._metadata: list[MetadataIndex] = []
+
+    def add(self, record: McapRecord, begin: int, length: int) -> None:
+        """Add a record that begins at a byte and has a size, if it is of a kind of which a summary tells.
+
+        Raises
+        ------
+        ContradictionError
+            If it is a schema or a channel that repeats another one, and is not the same, or a channel of no schema.
+        """
+        match record:
+            case Metadata():
+                self._metadata.append(MetadataIndex(offset=begin, length=length, name=record.name))
+            case Attachment():
+                self.attachments.append(
+                    AttachmentIndex(
+                        offset=begin,
+                        length=length,
+                        log_time=record.log_time,
+                        create_time=record.create_time,
+                        data_size=len(record.data),
+                        name=record.name,
+                        media_type=record.media_type,
+                    )
+                )
+            case Schema():
+                is_same = self.schemas.setdefault(record.id, record) == record
+                require(is_same, f"it has two different records of schema {record.id}")
+            case Channel():
+                is_same = self.channels.setdefault(record.id, record) == record
+                require(is_same, f"it has two different records of channel {record.id}")
+                is_known = record.schema_id in (0, *self.schemas)
+                require(is_known, f"the schema of topic {record.topic} is not declared before it")
+
+    def add_messages(self, table: MessageTable) -> None:
+        """Add the messages of a chunk, with the schemas and channels in it, or messages that stand in none.
+
+        Raises
+        ------
+        ContradictionError
+            See `add`; or if a message is of a channel that is not declared.
+        """
+        for place in table.others:
+            if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
+        unknown = table.index.keys() - self.channels.keys()
+        require(not unknown, f"it has a message of channel {min(unknown, default=0)}, which is not declared before it")
+        self.counts.update({channel: len(rows) for channel, rows in table.index.items()})
+        first_ns, last_ns = table.span_ns
+        self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
+
+    def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], behind: int, end: int) -> None:
+        """Add a chunk whose messages were added.
+
+        Parameters
+        ----------
+        chunk : Chunk
+        begin : int
+            Byte where its record begins.
+        indexes : mapping of int to int
+            Bytes where the indexes of its messages begin, by channel.
+        behind, end : int
+            Bytes where its record ends, and the last of its indexes.
+        """
+        self.chunks.append(
+            ChunkIndex(
+                message_start_time=chunk.message_start_time,
+                message_end_time=chunk.message_end_time,
+                chunk_start_offset=begin,
+                chunk_length=behind - begin,
+                message_index_offsets=dict(indexes),
+                message_index_length=end - behind,
+                compression=chunk.compression,
+                compressed_size=len(chunk.data),
+                uncompressed_size=chunk.uncompressed_size,
+            )
+        )
+
+    def groups(self) -> dict[int, list[McapRecord]]:
+        """Records of the summary by their opcodes, in the order in which they are written."""
+        return {
+            Opcode.SCHEMA: [*self.schemas.values()],
+            Opcode.CHANNEL: [*self.channels.values()],
+            Opcode.STATISTICS: [self._statistics()],
+            Opcode.CHUNK_INDEX: [*self.chunks],
+            Opcode.ATTACHMENT_INDEX: [*self.attachments],
+            Opcode.METADATA_INDEX: [*self._metadata],
+        }
+
+    def _statistics(self) -> Statistics:
+        return Statistics(
+            attachment_count=len(self.attachments),
+            channel_count=len(self.channels),
+            channel_message_counts=dict(self.counts),
+            chunk_count=len(self.chunks),
+            message_count=self.counts.total(),
+            message_start_time=self.first_ns if self.counts else 0,
+            message_end_time=self.last_ns,
+            metadata_count=len(self._metadata),
+            schema_count=len(self.schemas),
+        )
+
+
+class SummaryCheck:
+    """Places of the records of a file that is read, and its own summary, held against the one that is made of it.
+
+    Parameters
+    ----------
+    found : Summary
+        Made of the records of the file as they are read.
+
+    Attributes
+    ----------
+    said : dict of int to list
+        Records of the summary of the file, by their opcodes.
+    """
+
+    def __init__(self, found: Summary) -> None:
+        self._found = found
+        self._opcodes: set[int] = set()
+        self.said = defaultdict[int, list[Any]](list)
+        self._groups: dict[int, tuple[int, int]] = {}
+        self._begin: int | None = None  # of the summary
+        self._in_data = 0, 0  # schemas and channels
+
+    def place(self, opcode: int, begin: int, end: int) -> None:
+        """Take the place of the next record of the file, with those that continue it, if any do.
+
+        Raises
+        ------
+        ContradictionError
+            If it is not where records of its kind belong.
+        """
+        require(bool(self._opcodes) or opcode == Opcode.HEADER, "it does not begin with a header")
+        if self._opcodes and opcode <= Opcode.DATA_END:
+            allowed = _IN_DATA if self._begin is None else _IN_SUMMARY
+            require(opcode in allowed, f"a record {opcode:#x} is out of place")
+        self._opcodes.add(opcode)
+        if self._begin is not None:
+            first, before = self._groups.get(opcode, (begin, begin))
+            require(before == begin, "the groups of its summary are mixed")
+            self._groups[opcode] = first, end
+        elif opcode == Opcode.DATA_END:
+            self._begin, self._in_data = end, (len(self._found.schemas), len(self._found.channels))
+
+    def finish(self, footer: Footer) -> None:
+        """Hold the whole summary of the file against the one that is made of it.
+
+        Raises
+        ------
+        ContradictionError
+            Naming the first thing that does not fit.
+        """
+        require(not self._opcodes >= {Opcode.CHUNK, Opcode.MESSAGE}, "messages stand outside its chunks")
+        found = self._found.groups()
+        for opcode, what in _INDEXES.items():
+            # an index may be left out as a whole: then readers scan
+            is_same = self.said[opcode] in ([], found[opcode])
+            require(is_same, f"the index of its {what} is not that of the {what} it has")
+        self._hold_statistics(*found[Opcode.STATISTICS])
+        self._hold_places(footer)
+
+    def _hold_statistics(self, found: Any) -> None:
+        require(len(self.said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")
+        for said in self.said[Opcode.STATISTICS]:
+            # some writers leave out those that no message uses, which stand in the summary alone
+            allowed = dict(zip(("schema_count", "channel_count"), self._in_data, strict=True))
+            if not self._found.counts:
+                allowed |= {name: getattr(said, name) for name in ("message_start_time", "message_end_time")}
+            said.channel_message_counts = Counter(said.channel_message_counts)  # which may have some of 0
+            for name, value in vars(found).items():
+                told = getattr(said, name)
+                is_same = told in (value, allowed.get(name, value))
+                require(is_same, f"the {name} of its statistics is {told!r:.40}, where it has {value!r:.40}")
+
+    def _hold_places(self, footer: Footer) -> None:
+        groups = {opcode: (begin, end - begin) for opcode, (begin, end) in self._groups.items()}
+        end, _ = groups.pop(Opcode.FOOTER)
+        offsets, _ = groups.pop(Opcode.SUMMARY_OFFSET, (end, 0))
+        said = self.said[Opcode.SUMMARY_OFFSET]
+        told = {
+            offset.group_opcode: (offset.group_start, offset.group_length) for offset in said if offset.group_length
+        }
+        require(not said or told == groups, "the offsets of its summary are not those of its groups")
+        for what, place, begin, is_there in (
+            ("summary begins", footer.summary_start, self._begin, end != self._begin),
+            ("offsets of the summary begin", footer.summary_offset_start, offsets, bool(said)),
+        ):
+            is_same = place == begin or not (is_there or place)
+            require(is_same, f"its footer says that the {what} at byte {place}, not {begin}")

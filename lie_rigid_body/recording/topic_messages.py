@@ -1,0 +1,402 @@
+"""Messages of a bag's topics as arrays, decoded in one place: float64 fields, texts, and attitudes of filters.
+
+Poses and twists of a body and readings of sensors are `TopicMessages`. An estimated attitude comes in any of the
+message types in which filters publish them, and is part of an `AttitudeTrack`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import count
+from pathlib import Path
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
+from lie_rigid_body.messages.definitions import (
+    IMU,
+    ODOMETRY,
+    POSE_STAMPED,
+    POSE_WITH_COVARIANCE_STAMPED,
+    QUATERNION_STAMPED,
+    TF_MESSAGE,
+    TWIST,
+    TWIST_STAMPED,
+    places,
+)
+from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometry, decode_transforms
+from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
+from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.sensors import SENSORS, Field, Topic
+from lie_rigid_body.wording import listed, short_repr
+
+TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
+"""Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""
+_NUMBERS: Final = {POSE_STAMPED: 7, POSE_WITH_COVARIANCE_STAMPED: 43, QUATERNION_STAMPED: 4, IMU: 37}
+"""Number of float64 fields of each type with one frame."""
+_FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
+    ODOMETRY: decode_odometry,
+    TF_MESSAGE: decode_transforms,
+}
+ATTITUDE_TYPES: Final = (*_NUMBERS, *_FRAMED)
+"""Message types that hold an attitude with a stamp."""
+_BEHIND_POSITION: Final = (POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, *_FRAMED)
+"""Types whose attitude stands behind three numbers of a position."""
+_COVARIANCES: Final = {POSE_WITH_COVARIANCE_STAMPED: slice(7, 43), ODOMETRY: slice(7, 43), IMU: slice(4, 13)}
+"""Fields of the covariance: 6 × 6 after a pose, 3 × 3 after an orientation."""
+NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
+"""Complaint about a topic of Imu in which no message has an orientation."""
+_AT_ONCE: Final = 8192
+"""Number of messages that are decoded at once: with all their fields they take many times what is kept of them."""
+Kind: TypeAlias = tuple[str | None, bytes]
+"""Parts that most messages of a topic share: the frame's name, None without a header, and the bits of the float64
+fields that are no values."""
+
+
+@dataclass(frozen=True)
+class TopicMessages:
+    """Messages of a topic of float64 fields, in file order, with every field.
+
+    Attributes
+    ----------
+    log_times_ns : ndarray of int64, shape (N,)
+    stamps_ns : ndarray of int64, shape (N,)
+        Stamps of the headers; of messages without one the log times.
+    values : ndarray, shape (N, K)
+        The fields that differ from message to message, one after the other; see `varying_fields`. As recorded: perhaps
+        not finite.
+    kinds : tuple of Kind
+        What most messages have alike, once for each kind: name of the frame, and all other float64 fields in order.
+    kind : ndarray of int64, shape (N,)
+        Which of them each message has.
+    """
+
+    log_times_ns: Integers
+    stamps_ns: Integers
+    values: Array
+    kinds: tuple[Kind, ...]
+    kind: Integers
+
+    __repr__ = short_repr
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    @property
+    def frame_ids(self) -> tuple[str, ...]:
+        """The distinct names of frames."""
+        return tuple(dict.fromkeys(frame for frame, _ in self.kinds if frame is not None))
+
+    def __getitem__(self, rows: slice | Integers | Booleans) -> TopicMessages:
+        return TopicMessages(
+            self.log_times_ns[rows], self.stamps_ns[rows], self.values[rows], self.kinds, self.kind[rows]
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[TopicMessages]) -> TopicMessages:
+        """Messages that continue each other as one."""
+        if len(parts) == 1:
+            return parts[0]
+        kinds = {kind: i for i, kind in enumerate(dict.fromkeys(kind for part in parts for kind in part.kinds))}
+        own = [np.array([kinds[kind] for kind in part.kinds], dtype=np.int64) for part in parts]
+        return cls(
+            np.concatenate([part.log_times_ns for part in parts]),
+            np.concatenate([part.stamps_ns for part in parts]),
+            np.concatenate([part.values for part in parts]),
+            tuple(kinds),
+            np.concatenate([numbers[part.kind] for numbers, part in zip(own, parts, strict=True)]),
+        )
+
+    @classmethod
+    def none_of(cls, message_type: str) -> TopicMessages:
+        """Messages of a topic of which there is none."""
+        none, width = np.empty(0, dtype=np.int64), np.count_nonzero(varying_fields(message_type))
+        return cls(none, none, np.empty((0, width)), (), none)
+
+
+@dataclass(frozen=True)
+class FaultMessages:
+    """Messages of the topic of faults, in file order.
+
+    Attributes
+    ----------
+    log_times_ns : ndarray of int64, shape (N,)
+    texts : tuple of str
+    """
+
+    log_times_ns: Integers
+    texts: tuple[str, ...]
+
+    __repr__ = short_repr
+
+    @classmethod
+    def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
+        """Make them of pairs of log time, ns, and text."""
+        return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
+
+
+OfSensor: TypeAlias = TopicMessages | FaultMessages
+TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
+"""Function that takes messages of sensors, and about their faults, by relative topic names."""
+
+
+@contextmanager
+def decoding(path: Path, topic: str, found: RawMessages) -> Iterator[None]:
+    """Context in which messages are decoded, whose errors name the bag and the topic.
+
+    Raises
+    ------
+    BagError
+        If one cannot be decoded, or they are compressed one by one.
+    """
+    if bytes(found.data[: len(ZSTD_MAGIC)]) == ZSTD_MAGIC:
+        raise BagError(f"{path}: {COMPRESSED_ONE_BY_ONE}")
+    try:
+        yield
+    except BagError as error:
+        raise BagError(f"{path}: topic {topic}: {error}: record the bag again") from None
+
+
+def require_cdr(path: Path, track: RawTrack) -> None:
+    """Refuse a topic whose messages are encoded otherwise."""
+    if track.encoding != "cdr":
+        raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
+
+
+def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tuple[int, str]]:
+    """Log time, ns, and text of each std_msgs/String of a topic, as they come."""
+    numbers = count()
+    for piece in pieces:
+        with decoding(path, topic, piece):
+            found = [(time, decode_string(payload, next(numbers))) for time, payload in piece.payloads()]
+        yield from found
+
+
+def topic_messages(path: Path, key: TrackKey, found: RawMessages, first: int = 0) -> TopicMessages:
+    """Decode messages of a topic, the first of which has a number, for errors."""
+    parts = []
+    for some in found.pieces(_AT_ONCE):
+        parts.append(_decoded(path, *key, some, first))
+        first += len(some)
+    return TopicMessages.joined(parts)
+
+
+def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:
+    varying = varying_fields(message_type)
+    with decoding(path, topic, found):
+        decoded = _columns(found, len(varying), stamped=message_type != TWIST, first=first)
+    stamps, frame_ids = decoded.stamps_ns, decoded.frame_ids or (None,)
+    values = decoded.numbers if varying.all() else np.compress(varying, decoded.numbers, axis=1)
+    rest = np.compress(~varying, decoded.numbers, axis=1)
+    keys = np.column_stack([decoded.frames, rest.view(np.int64)])
+    distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)
+    if (keys != distinct).any():
+        whole = np.ascontiguousarray(keys).view(f"V{keys.itemsize * keys.shape[1]}")[:, 0]
+        _, at, kind = np.unique(whole, return_index=True, return_inverse=True)
+        distinct = keys[at]
+    kinds = tuple((frame_ids[int(row[0])], row[1:].tobytes()) for row in distinct)
+    return TopicMessages(found.log_times_ns, found.log_times_ns if stamps is None else stamps, values, kinds, kind)
+
+
+def _columns(found: RawMessages, numbers: int, *, stamped: bool = True, first: int = 0) -> Decoded:
+    ends = np.cumsum(found.sizes)
+    return decode_places(found.data, ends - found.sizes, ends, numbers, stamped=stamped, first=first)
+
+
+def varying_fields(message_type: str) -> Booleans:
+    """Mask of the float64 numbers of a type that are values of its messages, shape (K,).
+
+    They are those that differ between messages on any topic of a sensor; of the types of the truth they are all.
+    """
+    numbers = np.full(len(places(message_type)[""]), message_type in TRUE_TYPES)
+    for sensor in SENSORS.values():
+        for topic in sensor.topics:
+            for field in topic.fields if topic.message_type == message_type else ():
+                numbers[list(numbers_of(topic, field))] = True
+    return numbers
+
+
+def value_columns(topic: Topic, field: Field) -> Integers:
+    """Columns of a field among the values of the `TopicMessages` of a topic."""
+    varying = np.flatnonzero(varying_fields(topic.message_type))
+    return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
+
+
+def fixed_number(found: TopicMessages, message_type: str, number: int) -> Array:
+    """Float64 number of each message that is no value of it, shape (N,)."""
+    place = int(np.count_nonzero(~varying_fields(message_type)[:number]))
+    fixed = np.array([np.frombuffer(bits)[place] for _, bits in found.kinds], dtype=np.float64)
+    return np.asarray(fixed[found.kind])
+
+
+@dataclass(frozen=True)
+class AttitudeTrack:
+    """The attitudes of one topic, in file order.
+
+    Attributes
+    ----------
+    topic, message_type : str
+    stamps_ns : ndarray of int64, shape (N,)
+        Those of the headers.
+    attitude_xyzw : ndarray, shape (N, 4)
+        As recorded: not normalised, perhaps not finite.
+    covariance : ndarray, shape (N, 3, 3), or None
+        As recorded, of small rotations about x, y, z, rad²; None for a type that has none.
+    frame, child_frame : str
+        Names of the frames; the child's is empty for a type that has none.
+    """
+
+    topic: str
+    message_type: str
+    stamps_ns: Integers
+    attitude_xyzw: Array
+    covariance: Array | None
+    frame: str
+    child_frame: str = ""
+
+    __repr__ = short_repr
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    def __getitem__(self, rows: slice | Integers | Booleans) -> AttitudeTrack:
+        P = self.covariance
+        return replace(
+            self,
+            stamps_ns=self.stamps_ns[rows],
+            attitude_xyzw=self.attitude_xyzw[rows],
+            covariance=None if P is None else P[rows],
+        )
+
+    @classmethod
+    def joined(cls, parts: Iterable[AttitudeTrack]) -> AttitudeTrack:
+        """Attitudes of one topic that continue each other as one; of at least one part."""
+        first, *rest = parts
+        covariances = [part.covariance for part in (first, *rest) if part.covariance is not None]
+        return replace(
+            first,
+            stamps_ns=np.concatenate([first.stamps_ns, *(part.stamps_ns for part in rest)]),
+            attitude_xyzw=np.concatenate([first.attitude_xyzw, *(part.attitude_xyzw for part in rest)]),
+            covariance=np.concatenate(covariances) if covariances else None,
+        )
+
+
+def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frames | None = None) -> AttitudeTrack:
+    """The attitudes of a topic.
+
+    Parameters
+    ----------
+    path : Path
+        Of the bag, for errors.
+    contents : McapContents
+        With the payloads of `ATTITUDE_TYPES`.
+    topic : str
+    frames : tuple of str, optional
+        Frame and child frame that are wanted of messages which tell of several.
+
+    Returns
+    -------
+    AttitudeTrack
+
+    Raises
+    ------
+    BagError
+        If there is no such topic, or none of these types on it, or no message, no orientation, or several bodies.
+    """
+    track = _find(path, contents, topic)
+    require_cdr(path, track)
+    raw = track.take()
+    with decoding(path, topic, raw):
+        found = _attitudes(topic, track.message_type, raw)
+    chosen = frames if frames in found else next(iter(found), None)
+    if chosen is None:
+        raise BagError(f"{path}: the messages on {topic} are empty: record it while an estimator runs")
+    if len(found) > 1 and track.message_type not in _FRAMED:
+        raise BagError(f"{path}: topic {topic} is of the frames {_names(found)}: record those of one body")
+    if len(found) > 1 and chosen != frames:
+        what = f"none of which is {' to '.join(frames)}" if frames else "of which none is known as the body's"
+        raise BagError(
+            f"{path}: topic {topic} tells of {_names(found)}, {what}: record one body, or name its frames so"
+        )
+    if not len(found[chosen]):
+        raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
+    return found[chosen]
+
+
+def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> dict[Frames, AttitudeTrack]:
+    """The attitudes in messages of a topic, by frame and child frame; without those that say that they have none.
+
+    Parameters
+    ----------
+    topic : str
+    message_type : str
+        One of `ATTITUDE_TYPES`.
+    payloads : sequence of bytes
+
+    Raises
+    ------
+    BagError
+        If they cannot be read, or messages that tell of one frame each differ in it.
+    """
+    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
+    found = _attitudes(topic, message_type, RawMessages(memoryview(b"".join(payloads)), sizes, np.zeros_like(sizes)))
+    if len(found) > 1 and message_type not in _FRAMED:
+        raise BagError(f"topic {topic} is of the frames {_names(found)}: let one node publish it")
+    return found
+
+
+def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:
+    if message_type in _FRAMED:
+        framed = _FRAMED[message_type]([payload for _, payload in found.payloads()])
+        return {
+            frames: _track(topic, message_type, np.array(own.stamps_ns, dtype=np.int64), np.array(own.numbers), frames)
+            for frames, own in framed.items()
+        }
+    read = _columns(found, _NUMBERS[message_type])
+    assert read.stamps_ns is not None
+    tracks: dict[Frames, AttitudeTrack] = {}
+    for i, frame in enumerate(read.frame_ids):
+        told = read.frames == i
+        if message_type == IMU:
+            told &= read.numbers[:, _COVARIANCES[IMU].start] != NOT_GIVEN
+        tracks[frame, ""] = _track(topic, message_type, read.stamps_ns[told], read.numbers[told], (frame, ""))
+    return tracks
+
+
+def _track(topic: str, message_type: str, stamps_ns: Integers, numbers: Array, frames: Frames) -> AttitudeTrack:
+    first, covariance = 3 if message_type in _BEHIND_POSITION else 0, None
+    if message_type in _COVARIANCES:
+        rows = numbers[:, _COVARIANCES[message_type]]
+        size = math.isqrt(rows.shape[1])
+        covariance = rows.reshape(-1, size, size)[:, -3:, -3:]
+    return AttitudeTrack(topic, message_type, stamps_ns, numbers[:, first : first + 4], covariance, *frames)
+
+
+def _names(found: dict[Frames, AttitudeTrack]) -> str:
+    return listed([" to ".join(filter(None, frames)) for frames in found])
+
+
+def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
+    found = [track for track in contents.tracks.values() if track.topic == topic]
+    usable = [track for track in found if track.message_type in ATTITUDE_TYPES]
+    if not found:
+        topics = [track.topic for track in contents.tracks.values() if track.message_type in ATTITUDE_TYPES]
+        raise BagError(f"{path} has no topic {topic}; topics of types with attitudes are {listed(topics) or 'none'}")
+    if not usable:
+        raise BagError(f"{path}: topic {topic} {wrong_type(found[0].message_type)}")
+    if len(usable) > 1 or not usable[0].count:
+        what = "messages of several types" if len(usable) > 1 else "no message"
+        raise BagError(f"{path} has {what} on {topic}: record it again while one estimator runs")
+    return usable[0]
+
+
+def wrong_type(message_type: str) -> str:
+    """Why a topic of a type holds no attitudes, for an error."""
+    kind, *kinds, last = (name.rpartition("/")[2] for name in (message_type, *ATTITUDE_TYPES))
+    return f"is of {kind}: give {', '.join(kinds)} or {last}"

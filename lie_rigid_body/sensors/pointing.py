@@ -1,0 +1,243 @@
+"""Sensors that point: a star tracker, which reads the attitude, and a sun sensor, which reads a direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final, Self
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.parameters import Vector
+from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
+from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
+from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
+from lie_rigid_body.sensors.signal import Conditioning, Signal
+
+
+@dataclass(frozen=True, repr=False)
+class AttitudeSensorModel(SensorModel):
+    """The model of an attitude sensor, such as a star tracker: the whole attitude, worst about its boresight.
+
+    ::
+
+        q_k = A ⊗ exp(n_k),   n_k = σ_c ν_k + (σ_r − σ_c) b (b · ν_k)
+
+    with A the attitude, b the boresight and ν standard normal: the error is a small rotation by n in the body frame, of
+    σ_r about the boresight and σ_c about each axis across it.
+
+    Parameters
+    ----------
+    rate, seed, delivery
+        As of `SensorModel`.
+    boresight : tuple of float, length 3
+        b, a unit vector in the body frame.
+    cross_boresight_noise, roll_noise : float
+        σ_c and σ_r, standard deviations, rad.
+    """
+
+    boresight: Vector
+    cross_boresight_noise: float
+    roll_noise: float
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+        return super().from_values(sensor, values, boresight=direction(values, "attitude_sensor_boresight"))
+
+    @property
+    def aids(self) -> tuple[AttitudeAid, ...]:
+        """The attitude, worst about the boresight."""
+        return (AttitudeAid(self.boresight, self.roll_noise, self.cross_boresight_noise),)
+
+    def covariance(self, attitude_xyzw: Array) -> Array:
+        """Covariance of small rotations about the fixed axes of the world, rad², shape (N, 3, 3).
+
+        It is that of A ⊗ exp(n) = exp(A n) ⊗ A. As a rotation leaves its own axis alone, A n is the same with the
+        reading in place of A.
+
+        Parameters
+        ----------
+        attitude_xyzw : ndarray, shape (N, 4)
+            Readings.
+        """
+        across, along = self.cross_boresight_noise**2, self.roll_noise**2
+        sight = quaternion.rotate(attitude_xyzw, np.array(self.boresight))
+        return np.asarray(across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis]))
+
+
+def direction(values: Values, name: str) -> Vector:
+    """Make a unit vector of the numbers of a parameter.
+
+    Raises
+    ------
+    ParameterError
+        If the numbers are 0, or so large or small that they tell no direction.
+    """
+    components = values[name]
+    size = float(so3.norm(components))
+    if not 1e-100 < size < 1e100:
+        raise ParameterError(name, f"{list(components)} tells no direction: give for example [0.0, 0.0, 1.0]")
+    return tuple(component / size for component in components)
+
+
+class AttitudeSensor(Instrument):
+    """An attitude sensor at work: attitudes, scalar last, and their covariances, rad².
+
+    Parameters
+    ----------
+    model : AttitudeSensorModel
+    body : RigidBody, optional
+        The body to which it is fixed, at which it does not look.
+    """
+
+    def __init__(self, model: AttitudeSensorModel, body: RigidBody | None = None) -> None:
+        self._model, self._boresight = model, np.array(model.boresight)
+        self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
+
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings; see `Instrument.measure`."""
+        attitude, error = states.attitude_xyzw, np.zeros((len(times_ns), 3))
+        across, about = self._model.cross_boresight_noise, self._model.roll_noise
+        if across or about:
+            drawn, b = self._noise.draw(first, len(times_ns)), self._boresight
+            roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
+            error = across * drawn + (about - across) * roll[:, np.newaxis] * b
+            attitude = quaternion.multiply(attitude, quaternion.exp(error))
+
+        def conditioning() -> Conditioning:
+            # half of an angle is what a component of a quaternion changes by at most
+            return Conditioning.of(1.0 + so3.norm(error), 0.5)
+
+        def of_covariance() -> Conditioning:
+            # the boresight turns by twice what a quaternion errs by, and stands in the covariance twice
+            return conditioning().scaled(4.0 * abs(about**2 - across**2)).enlarged(across**2 + about**2)
+
+        covariance = Signal(self._model.covariance(attitude), condition=of_covariance)
+        return {"attitude_xyzw": Signal(attitude, condition=conditioning), "covariance": covariance}
+
+
+@dataclass(frozen=True, repr=False)
+class SunSensorModel(SensorModel):
+    """The model of a sun sensor: exp(n_k) Aᵀ s, with A the attitude, s the sun's direction and n_k = σ ν_k.
+
+    Nothing eclipses the sun, and the sensor sees all around.
+
+    Parameters
+    ----------
+    rate, seed, delivery
+        As of `SensorModel`.
+    sun : tuple of float, length 3
+        s, a unit vector in the world frame.
+    noise : float
+        σ, standard deviation of the small rotation about each axis, rad; a rotation about the sun does not show.
+    """
+
+    sun: Vector
+    noise: float
+
+    @classmethod
+    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+        return super().from_values(sensor, values, sun=direction(values, "sun_direction"))
+
+    @property
+    def aids(self) -> tuple[VectorAid, ...]:
+        """The direction of the sun."""
+        return (VectorAid(self.sun, self.noise),)
+
+
+class SunSensor(Instrument):
+    """A sun sensor at work: unit vectors to the sun in the body frame.
+
+    Parameters
+    ----------
+    model : SunSensorModel
+    body : RigidBody, optional
+        The body to which it is fixed, at which it does not look.
+    """
+
+    def __init__(self, model: SunSensorModel, body: RigidBody | None = None) -> None:
+        self._sun = np.array(model.sun)
+        self._noise = WhiteNoise(model.seed, NoiseSource.SUN_SENSOR_WHITE, model.noise)
+
+    def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
+        """Readings; see `Instrument.measure`."""
+        sun = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), self._sun)
+        if not self._noise.sigma:
+            return {"direction": Signal(sun)}
+        error = self._noise.draw(first, len(sun))
+        turned = quaternion.rotate(quaternion.exp(error), sun)
+        return {"direction": Signal(turned, condition=lambda: Conditioning.of(1.0 + so3.norm(error), 1.0))}
+
+
+_ROTATION: Final = tuple(6 * row + column for row in (3, 4, 5) for column in (3, 4, 5))
+"""Numbers of a pose's covariance that belong to the rotation; the position is known exactly."""
+ATTITUDE_SENSOR: Final = Sensor(
+    "attitude_sensor",
+    "attitude sensor",
+    AttitudeSensorModel,
+    AttitudeSensor,
+    (
+        Topic(
+            "attitude/pose",
+            "geometry_msgs/msg/PoseWithCovarianceStamped",
+            "attitude sensor frame and position",
+            (
+                Field("attitude_xyzw", "pose.pose.orientation", "", "attitude sensor"),
+                Field(
+                    "covariance",
+                    "pose.covariance",
+                    "rad²",
+                    "attitude sensor covariance",
+                    numbers=_ROTATION,
+                    shape=(3, 3),
+                ),
+            ),
+            "world_frame",
+        ),
+    ),
+    parameters=(
+        not_negative(
+            "attitude_sensor_rate", "Readings of the attitude sensor per second, from 1e-6; 0: no such sensor."
+        ),
+        numbers(
+            "attitude_sensor_boresight",
+            (0.0, 0.0, 1.0),
+            "Attitude sensor: its boresight in the body frame, of any length.",
+        ),
+        angle(
+            "attitude_sensor_cross_boresight_noise",
+            "Attitude sensor: standard deviation of a reading about each axis across the boresight, rad.",
+        ),
+        angle(
+            "attitude_sensor_roll_noise",
+            "Attitude sensor: standard deviation of a reading about the boresight, rad.",
+        ),
+    ),
+)
+"""The attitude sensor in the table of sensors."""
+SUN_SENSOR: Final = Sensor(
+    "sun_sensor",
+    "sun sensor",
+    SunSensorModel,
+    SunSensor,
+    (
+        Topic(
+            "sun/direction",
+            "geometry_msgs/msg/Vector3Stamped",
+            "sun sensor frame",
+            (Field("direction", "vector", "", "sun sensor"),),
+        ),
+    ),
+    parameters=(
+        not_negative("sun_sensor_rate", "Readings of the sun sensor per second, from 1e-6; 0: no such sensor."),
+        numbers("sun_direction", (1.0, 0.0, 0.0), "Direction of the sun in the world frame, of any length."),
+        angle("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad."),
+    ),
+    attribute="sun",
+)
+"""The sun sensor in the table of sensors."""
