@@ -22,6 +22,7 @@ from lie_rigid_body.evaluation.naming import (
     LEAST_LATE,
     NEGLIGIBLE,
     SHARE,
+    SPIN,
     UNLIKE,
     Explanation,
     quarters,
@@ -68,6 +69,8 @@ GRID_SAMPLES: Final = 60
 FIT_SAMPLES: Final = 300
 """Largest number of samples by which clocks are tried, and fitted."""
 MOST_REFINED: Final = 5
+EVEN_SPIN: Final = 0.98
+"""Squared length of the mean axis of rotation above which a lag is that of a turn earlier as well."""
 FAR: Final = 1.5
 """Ratio of two rates above which no error of a gyro feigns it."""
 MOSTLY_SPANNED: Final = 0.8
@@ -290,7 +293,7 @@ def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
     most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
     if np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return []
-    if spins(rate):
+    if spins(rate, EVEN_SPIN if len(clock) == 1 else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         times = max(rate_of(clock), 1.0 / rate_of(clock))
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi

@@ -12,7 +12,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.causes import Part, Track, fit, undone
 from lie_rigid_body.evaluation.clock import Clock, rate_of
 from lie_rigid_body.evaluation.estimate import FEIGNED, period_ns
-from lie_rigid_body.evaluation.naming import Choice, spread
+from lie_rigid_body.evaluation.naming import Naming, spread
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.turning import named
 from lie_rigid_body.lie import quaternion
@@ -50,14 +50,14 @@ class Finding:
         return asdict(self)
 
 
-def findings(track: Track, choice: Choice) -> tuple[Finding, ...]:
+def findings(track: Track, choice: Naming) -> tuple[Finding, ...]:
     """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
     Parameters
     ----------
     track : Track
         All samples within the truth's times.
-    choice : Choice
+    choice : Naming
 
     Returns
     -------
@@ -168,7 +168,7 @@ def places(mounting: Array) -> str:
     return f"; its x, y, z are {name} of the body{meaning}" + (f", but for {left:.2g}°" if left >= 0.01 else "")
 
 
-def _doubt(choice: Choice, cause: str) -> str:
+def _doubt(choice: Naming, cause: str) -> str:
     others = [name.replace("_", " ") for name in choice.instead_of(cause)]
     if others and cause == "lag":
         others.append("an error of the gyro's scale or bias")

@@ -51,6 +51,10 @@ FOLLOWING: Final = 0.125
 """Largest share of the error that causes leave which are no names, but tell that the body is followed."""
 UNLIKE: Final = 0.5
 """Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
+LARGEST_LEFT: Final = float(np.radians(20.0))
+"""Largest error that named causes leave, rad; where they have constants, over their number."""
+LEFT_BY_THREE: Final = float(np.radians(7.0))
+"""Largest such error of causes with three constants, rad."""
 LEAST_TILT: Final = float(np.radians(10.0))
 """Least tilt of a turned world, rad, and least angle to one upside down: sensors err by less. A turn about the vertical
 is a heading offset, and a world upside down is NED with a heading offset."""
@@ -150,6 +154,12 @@ class Explanation:
         return float(2.0 * np.arcsin(np.sqrt(np.clip(np.mean(self.left), 0.0, 1.0))))
 
     @property
+    def explains(self) -> bool:
+        """Whether so little is left that the causes are what is wrong: many constants fit anything to some degrees."""
+        most = LEFT_BY_THREE if {"world_turned", "body_mounting"} & {*self.turned} else LARGEST_LEFT
+        return self.error <= most / (len(self.causes) if self.turned or self.lag_s is not None else 1)
+
+    @property
     def cost(self) -> float:
         """What the choice makes least."""
         simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + FAR * self.far
@@ -190,10 +200,10 @@ def still(truth_xyzw: Array) -> float:
     return 1.0 - float(np.linalg.eigvalsh(truth_xyzw.T @ truth_xyzw)[-1]) / len(truth_xyzw)
 
 
-def spins(rate: Array) -> bool:
+def spins(rate: Array, least: float = SPIN) -> bool:
     """Whether a body with some rates, (N, 3), turns about one axis: so do errors of a gyro."""
     axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
-    return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
+    return bool(np.sum(np.mean(axes, axis=0) ** 2) > least)
 
 
 @cache
@@ -366,7 +376,7 @@ def _vertex(three: Array) -> float:
 
 
 @dataclass(frozen=True)
-class Choice:
+class Naming:
     """What is named, and what it rests on.
 
     Attributes
@@ -397,9 +407,9 @@ class Choice:
     def follows(self) -> bool:
         """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""
         plain = self.evidence.get(0, ()).error
-        return any(e.error <= FOLLOWING * plain for e in self.tried if 0 < len(e.causes) <= 3)
+        return any(e.error <= FOLLOWING * plain and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
 
-    def with_lag(self, lag_s: float | None) -> Choice:
+    def with_lag(self, lag_s: float | None) -> Naming:
         """The choice with a lag beside the causes that are named, if it is about the same without other turns."""
         if lag_s is None or self.named.lag_s is not None or self.named.turned not in LATE or self.evidence.spins:
             return self
@@ -433,7 +443,7 @@ LAG_TIE: Final = 3.0
 """Ratio of two errors up to which a lag is told as an alternative to a cause of such a small error."""
 
 
-def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> Choice | None:
+def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> Naming | None:
     """Choose the causes of an estimate's errors.
 
     Parameters
@@ -446,7 +456,7 @@ def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> 
 
     Returns
     -------
-    Choice or None
+    Naming or None
         None of too few samples.
     """
     if len(track.stamps_ns) < FEWEST:
@@ -454,8 +464,8 @@ def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> 
     evidence = Evidence(track, longest_lag_s)
     plain = evidence.get(0, ())
     if plain.error <= NEGLIGIBLE:
-        return Choice(plain, evidence, [plain])
-    choice = Choice(plain, evidence, evidence.explanations(), left_by_sensors=left_by_sensors)
+        return Naming(plain, evidence, [plain])
+    choice = Naming(plain, evidence, evidence.explanations(), left_by_sensors=left_by_sensors)
     allowed: set[str] | None = None
     for e in choice.tried[: choice.tried.index(plain)]:
         if allowed is not None and not allowed.issuperset(e.causes):
@@ -476,7 +486,7 @@ def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
     """Whether an explanation leaves little beside the turn of the body, and each cause is needed in each quarter."""
     left = _counted(explanation.left)
     unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
-    if left.mean() > max(unlike**2 * evidence.still, _counted(np.zeros(1))[0]):
+    if left.mean() > max(unlike**2 * evidence.still, _counted(np.zeros(1))[0]) or not explanation.explains:
         return False
     if explanation.lag_s is not None and -LEAD * evidence.period_s <= explanation.lag_s <= 0.0:
         return False
