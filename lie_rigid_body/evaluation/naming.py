@@ -52,9 +52,9 @@ FOLLOWING: Final = 0.125
 UNLIKE: Final = 0.5
 """Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
 LARGEST_LEFT: Final = float(np.radians(20.0))
-"""Largest error that named causes leave, rad; where they have constants, over their number."""
-LEFT_BY_THREE: Final = float(np.radians(7.0))
-"""Largest such error of causes with three constants, rad."""
+"""Largest error that named causes leave, rad; where one has a constant, over their number."""
+LEFT_BY_THREE: Final = float(np.radians(7.7))
+"""Largest error that a cause with three constants leaves, rad, over the number of those with any."""
 LEAST_TILT: Final = float(np.radians(10.0))
 """Least tilt of a turned world, rad, and least angle to one upside down: sensors err by less. A turn about the vertical
 is a heading offset, and a world upside down is NED with a heading offset."""
@@ -156,8 +156,10 @@ class Explanation:
     @property
     def explains(self) -> bool:
         """Whether so little is left that the causes are what is wrong: many constants fit anything to some degrees."""
-        most = LEFT_BY_THREE if {"world_turned", "body_mounting"} & {*self.turned} else LARGEST_LEFT
-        return self.error <= most / (len(self.causes) if self.turned or self.lag_s is not None else 1)
+        constants = len(self.causes) - len(self.form.codes)
+        if {"world_turned", "body_mounting"} & {*self.turned}:
+            return self.error <= LEFT_BY_THREE / constants
+        return self.error <= LARGEST_LEFT / (len(self.causes) if constants else 1)
 
     @property
     def cost(self) -> float:

@@ -33,7 +33,7 @@ ABSENT: Final = 0.05
 """Largest share of the truth's times by which a filter may begin late or end early without a remark."""
 
 MOST_NAMED: Final = 2
-"""Number of causes above which the turns of an estimate are asked whether something simpler does the same."""
+"""Number of causes, one if the world is turned, above which it is asked whether the turns have a simpler name."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
@@ -182,7 +182,7 @@ def _diagnosis(
     everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
     # a motion that nearly repeats has a near lag with a mounting for each far one
     near = choice is not None and {"lag", "body_mounting"} <= {*choice.named.causes}
-    found = other_clock(everything, longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
+    found = other_clock(everything, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
     if found is not None and (choice is None or not near or rms(found[1].errors()) <= TIE * choice.named.error):
         clock, moved = found
         lag = clock_lag(clock, moved)
@@ -193,7 +193,8 @@ def _diagnosis(
     choice = choice.with_lag(lag.lag_s if lag.sure else None)
     named = findings(track, choice) if choice.named.causes else ()
     # a gyro on other axes is the same map as three conventions and a turned world
-    other = turned.other() if (lost and not named) or len(named) > MOST_NAMED else ()
+    many = len(named) > (1 if "world_turned" in choice.named.turned else MOST_NAMED)
+    other = turned.other() if (lost and not named) or many else ()
     return _Diagnosed(lag, () if other else named, other, choice.of_sensors)
 
 

@@ -187,8 +187,9 @@ def test_a_lag_that_leaves_more_than_a_near_one_with_a_mounting_is_not_named(sam
     run = recorded("tossed_phone", "mems")
     late = quaternion.multiply(corrected(run, run.gyro), FRD)[:-samples]
     score = evaluate(run.stamps_ns[samples:], late, run.truth)
-    assert {finding.code for finding in score.findings} in (set(), {"body_mounting", "lagging"})
-    assert score.lag_s == pytest.approx(0.05 * samples, abs=0.01)
+    named = {finding.code for finding in score.findings}
+    assert named in (set(), {"body_mounting", "lagging"})
+    assert score.lag_s == pytest.approx(0.05 * samples, abs=0.01) or (not named and score.lag_s is None)
 
 
 def test_a_late_stamp_beside_a_mounting_by_the_sensors_is_told_as_one():
