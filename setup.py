@@ -31,6 +31,7 @@ ROS_NAMES = [
     f"scenarios = {NAME}.cli.scenarios:main",
     f"campaign = {NAME}.cli.campaign:main",
     f"diagnose = {NAME}.cli.diagnose:main",
+    f"league = {NAME}.cli.league:main",
 ]
 
 # Windows has no flock, and integers of NumPy 1 have 32 bits there. ROS and its keys of rosdep need neither.

@@ -4,12 +4,13 @@ Every filter of ``league/filters`` runs over every case of ``config/league``, at
 of the grid that its file declares. Settings are chosen on runs with other noise than those that are scored.
 
     make league                   prints the table, half an hour on two cores
-    make league ARGS=--save       also writes docs/estimators.md, its picture, and benchmarks/data/league.csv
+    make league ARGS=--save       also writes docs/estimators.md, its picture, and the reference rows of the verb league
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +19,7 @@ from typing import Final
 from league import page
 from league.contender import filters, missing
 from league.tournament import play
+from lie_rigid_body.league.table import REFERENCE, change, reference
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 
@@ -30,13 +32,13 @@ def main() -> None:
     print(", ".join(f"{name} {version(name)}" for name in sorted({each.library for each in filters()})), flush=True)
     for module in missing():
         print(f"{module} is left out: its library is not installed", flush=True)
-    defaults, best = play(len(os.sched_getaffinity(0)))
-    bounds = [result for result in defaults if result.filter == "unavoidable"]
-    rows = page.ranking(defaults, best)
+    defaults, best, bounds = play(len(os.sched_getaffinity(0)))
+    rows, table = page.ranking(defaults, best), page.reference(defaults, best, bounds)
     print(page.table(rows, bounds), page.advice(rows), sep="\n\n")
+    print("\n".join(change(reference(), table)) or f"The reference set {table.edition} is made again: nothing changed.")
     if save:
         page.heat_map(rows, bounds).savefig(ROOT / "docs" / "images" / "league.png")
-        page.write_numbers(ROOT / "benchmarks" / "data" / "league.csv", defaults, best)
+        REFERENCE.write_text(f"{json.dumps(table.to_json(), indent=0)}\n", encoding="utf-8")
         estimators = ROOT / "docs" / "estimators.md"
         estimators.write_text(page.replaced(estimators.read_text(encoding="utf-8"), rows, bounds), encoding="utf-8")
 

@@ -4,34 +4,40 @@
     python benchmarks/diagnosis.py healthy      what is said of the filters of the league as they are
     python benchmarks/diagnosis.py mistakes     each mistake put into each filter that is right with perfect sensors
 
-``--filters NAME`` chooses filters whose names contain it, ``--mistakes NAME`` mistakes.
+``--filters NAME...`` chooses filters whose names contain one of them, ``--mistakes NAME...`` mistakes.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Final
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 from tqdm import tqdm
 
-from league.contender import filters
+from league.contender import Filter, filters
 from league.readings import Readings
-from lie_rigid_body.diagnosis.choice import FLOOR, plain_error
-from lie_rigid_body.diagnosis.examination import MOST_RUNS, diagnose
-from lie_rigid_body.diagnosis.filter import Filter
-from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs, late
-from lie_rigid_body.diagnosis.search import Search, Try
-from lie_rigid_body.diagnosis.trial import trials_of
-from lie_rigid_body.diagnosis.workers import Alone
+from lie_rigid_body.diagnosis import diagnose
+from lie_rigid_body.diagnosis.course import courses_of
+from lie_rigid_body.diagnosis.examination import MOST_RUNS
+from lie_rigid_body.diagnosis.repairs import FITTED, SENSORS, Answer, Job, Repair, exact_repairs
+from lie_rigid_body.diagnosis.search import FLOOR, Search, plain
+from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.workers import Alone, FilterError
+
+sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))
+import textbook
 
 Array = np.ndarray[Any, Any]
 Estimate = Callable[[Any], tuple[Array, Array]]
@@ -39,7 +45,7 @@ Estimate = Callable[[Any], tuple[Array, Array]]
 
 @dataclass(frozen=True)
 class Put:
-    """A mistake put into a filter: what is done to its readings, by name, and to its estimate.
+    """A mistake put into a filter: what is done to its readings, by name, and to its stamps and estimate.
 
     Attributes
     ----------
@@ -48,12 +54,16 @@ class Put:
         The codes that tell it, one for each mistake in it.
     readings : mapping of str to callable
     output : callable
+    on_body_axes : bool
+        Whether the gyro is turned from the world's axes to the body's by the truth, for a filter that turns about the
+        world's.
     """
 
     name: str
     codes: tuple[str, ...]
-    readings: Mapping[str, Callable[[Array], Array]]
-    output: Callable[[Array], Array] = lambda q: q
+    readings: Mapping[str, Callable[[Array], Array]] = field(default_factory=dict)
+    output: Callable[[Array, Array], tuple[Array, Array]] = lambda t_ns, q: (t_ns, q)
+    on_body_axes: bool = False
 
     def into(self, estimate: Estimate) -> Estimate:
         """The filter with the mistake."""
@@ -67,8 +77,7 @@ class Put:
             changed = {name: self.readings.get(name, lambda v: v)(vectors) for name, vectors in changed.items()}
             imu = SimpleNamespace(t_ns=run.imu.t_ns, gyro=changed["gyro"], specific_force=changed["specific_force"])
             field = SimpleNamespace(t_ns=run.magnetometer.t_ns, field=changed["field"])
-            t_ns, attitude = estimate(SimpleNamespace(imu=imu, magnetometer=field, scenario=run.scenario))
-            return t_ns, self.output(attitude)
+            return self.output(*estimate(SimpleNamespace(imu=imu, magnetometer=field, scenario=run.scenario)))
 
         return wrong
 
@@ -92,9 +101,11 @@ def _turned(
     return lambda q: quaternion.multiply(quaternion.multiply(L, q), R)
 
 
-def _euler(q: Array) -> Array:
-    from scipy.spatial.transform import Rotation
+def _of_attitude(change: Callable[[Array], Array]) -> Callable[[Array, Array], tuple[Array, Array]]:
+    return lambda t_ns, q: (t_ns, change(q))
 
+
+def _euler(q: Array) -> Array:
     return np.asarray(Rotation.from_euler("XYZ", Rotation.from_quat(q).as_euler("ZYX")[:, ::-1]).as_quat())
 
 
@@ -112,34 +123,56 @@ def _mistakes() -> Iterator[Put]:
     yield Put("step × 2", ("time_step",), {"gyro": _times(2.0)})
     yield Put("step × ½", ("time_step",), {"gyro": _times(0.5)})
     yield Put("step × 1.05", ("time_step",), {"gyro": _times(1.05)})
+    yield Put("turn on the wrong side", ("gyro_world_axes",), on_body_axes=True)
+    yield Put("accelerometer in g", ("accelerometer_units",), {"specific_force": _times(1.0 / 9.80665)})
+    yield Put("magnetometer in µT", ("magnetometer_units",), {"field": _times(1e6)})
     frd = _axes(0, 1, 2, signs=(1, -1, -1))
     yield Put("all axes x -y -z", ("body_axes",), dict.fromkeys(sensors.values(), frd))
-    yield Put("inverted", ("inverted",), {}, lambda q: q * [-1, -1, -1, 1])
-    yield Put("scalar first", ("scalar_first",), {}, lambda q: np.roll(q, 1, axis=1))
-    yield Put("NED world", ("ned_world",), {}, _turned(left=np.pi * np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)))
-    yield Put("Euler order", ("euler_order",), {}, _euler)
-    yield Put("declination", ("heading_offset",), {}, _turned(left=(0.0, 0.0, 0.07)))
-    yield Put("world turned", ("world_turned",), {}, _turned(left=(0.3, -0.2, 0.5)))
-    yield Put("mounting", ("body_mounting",), {}, _turned(right=(0.2, 0.1, -0.3)))
-    yield Put("output 5 samples late", ("lagging",), {}, _late(5))
-    two = {"gyro": np.degrees, "field": _axes(0, 1, 2, signs=(1, 1, -1))}
-    yield Put("gyro in degrees, magnetometer z negated", ("gyro_units", "magnetometer_axes"), two)
+    first = _of_attitude(lambda q: np.roll(q, 1, axis=1))
+    ned = np.pi * np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
+    for name, code, output in (
+        ("inverted", "inverted", _of_attitude(lambda q: q * [-1, -1, -1, 1])),
+        ("scalar first", "scalar_first", first),
+        ("NED world", "ned_world", _of_attitude(_turned(left=ned))),
+        ("Euler order", "euler_order", _of_attitude(_euler)),
+        ("declination", "heading_offset", _of_attitude(_turned(left=(0.0, 0.0, 0.07)))),
+        ("world turned", "world_turned", _of_attitude(_turned(left=(0.3, -0.2, 0.5)))),
+        ("mounting", "body_mounting", _of_attitude(_turned(right=(0.2, 0.1, -0.3)))),
+        ("output 5 samples late", "lagging", _of_attitude(_late(5))),
+        ("output 5 samples early", "leading", lambda t_ns, q: (t_ns[:-5], q[5:])),
+        ("clock 3 % fast", "clock_rate", lambda t_ns, q: (np.round(1.03 * t_ns).astype(np.int64), q)),
+    ):
+        yield Put(name, (code,), {}, output)
+    z = _axes(0, 1, 2, signs=(1, 1, -1))
+    yield Put(
+        "gyro in degrees, magnetometer z negated",
+        ("gyro_units", "magnetometer_axes"),
+        {"gyro": np.degrees, "field": z},
+    )
     two = {"specific_force": _times(-1.0), "field": _axes(1, 0, 2)}
     yield Put("accelerometer negated, magnetometer swapped", ("accelerometer_axes", "magnetometer_axes"), two)
-    yield Put(
-        "gyro swapped, scalar first",
-        ("gyro_axes", "scalar_first"),
-        {"gyro": _axes(1, 0, 2)},
-        lambda q: np.roll(q, 1, 1),
-    )
+    yield Put("gyro swapped, scalar first", ("gyro_axes", "scalar_first"), {"gyro": _axes(1, 0, 2)}, first)
 
 
 MISTAKES: Final = tuple(_mistakes())
 
 
+def of_textbook(given: Readings) -> Rotation:
+    """Mahony's filter with the gyro's step first, as the tests have it."""
+    imu = SimpleNamespace(t_ns=given.t_ns, gyro=given.gyro, specific_force=given.acc)
+    scenario = SimpleNamespace(parameters=lambda: {"magnetic_field": given.field})
+    run = SimpleNamespace(imu=imu, magnetometer=SimpleNamespace(field=given.mag), scenario=scenario)
+    return Rotation.from_quat(textbook.mahony(run))
+
+
+def contenders() -> tuple[Filter, ...]:
+    """The filters of the league, and one of a textbook."""
+    return (*filters(), Filter("textbook", "Mahony", of_textbook))
+
+
 def estimator(number: int) -> Estimate:
-    """A filter of the league at its defaults, as a function of a run."""
-    each = filters()[number]
+    """A filter at its defaults, as a function of a run."""
+    each = contenders()[number]
 
     def estimate(run: Any) -> tuple[Array, Array]:
         np.random.seed(1)  # noqa: NPY002 - what filters draw from
@@ -149,34 +182,57 @@ def estimator(number: int) -> Estimate:
     return estimate
 
 
+class Watched:
+    """A search in this process, and the number of runs that it took; the error below which all are equal."""
+
+    def __init__(self, estimate: Estimate, put: Put | None = None) -> None:
+        courses, self.runs = courses_of({}), 0
+        self._crew, self._put = Alone(put.into(estimate) if put else estimate), put
+        self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
+        self.search = Search(self._ask, courses, self.floor, lambda: self.runs < MOST_RUNS)
+
+    def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
+        last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()
+        for answer in self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs]):
+            self.runs += 1
+            yield answer
+
+    def error(self) -> float:
+        """The error without a repair, rad."""
+        self.search.fully([()])
+        return plain(self.search.trials).error
+
+
+def _on_body_axes(readings: Any) -> Any:
+    back = quaternion.conjugate(readings.course.truth.at(readings.t_ns))
+    return readings.changed(gyro=quaternion.rotate(back, readings.vectors["gyro"]))
+
+
+BODY_AXES: Final = Repair("put", "gyro on the body's axes", 0, _on_body_axes, "", "")
+
+
 def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     """What is named of a mistake in a filter, without probes: ``named``, ``other`` or ``nothing``, and what."""
-    trials, runs = trials_of({}), Counter[str]()
-    floor = FLOOR * float(np.mean([trial.turn for trial in trials]))
     put = MISTAKES[mistake]
-    crew = Alone(put.into(estimator(number)), lambda: runs.update(["all"]))
-    search = Search(crew, trials, floor, lambda: runs["all"] < MOST_RUNS)
-    search.plain()
-    search.run()
-    choice = search.choice()
+    watched = Watched(estimator(number), put)
+    if watched.error() <= watched.floor:
+        return number, mistake, "no effect", ""
+    watched.search.run()
+    choice = watched.search.choice()
     if choice is None:
-        right = plain_error(search.found).error <= floor
-        return number, mistake, "below the floor" if right else "nothing", ""
-    alike = [choice.named, *choice.others]
-    told = any(sorted(c.codes) == sorted(put.codes) for c in alike)
-    return number, mistake, "named" if told else "other", " + ".join(choice.named.codes)
+        return number, mistake, "nothing", f"{watched.runs} runs"
+    told = any(sorted(trial.codes) == sorted(put.codes) for trial in (choice.named, *choice.others))
+    what = f"{' + '.join(choice.named.codes)}, {np.degrees(choice.named.error):.2g}°, {watched.runs} runs"
+    return number, mistake, "named" if told else "other", what
 
 
 def is_right(number: int) -> bool:
     """Whether a filter errs by less than the floor with perfect sensors, perhaps ahead by a sample."""
-    trials = trials_of({})
-    floor = FLOOR * float(np.mean([trial.turn for trial in trials]))
-    search = Search(Alone(estimator(number), lambda: None), trials, floor, lambda: False)
+    watched = Watched(estimator(number))
     try:
-        search.plain()
-    except Exception:
+        return watched.error() <= watched.floor
+    except LieRigidBodyError:
         return False
-    return plain_error(search.found).error <= floor
 
 
 def healthy(number: int) -> tuple[int, str]:
@@ -191,84 +247,82 @@ def healthy(number: int) -> tuple[int, str]:
 
 
 def separation() -> None:
-    """Print, for every repair, the one that leaves the least where it is taken for another."""
-    trials = trials_of({})
-    short = replace(trials[0], moving_s=4.0)
-    number = next(i for i, each in enumerate(filters()) if each.name == "BasicVQF")
-    run = Filter(estimator(number), lambda: None)
-    puts = [repair for repair in exact_repairs() if repair.code != "body_axes"]
-    puts += [late(sensor, count) for sensor in ("gyro", "accelerometer", "magnetometer") for count in (-1, -4)]
-    rows = []
-    for put in puts:
-        left: list[tuple[float, str]] = []
-        (found,) = Try((put,), (short,))(run) or [None]
-        if found is None:
-            continue
-        for cause in CAUSES:
-            tracks = [run.answer(short, (put,)).settled()]
-            left.append((cause.fitted(tracks)[1], cause.code))
-        rows.append((put.code, put.text, *min(left), found.error))
-    print(
-        "| put in | as | least of the output's repairs leaves | by | nothing leaves |\n| --- | --- | --- | --- | --- |"
-    )
-    for code in dict.fromkeys(row[0] for row in rows):
-        row = min((row for row in rows if row[0] == code), key=lambda row: row[2])
-        print(f"| {row[0]} | {row[1]} | {np.degrees(row[2]):.2f}° | {row[3]} | {np.degrees(row[4]):.1f}° |")
-    _between_inputs(run, short, puts)
+    """Print, for every pair of repairs of which at least one is of the input, what taking one for the other leaves.
 
-
-def _between_inputs(run: Filter, short: Any, puts: Sequence[Repair]) -> None:
-    """What two repairs of the input leave together, put in as one and repaired as the other: the least of each pair."""
-    few = [r for r in puts if r.text in ("y x z", "x y -z", "-x -y -z", "y z x", "gyro on the world's axes")]
-    few += [r for r in puts if r.code == "time_step" or r.code.endswith("_late")]
+    The filter is TRIAD beside a gyro (BasicVQF). One repair is put into it, undone by its inverse where the other is
+    not tried; the other, and each of the output's, is then the repair. Of each pair of codes the least is printed.
+    """
+    number = next(i for i, each in enumerate(contenders()) if each.name == "BasicVQF")
+    watched = Watched(estimator(number))
+    course = replace(courses_of({})[0], moving_s=4.0)
+    repairs = [repair for repair in exact_repairs() if not repair.code.endswith("_units")]
+    repairs += [repair for repair in exact_repairs() if repair.code == "gyro_units" and "degrees a" in repair.fact]
+    repairs += [FITTED[f"{sensor}_late"].of(count) for sensor in SENSORS for count in (-4, -1, 1, 4)]
+    repairs += [FITTED["time_step"].of(factor) for factor in (0.9, 1.1)]
     least: dict[tuple[str, str], float] = {}
-    for put in few:
-        for repair in few:
-            if put is not repair:
-                found = Try((put, repair), (short,))(run)
-                key = (put.code, repair.code)
-                if found and put.code != repair.code:
-                    least[key] = min(least.get(key, np.pi), found[0].error)
-    codes = list(dict.fromkeys(r.code for r in few))
-    print("\n| put in, repaired as | " + " | ".join(codes) + " |\n|" + " --- |" * (len(codes) + 1))
-    for a in codes:
-        cells = [f"{np.degrees(least[a, b]):.2f}" if (a, b) in least else "" for b in codes]
-        print(f"| {a} | " + " | ".join(cells) + " |")
+    codes = list(dict.fromkeys(repair.code for repair in repairs))
+    puts = [next(r for r in repairs if r.code == code and r.text in TYPICAL.get(code, (r.text,))) for code in codes]
+    for put in puts:
+        asked = [((repair, put), (course,)) for repair in repairs if repair.code != put.code]
+        for trials in watched.search.tried(asked):
+            key = put.code, trials[0].repairs[0].code
+            least[key] = min(least.get(key, np.pi), trials[0].error)
+        ((alone, *undone),) = watched.search.tried([((put,), (course,))], CAUSES)
+        for trial in undone:
+            least[put.code, trial.codes[-1]] = trial.error
+        least[put.code, "nothing"] = alone.error
+    columns = [*codes, *(cause.code for cause in CAUSES), "nothing"]
+    print("| put in | " + " | ".join(columns) + " |\n|" + " --- |" * (len(columns) + 1))
+    for row in codes:
+        cells = [f"{np.degrees(least[row, column]):.2f}" if (row, column) in least else "" for column in columns]
+        print(f"| {row} | " + " | ".join(cells) + " |")
+
+
+TYPICAL: Final = {
+    **{f"{sensor}_axes": ("y x z",) for sensor in SENSORS},
+    "body_axes": ("y z x",),
+    **{f"{sensor}_late": ("4 samples later",) for sensor in SENSORS},
+}
+"""The repair of each code that is put in, where it has several."""
+
+
+def _chosen(names: Iterable[str], words: Sequence[str]) -> list[int]:
+    """The numbers of the names in which one of some words is."""
+    return [i for i, name in enumerate(names) if any(word.lower() in name.lower() for word in words)]
 
 
 def main() -> None:
     """Print the tables that were asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("what", choices=("separation", "healthy", "mistakes"))
-    parser.add_argument("--filters", default="")
-    parser.add_argument("--mistakes", default="")
+    parser.add_argument("--filters", nargs="+", default=[""])
+    parser.add_argument("--mistakes", nargs="+", default=[""])
     given = parser.parse_args()
-    numbers = [i for i, each in enumerate(filters()) if given.filters.lower() in each.full_name.lower()]
+    numbers = _chosen((each.full_name for each in contenders()), given.filters)
     if given.what == "separation":
         separation()
         return
     with ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         if given.what == "healthy":
             for number, said in pool.map(healthy, numbers):
-                print(f"{filters()[number].full_name}: {said}", flush=True)
+                print(f"{contenders()[number].full_name}: {said}", flush=True)
             return
         right = [number for number, good in zip(numbers, pool.map(is_right, numbers), strict=True) if good]
-        chosen = [i for i, put in enumerate(MISTAKES) if given.mistakes.lower() in put.name.lower()]
+        chosen = _chosen((put.name for put in MISTAKES), given.mistakes)
         jobs = [(number, mistake) for number in right for mistake in chosen]
         found = []
         for number, mistake, outcome, what in tqdm(
             pool.map(named, *zip(*jobs, strict=True)), total=len(jobs), disable=None
         ):
             found.append((number, mistake, outcome, what))
-            if outcome != "named":
-                print(f"{filters()[number].full_name}: {MISTAKES[mistake].name}: {outcome} {what}", flush=True)
-    print("right with perfect sensors: " + ", ".join(filters()[number].full_name for number in right))
-    print("\n| filter | named | something else | nothing | below the floor |\n| --- | --- | --- | --- | --- |")
+            print(f"{contenders()[number].full_name}: {MISTAKES[mistake].name}: {outcome} {what}", flush=True)
+    print("\nright with perfect sensors: " + ", ".join(contenders()[number].full_name for number in right))
+    print("\n| filter | named | something else | nothing | no effect |\n| --- | --- | --- | --- | --- |")
     for number in right:
         count = Counter(outcome for n, _, outcome, _ in found if n == number)
         print(
-            f"| {filters()[number].full_name} | {count['named']} | {count['other']} | {count['nothing']} | "
-            f"{count['below the floor']} |"
+            f"| {contenders()[number].full_name} | {count['named']} | {count['other']} | {count['nothing']} | "
+            f"{count['no effect']} |"
         )
 
 

@@ -17,7 +17,9 @@
 Starts the simulator with an IMU and a magnetometer, the filter, and the evaluator, which says the score at the end:
 after duration:=60.0 of simulated time, or at Ctrl-C. The exit status is 0 if every limit, as max_rms:=1deg, is kept.
 For imu_filter_madgwick and imu_complementary_filter the executable and what makes them use both sensors are known.
-Every parameter of the simulator is an argument. When one part dies, so does the rest, and the exit status is 1.
+Every parameter of the simulator is an argument. With lockstep:=true the simulator waits for the filter's answers, so
+that the score does not depend on how busy the machine is; real_time_factor:=0.0 is then as fast as the filter.
+When one part dies, so does the rest, and the exit status is 1.
 """
 
 from __future__ import annotations
@@ -63,6 +65,7 @@ ARGUMENTS = {
     "scenario": ("tumbling_cubesat", "a scenario of the package; 'ros2 run lie_rigid_body scenarios' lists them"),
     "params_file": ("", "a ROS 2 parameter file for the simulator"),
     "namespace": ("", "goes before the names of all nodes, their topics and services"),
+    "lockstep": ("false", "whether the simulator waits for the filter's answer to each reading"),
 }
 OPTIONS = {
     "max_rms": "largest RMS of the error, as in 1deg",
@@ -79,8 +82,10 @@ OPTIONS = {
 def generate_launch_description() -> LaunchDescription:
     """Describe the launch."""
     texts = {**ARGUMENTS, **{name: ("", text) for name, text in {**OPTIONS, **launching.descriptions()}.items()}}
+    choices = {"lockstep": {"choices": ["true", "false"]}}
     given = [
-        DeclareLaunchArgument(name, default_value=default, description=text) for name, (default, text) in texts.items()
+        DeclareLaunchArgument(name, default_value=default, description=text, **choices.get(name, {}))
+        for name, (default, text) in texts.items()
     ]
     return LaunchDescription([*given, OpaqueFunction(function=nodes)])
 
@@ -103,6 +108,9 @@ def nodes(context: LaunchContext) -> list[Node]:
 def simulator_words(given: dict[str, str]) -> list[str]:
     """Return the arguments of the simulator, with sensors where none are given."""
     parameters = {name: given[name] for name in launching.descriptions()}
+    if given["lockstep"] == "true":
+        parameters["lockstep_topic"] = parameters["lockstep_topic"] or given["estimate"]
+        parameters["lockstep_nodes"] = parameters["lockstep_nodes"] or "[evaluator]"
     words = launching.arguments_of_node(given["scenario"], given["params_file"], parameters)
     if launching.scenario_of_node(words, PACKAGE, given["namespace"]).sensors.imu is None:
         parameters = {**BENCH, **{name: value for name, value in parameters.items() if value}}

@@ -27,6 +27,7 @@ VERBS = {
     "scenarios": "list the scenarios that come with the package",
     "campaign": "record and certify many runs drawn at random",
     "diagnose": "say what is wrong with an attitude filter, by repairing it",
+    "league": "rank an attitude filter among known ones, over the same cases",
 }
 """Verbs and what they do."""
 

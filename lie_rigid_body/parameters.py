@@ -13,9 +13,9 @@ from typing import Final, Literal, TypeAlias, cast
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import short_repr, shown, suggestion
 
-Kind: TypeAlias = Literal["double", "double_array", "int", "string", "bool"]
+Kind: TypeAlias = Literal["double", "double_array", "int", "string", "string_array", "bool"]
 Vector: TypeAlias = tuple[float, ...]
-Value: TypeAlias = float | int | str | bool | Vector
+Value: TypeAlias = float | int | str | bool | Vector | tuple[str, ...]
 
 NS: Final = 1_000_000_000
 """Nanoseconds in a second."""
@@ -77,7 +77,7 @@ class Parameter:
     ----------
     name : str
     kind : str
-        ``double``, ``double_array``, ``int``, ``string`` or ``bool``.
+        ``double``, ``double_array``, ``int``, ``string``, ``string_array`` or ``bool``.
     default : value of that kind
     description : str
         One sentence, with the unit.
@@ -110,7 +110,7 @@ class Parameter:
 
         Returns
         -------
-        float, int, str, bool or tuple of float
+        float, int, str, bool, tuple of float or tuple of str
 
         Raises
         ------
@@ -129,6 +129,8 @@ class Parameter:
             if self.choices and value not in self.choices:
                 raise self._error(f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
             return value
+        if self.kind == "string_array":
+            return self._strings(value)
         raise self._error(f"{shown(value)} is not a {self.kind}: give for example {self.default!r}")
 
     def _error(self, message: str) -> ParameterError:
@@ -168,6 +170,11 @@ class Parameter:
         if len(numbers) not in self.lengths:
             raise self._error(f"{shown(list(numbers))} has {len(numbers)} numbers: give {self._example()}")
         return numbers
+
+    def _strings(self, value: object) -> tuple[str, ...]:
+        if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
+            raise self._error(f"{shown(value)} is not a list of strings: give for example [/evaluator]")
+        return tuple(value)
 
 
 def read_table(table: Collection[Parameter], given: Mapping[str, object]) -> dict[str, Value]:

@@ -16,7 +16,7 @@ case $kind in
     league)
         benchmarks=attitude_league
         about='Score every attitude filter over every case, half an hour, and print the table.
-  --save   also write the table and the picture of docs/, and benchmarks/data/league.csv' ;;
+  --save   also write the table and the picture of docs/, and the reference rows of the verb league' ;;
     *)
         echo "bench.sh: unknown kind '$kind'" >&2
         exit 2 ;;

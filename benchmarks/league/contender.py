@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
@@ -10,7 +12,12 @@ from itertools import product
 from pkgutil import iter_modules
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from league.readings import Array, Readings
+from lie_rigid_body import Run
 
 Setting = Mapping[str, float]
 
@@ -49,6 +56,13 @@ class Filter:
     def full_name(self) -> str:
         """Library and name."""
         return f"{self.library} {self.name}"
+
+    def of_run(self, run: Run, **setting: float) -> tuple[NDArray[np.int64], Array]:
+        """Attitudes that it gives of a run, with their stamps, as an estimator of the package returns them."""
+        given = Readings.of(run)
+        np.random.seed(1)  # noqa: NPY002 - what filters draw from
+        with redirect_stdout(io.StringIO()):
+            return given.t_ns, self.estimate(given, **setting).as_quat()
 
     def settings(self) -> Iterator[Setting]:
         """The defaults, and every point of the grid."""

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import csv
-import json
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from importlib.metadata import version
 from typing import Final
 
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from league.cases import FAULTS, GRADES, MOTIONS, Case
 from league.contender import Filter
 from league.tournament import Result, by_filter
+from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, PERFECT, REAL, Case, readings_hash, run_of
+from lie_rigid_body.league.table import CaseResult, FilterRow, LeagueTable, is_of
+from lie_rigid_body.report.league import angle
 
 BEGIN: Final = "<!-- begin of the league -->"
 END: Final = "<!-- end of the league -->"
@@ -36,7 +37,7 @@ def ranking(defaults: Sequence[Result], best: Sequence[Result]) -> Ranking:
 
 def overall(results: Sequence[Result]) -> float:
     """What filters are ranked by: geometric mean over the grades of real sensors of the median errors, degrees."""
-    return float(np.exp(np.mean([np.log(typical(results, [grade])) for grade in GRADES[1:]])))
+    return float(np.exp(np.mean([np.log(typical(results, [grade])) for grade in REAL])))
 
 
 def typical(results: Iterable[Result], grades: Sequence[str], fault: bool = False) -> float:
@@ -51,7 +52,7 @@ def doubt(tuned: Iterable[Result]) -> str:
     return f"{slow.total:.2g}° with perfect sensors" if slow.total > BLURRED else ""
 
 
-def table(rows: Ranking, bounds: Sequence[Result]) -> str:
+def table(rows: Ranking, bounds: Mapping[str, float]) -> str:
     """One line for each filter."""
     head = ["filter", *GRADES, *(["faults"] if FAULTS else []), "heading", "inclination", "settles [s]"]
     head.append("µs")
@@ -62,22 +63,23 @@ def table(rows: Ranking, bounds: Sequence[Result]) -> str:
         columns += [both(typical(plain, [grade]), typical(tuned, [grade])) for grade in GRADES]
         if FAULTS:
             columns.append(both(typical(plain, ["mems"], True), typical(tuned, ["mems"], True)))
-        columns += [angle(float(np.median([getattr(r, axis) for r in mems]))) for axis in ("heading", "inclination")]
-        settled = float(np.median([r.converged for r in mems]))
+        columns += [
+            angle(float(np.median([getattr(r.errors, axis) for r in mems])))
+            for axis in ("heading_deg", "inclination_deg")
+        ]
+        settled = float(np.median([np.inf if r.errors.converged_s is None else r.errors.converged_s for r in mems]))
         columns.append(f"{settled:.2g}" if np.isfinite(settled) else "never")
         cost = float(np.nanmedian([r.cost for r in plain]))
         columns.append(f"{cost:.2g}" if cost < 10.0 else f"{cost:.0f}")
         lines.append(columns)
-    floor = [angle(typical(bounds, [grade])) for grade in GRADES[1:]]
+    floor = [angle(each) for each in floors(bounds)]
     lines.append([f"**{BEST_POSSIBLE}**", "0", *floor, *([""] if FAULTS else []), "", "", "", ""])
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def angle(degrees: float) -> str:
-    """For the eye: two digits, 0 below a ten-thousandth."""
-    if np.isnan(degrees):
-        return "—"
-    return "0" if degrees < 5e-5 else f"{degrees:.2g}" if degrees < 99.5 else f"{degrees:.0f}"
+def floors(bounds: Mapping[str, float]) -> list[float]:
+    """Medians of the unavoidable errors with each grade of real sensors, degrees."""
+    return [float(np.median([bounds[str(case)] for case in CASES if is_of(case, grade)])) for grade in REAL]
 
 
 def both(default: float, tuned: float) -> str:
@@ -98,20 +100,19 @@ def advice(rows: Ranking) -> str:
     return "\n".join(lines)
 
 
-def replaced(page: str, rows: Ranking, bounds: Sequence[Result]) -> str:
+def replaced(page: str, rows: Ranking, bounds: Mapping[str, float]) -> str:
     """A page with its part on the league exchanged."""
     before, rest = page.split(BEGIN)
     _, after = rest.split(END)
     return f"{before}{BEGIN}\n\n{table(rows, bounds)}\n\n{advice(rows)}\n\n{END}{after}"
 
 
-def heat_map(rows: Ranking, bounds: Sequence[Result]) -> Figure:
+def heat_map(rows: Ranking, bounds: Mapping[str, float]) -> Figure:
     """The total error of each filter, at its best setting, in each case."""
     shown = [Case(motion, grade) for grade in GRADES for motion in MOTIONS]
     shown += [Case("slow_tumble", "mems", fault) for fault in FAULTS]
-    floor = {r.case: r.total for r in bounds}
     numbers = [[{r.case: r.total for r in tuned}[case] for case in shown] for _, _, tuned in rows]
-    numbers.append([0.0 if case.grade == "perfect" else floor.get(case, np.nan) for case in shown])
+    numbers.append([0.0 if case.grade == PERFECT else bounds.get(str(case), np.nan) for case in shown])
     names = [each.full_name for each, _, _ in rows] + [BEST_POSSIBLE]
     figure = Figure(figsize=(0.42 * len(shown) + 4.0, 0.27 * len(names) + 2.6), dpi=110, layout="constrained")
     axes = figure.subplots()
@@ -134,16 +135,18 @@ def heat_map(rows: Ranking, bounds: Sequence[Result]) -> Figure:
     return figure
 
 
-def write_numbers(path: Path, defaults: Iterable[Result], best: Iterable[Result]) -> None:
-    """All results as CSV, but for costs: those are of one machine."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        head = ("motion", "grade", "fault", "filter", "setting", "total_deg", "heading_deg", "inclination_deg")
-        out.writerow([*head, "converged_s", "remark"])
-        for r in dict.fromkeys(_row(r) for results in (defaults, best) for r in results):
-            out.writerow(r)
+def reference(defaults: Sequence[Result], best: Sequence[Result], bounds: Mapping[str, float]) -> LeagueTable:
+    """The results as the reference set of the package: a row at the defaults, and one at the best settings."""
+    rows = []
+    for results, setting in ((defaults, ""), (best, "tuned")):
+        for each, found in by_filter(results):
+            if not setting or any(result.setting for result in found):
+                errors = {str(result.case): rounded(result.errors) for result in found}
+                rows.append(FilterRow(each.full_name, errors, version(each.library), setting, each.sees_future))
+    return LeagueTable((), {str(case): readings_hash(run_of(case)) for case in CASES}, bounds).with_rows(rows)
 
 
-def _row(r: Result) -> tuple[str, ...]:
-    numbers = (f"{round(value, DIGITS):.6g}" for value in (r.total, r.heading, r.inclination, r.converged))
-    return (r.case.motion, r.case.grade, r.case.fault, r.filter, json.dumps(dict(r.setting)), *numbers, r.trouble)
+def rounded(errors: CaseResult) -> CaseResult:
+    """Errors without the digits of round-off, of which each machine has its own."""
+    short = {k: float(f"{round(v, DIGITS):.6g}") for k, v in asdict(errors).items() if isinstance(v, float)}
+    return CaseResult(**{**asdict(errors), **short})

@@ -47,9 +47,9 @@ class Readings:
     @classmethod
     def of(cls, run: Run) -> Readings:
         """Those of a run. Where a reading is missing the one before it stands, as in any loop that runs at a rate."""
-        if run.imu is None or run.magnetometer is None or run.scenario.sensors.imu is None:
+        if run.imu is None or run.magnetometer is None:
             raise ValueError("a filter of the league needs an IMU and a magnetometer")
-        rate = run.scenario.sensors.imu.rate
+        rate = float(str(run.scenario.parameters()["imu_rate"]))
         first, last = run.imu.t_ns[0], run.imu.t_ns[-1]
         t_ns = first + np.round(np.arange(round((last - first) * rate / 1e9) + 1) * (1e9 / rate)).astype(np.int64)
         imu, field = (held(stamps, t_ns, rate) for stamps in (run.imu.t_ns, run.magnetometer.t_ns))

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-import io
 import time
-import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import redirect_stdout
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from tqdm import tqdm
 
-from league.cases import GRADES, SEED, SETTLED, TUNING_SEEDS, Case, cases, run_of
 from league.contender import DEFAULTS, Filter, Setting, filters
-from lie_rigid_body import attitude_error
-from lie_rigid_body.evaluation.statistics import settling_limit, time_to_converge
+from lie_rigid_body import Run
+from lie_rigid_body.league.cases import CASES, PERFECT, REAL, SEED, SETTLED_S, Case, run_of
+from lie_rigid_body.league.playing import play_case
+from lie_rigid_body.league.table import CaseResult
 
 TUNING: Final = ("slow_tumble", "fast_tumble", "spin_z", "flips")
 """Motions on which settings are chosen."""
 TUNED_AS: Final = {"perfect": "navigation"}
 """Perfect sensors are read with the settings of the best real ones."""
-LOST: Final = 180.0
-"""What a filter that fails is given, degrees."""
+TUNING_SEEDS: Final = (1001, 1002)
+"""Noise of the runs on which settings are chosen: others than those that are scored."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +34,7 @@ class Result:
     filter : str
     case : Case
     setting : mapping of str to float
-    total, heading, inclination : float
-        RMS of the errors from `SETTLED` on, degrees.
-    converged : float
-        Time from which the total error stays below one and a half times the largest of the second half, s.
+    errors : CaseResult
     cost : float
         CPU time of an update, µs.
     trouble : str
@@ -49,51 +44,44 @@ class Result:
     filter: str
     case: Case
     setting: Setting
-    total: float
-    heading: float
-    inclination: float
-    converged: float
-    cost: float
+    errors: CaseResult
+    cost: float = np.nan
     trouble: str = ""
+
+    @property
+    def total(self) -> float:
+        """RMS of the total error, degrees."""
+        return self.errors.total_deg
 
 
 def score(number: int, case: Case, setting: Setting, seed: int = SEED) -> Result:
     """Run one filter on one case."""
-    contender = filters()[number]
-    run, given = run_of(case, seed)
-    np.random.seed(seed)  # noqa: NPY002 - what filters draw from
-    begin = time.process_time()
-    try:
-        with redirect_stdout(io.StringIO()), warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            estimate = contender.estimate(given, **setting).as_quat()
-    except Exception as failure:  # of another's code anything may come
-        return Result(contender.full_name, case, setting, LOST, LOST, LOST, np.inf, np.nan, repr(failure)[:80])
-    cost = 1e6 * (time.process_time() - begin) / len(estimate)
-    t_s = (given.t_ns - given.t_ns[0]) / 1e9
-    error = attitude_error(estimate, run.attitude().at(given.t_ns))
-    rms, heading, inclination = (float(np.degrees(np.sqrt(np.mean(angle[t_s >= SETTLED] ** 2)))) for angle in error)
-    total = np.degrees(error.total)
-    found = time_to_converge(t_s, total, settling_limit(t_s, total))
-    converged = np.inf if found is None else found
-    trouble = ""
-    if case.grade == "perfect":
-        trouble = " ".join(each.code for each in run.score(estimate, given.t_ns, after_s=SETTLED).findings)
-    return Result(contender.full_name, case, setting, rms, heading, inclination, converged, cost, trouble)
+    contender, answers, costs = filters()[number], [], []
+
+    def estimate(run: Run) -> Any:
+        begin = time.process_time()
+        answers.append(contender.of_run(run, **setting))
+        costs.append(1e6 * (time.process_time() - begin) / len(answers[0][0]))
+        return answers[0]
+
+    errors, trouble = play_case(estimate, case, seed), ""
+    if case.grade == PERFECT and not errors.failure:
+        t_ns, attitude = answers[0]
+        trouble = " ".join(each.code for each in run_of(case, seed).score(attitude, t_ns, after_s=SETTLED_S).findings)
+    return Result(contender.full_name, case, setting, errors, costs[0] if costs else np.nan, errors.failure or trouble)
 
 
-def bound(case: Case) -> Result | None:
-    """The unavoidable error of a case, as a result."""
-    found = run_of(case, SEED)[0].unavoidable_error()
+def bound(case: Case) -> float | None:
+    """The unavoidable error of a case, degrees."""
+    found = run_of(case).unavoidable_error()
     if found is None:
         return None
-    late = found.stamps_ns - found.stamps_ns[0] >= SETTLED * 1e9
-    rms = [float(np.degrees(found.rms(covariance[late]))) for covariance in (found.filtered, found.smoothed)]
-    return Result("unavoidable", case, DEFAULTS, rms[0], np.nan, np.nan, np.nan, np.nan, f"smoothed {rms[1]:.3g}")
+    late = found.stamps_ns - found.stamps_ns[0] >= SETTLED_S * 1e9
+    return float(np.degrees(found.rms(found.filtered[late])))
 
 
-def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], list[Result]]:
-    """All results at the defaults and at the chosen settings, each in the order of filters and cases.
+def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], list[Result], dict[str, float]]:
+    """All results at the defaults and at the chosen settings, in the order of filters and cases, and the bounds.
 
     Parameters
     ----------
@@ -102,12 +90,12 @@ def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], l
     progress : bool, optional
         Whether to show a bar; by default on a terminal.
     """
-    every, everyone = cases(), filters()
+    everyone = filters()
     with ProcessPoolExecutor(workers) as pool:
-        bounds = [found for found in pool.map(bound, every) if found is not None]
+        bounds = {str(case): found for case, found in zip(CASES, pool.map(bound, CASES), strict=True) if found}
         trials = [
             (n, Case(motion, grade), setting, seed)
-            for grade in GRADES[1:]
+            for grade in REAL
             for motion in TUNING
             for seed in TUNING_SEEDS
             for n, each in enumerate(everyone)
@@ -115,7 +103,7 @@ def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], l
             if each.grid
         ]
         chosen = _chosen(_scored(pool, trials, "settings", progress))
-        jobs = [(n, case, DEFAULTS, SEED) for case in every for n in range(len(everyone))]
+        jobs = [(n, case, DEFAULTS, SEED) for case in CASES for n in range(len(everyone))]
         defaults = _scored(pool, jobs, "defaults", progress)
         settings = [
             (n, case, chosen.get((everyone[n].full_name, TUNED_AS.get(case.grade, case.grade)), DEFAULTS), SEED)
@@ -124,7 +112,7 @@ def play(workers: int, *, progress: bool | None = None) -> tuple[list[Result], l
         changed = [job for job in settings if job[2]]
         tuned = {(result.filter, result.case): result for result in _scored(pool, changed, "tuned", progress)}
     best = [tuned.get((result.filter, result.case), result) for result in defaults]
-    return defaults + bounds, best + bounds
+    return defaults, best, bounds
 
 
 def _scored(

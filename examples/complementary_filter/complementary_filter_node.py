@@ -1,12 +1,18 @@
 """The filter as a ROS 2 node: from imu/data_raw and imu/mag to imu/data, as the filters of imu_tools."""
 
+import argparse
+import sys
+
 import numpy as np
 import rclpy
 from complementary_filter import ComplementaryFilter
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.utilities import remove_ros_args
 from sensor_msgs.msg import Imu, MagneticField
+
+EXECUTORS = {kind.__name__: kind for kind in (SingleThreadedExecutor, MultiThreadedExecutor)}
 
 
 class ComplementaryFilterNode(Node):
@@ -18,7 +24,7 @@ class ComplementaryFilterNode(Node):
         gain = self.declare_parameter("gain", 1.0).value
         self.filter = ComplementaryFilter(field, gain)
         self.waiting = {Imu: {}, MagneticField: {}}
-        self.publisher = self.create_publisher(Imu, "imu/data", 10)
+        self.publisher = self.create_publisher(Imu, "imu/data", 100)
         self.create_subscription(Imu, "imu/data_raw", self.hear, 100)
         self.create_subscription(MagneticField, "imu/mag", self.hear, 100)
 
@@ -43,9 +49,12 @@ class ComplementaryFilterNode(Node):
 
 def main():
     """Run the node until Ctrl-C."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--executor", choices=EXECUTORS, default="SingleThreadedExecutor")
+    given = parser.parse_args(remove_ros_args(sys.argv)[1:])
     rclpy.init()
     try:
-        rclpy.spin(ComplementaryFilterNode())
+        rclpy.spin(ComplementaryFilterNode(), EXECUTORS[given.executor]())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except rclpy_implementation.RCLError:  # Ctrl-C amid a callback: there is nothing left to publish to

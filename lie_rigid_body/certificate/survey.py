@@ -176,8 +176,8 @@ class Counts:
     ----------
     messages : list of int
         Poses and twists.
-    frames : tuple of set of str
-        Frames that poses and twists name.
+    foreign_frames : set of str
+        Frames that poses and twists name, and that the scenario of their segment does not.
     moved : int
         Components of position and linear velocity that are not 0.
     logged_otherwise : int
@@ -188,7 +188,7 @@ class Counts:
 
     def __init__(self) -> None:
         self.messages = [0, 0]
-        self.frames: tuple[set[str], set[str]] = set(), set()
+        self.foreign_frames = set[str]()
         self.moved = self.logged_otherwise = 0
         self.first_ns = int(np.iinfo(np.int64).max)
 
@@ -196,7 +196,6 @@ class Counts:
         """Give the batches on, and count what is in them."""
         for poses, twists in batches:
             for i, topic in enumerate((poses, twists)):
-                self.frames[i].update(topic.frame_ids)
                 self.messages[i] += len(topic)
                 if i == 0 or stamped:
                     self.first_ns = int(topic.stamps_ns.min(initial=self.first_ns))
@@ -291,6 +290,9 @@ class Surveyor:
             for name, topic in zip(self._tallies[0].stamps, topics, strict=False):
                 for i, rows in segment_parts(self._segments, topic.stamps_ns):
                     self._tallies[i].stamps[name].add(topic.stamps_ns[rows])
+                    scenario = self._segments[i].scenario
+                    declared = scenario.world_frame if name == "pose" else scenario.body_frame
+                    self._counts.foreign_frames.update(topic[rows].frame_ids - {declared})
             self._pair(block.stamps_ns, alone)
             yield block
 

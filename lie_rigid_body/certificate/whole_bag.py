@@ -45,11 +45,10 @@ def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tup
 
 
 def _frames(surveyed: Survey) -> LawResult:
-    worlds = {found.segment.scenario.world_frame for found in surveyed.segments}
-    bodies = {found.segment.scenario.body_frame for found in surveyed.segments}
-    of_poses, of_twists = surveyed.counts.frames
-    others = sorted((of_poses - worlds) | (of_twists - bodies))
-    message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(sorted(worlds | bodies))}"
+    scenarios = [segment.scenario for segment in surveyed.declared]
+    declared = sorted({frame for scenario in scenarios for frame in (scenario.world_frame, scenario.body_frame)})
+    others = sorted(surveyed.counts.foreign_frames)
+    message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(declared)}"
     return _flag("frames", len(others), message)
 
 

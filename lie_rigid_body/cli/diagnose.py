@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from lie_rigid_body import console
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
+from lie_rigid_body.errors import InputError
 
 
 @console.run
@@ -14,6 +16,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
     console.require_suffix("--report", given.report, ".html")
+    estimate = given_estimator(given)
+    if estimate is None:
+        raise InputError("no estimator: give MODULE:FUNCTION, such as my_filter:estimate, or --command PROGRAM")
 
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.interruption import count_as_handled
@@ -27,7 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parameters: dict[str, Any] = dict(gather(given.scenario, given.params_file, given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:
         found = diagnose(
-            given.estimator,
+            estimate,
             workers=given.workers,
             max_runs=given.max_runs,
             timeout=given.timeout,
@@ -38,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         count_as_handled()
     files = {}
     if given.report is not None:
-        files[given.report] = page(given.estimator, found)
+        files[given.report] = page(given.command or given.estimator, found)
     text = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else as_text(found)
     answer(text, files, overwrite=given.force, named=not given.json)
     if found.interrupted:
@@ -53,11 +58,7 @@ def _parser() -> console.Parser:
     parser = console.Parser(
         "diagnose",
         "Say what is wrong with an attitude filter, by repairing it from outside.",
-        console.argument(
-            "estimator",
-            metavar="ESTIMATOR",
-            help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
-        ),
+        *ESTIMATOR,
         console.argument("--json", action="store_true", help="print what is found for programs"),
         console.argument("--report", metavar="OUT.html", type=console.path, help="write what is found as one page"),
         console.argument("--force", action="store_true", help="replace OUT.html if it exists"),

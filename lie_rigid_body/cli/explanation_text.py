@@ -6,11 +6,11 @@ import math
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, cast
 
 from lie_rigid_body.mechanics.top import SpinStability
 from lie_rigid_body.motion.description import Description
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.parameters import Value, Vector
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import GRADE, SENSORS
 
@@ -266,7 +266,7 @@ def _value(value: Value) -> str:
     """A parameter as it is written, its numbers to six digits: enough to recognise them elsewhere."""
     if isinstance(value, bool | str):
         return str(value).lower() if isinstance(value, bool) else value
-    return _vector(value) if isinstance(value, tuple) else f"{value:.6g}"
+    return _vector(cast(Vector, value)) if isinstance(value, tuple) else f"{value:.6g}"
 
 
 def _degrees(angle_rad: float) -> str:

@@ -1,23 +1,25 @@
-"""Repairs of the input: changes of the readings that undo what a filter does wrong with them."""
+"""Repairs of the input, changes of the readings that undo what a filter does wrong with them; and runs with them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import permutations, product
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.trial import MARGIN, TrialReadings
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings
+from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.estimators import Estimator, Returned
+from lie_rigid_body.runs.workers import called
 from lie_rigid_body.wording import short_repr
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Sensors by the names that codes have, and their readings."""
-
-Rows = tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -43,39 +45,31 @@ class Repair:
     code: str
     text: str
     price: int
-    change: Callable[[TrialReadings], TrialReadings] = field(compare=False)
+    change: Callable[[Readings], Readings] = field(compare=False)
     fact: str
     deed: str
 
     __repr__ = short_repr
 
-    @property
-    def group(self) -> str:
-        """What is repaired: of each group one repair at most makes sense."""
-        return self.code.partition("_")[0]
 
-
-def _turned(sensors: tuple[str, ...], axes: Rows, readings: TrialReadings) -> TrialReadings:
-    matrix = np.array(axes)
+def _multiplied(sensors: Sequence[str], matrix: Array, readings: Readings) -> Readings:
+    """Readings of some sensors with a matrix, shape (3, 3), from the left."""
     return readings.changed(**{SENSORS[name]: readings.vectors[SENSORS[name]] @ matrix.T for name in sensors})
 
 
-def _scaled(sensor: str, factor: float, readings: TrialReadings) -> TrialReadings:
-    return readings.changed(**{SENSORS[sensor]: readings.vectors[SENSORS[sensor]] * factor})
-
-
-def _moved(sensors: tuple[str, ...], count: int, readings: TrialReadings) -> TrialReadings:
+def _moved(sensors: Sequence[str], count: int, readings: Readings) -> Readings:
     """Readings from so many samples later; before the first that a filter is given there is none."""
     moved = {}
     for name in (SENSORS[sensor] for sensor in sensors):
         rows = readings.vectors[name]
         places = np.arange(len(rows))
-        moved[name] = rows[np.clip(places + count, np.minimum(places, MARGIN), len(rows) - 1)] if len(rows) else rows
+        moved[name] = rows[np.clip(places + count, np.minimum(places, MARGIN), len(rows) - 1)]
     return readings.changed(**moved)
 
 
-def _on_world_axes(readings: TrialReadings) -> TrialReadings:
-    return readings.changed(gyro=quaternion.rotate(readings.truth.at(readings.t_ns), readings.vectors["gyro"]))
+def _on_world_axes(readings: Readings) -> Readings:
+    attitude = readings.course.truth.at(readings.t_ns)
+    return readings.changed(gyro=quaternion.rotate(attitude, readings.vectors["gyro"]))
 
 
 JOINT: Final = Repair(
@@ -88,43 +82,30 @@ JOINT: Final = Repair(
 )
 """The change that makes a right filter of one that is ahead by a sample: no mistake, and without a price."""
 
-WORLD_AXES: Final = Repair(
-    "gyro_world_axes",
-    "gyro on the world's axes",
-    0,
-    _on_world_axes,
-    "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
-    "Given on the world's axes",
-)
 
-
-def _signed_permutations() -> Iterator[tuple[str, Rows, bool]]:
-    """Every choice of axes with signs but the right one: name, matrix, whether it is a rotation."""
+def _axes() -> Iterator[Repair]:
+    """Every choice of axes with signs but the right one, of each sensor, and every one that is a rotation, of all."""
     for places, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
         matrix = np.diag(signs) @ np.eye(3)[list(places)]
         name = " ".join(f"{'-' if sign < 0 else ''}{'xyz'[place]}" for place, sign in zip(places, signs, strict=True))
-        if name != "x y z":
-            yield name, tuple(map(tuple, matrix.tolist())), bool(np.linalg.det(matrix) > 0)
-
-
-def _axes(sensor: str) -> Iterator[Repair]:
-    for name, rows, _ in _signed_permutations():
-        fact = f"The filter takes the axes of the {sensor} for others"
-        if name == "-x -y -z":
-            fact = f"The filter takes the {sensor} for one of the opposite sign"
-        yield Repair(
-            f"{sensor}_axes", name, 0, partial(_turned, (sensor,), rows), fact, f"Given as {name} its readings"
-        )
-
-
-def _body_axes() -> Iterator[Repair]:
-    for name, rows, proper in _signed_permutations():
-        if proper:
+        if name == "x y z":
+            continue
+        for sensor in SENSORS:
+            wrong = "the axes of the {} for others" if name != "-x -y -z" else "the {} for one of the opposite sign"
+            yield Repair(
+                f"{sensor}_axes",
+                name,
+                0,
+                partial(_multiplied, (sensor,), matrix),
+                f"The filter takes {wrong.format(sensor)}",
+                f"Given as {name} its readings",
+            )
+        if np.linalg.det(matrix) > 0.0:
             yield Repair(
                 "body_axes",
                 name,
                 0,
-                partial(_turned, tuple(SENSORS), rows),
+                partial(_multiplied, tuple(SENSORS), matrix),
                 "The filter takes the axes of the body for others, of all sensors alike",
                 f"Given as {name} the readings",
             )
@@ -149,14 +130,8 @@ def _units(sensor: str) -> Iterator[Repair]:
             (factor, f"The filter takes {sensor} readings for {unit}"),
             (1.0 / factor, f"The filter turns {sensor} readings into {unit} where SI units belong"),
         ):
-            yield Repair(
-                f"{sensor}_units",
-                f"× {value:.6g}",
-                0,
-                partial(_scaled, sensor, value),
-                fact,
-                f"Multiplied by {value:.3g} they",
-            )
+            change = partial(_multiplied, (sensor,), value * np.eye(3))
+            yield Repair(f"{sensor}_units", f"× {value:.6g}", 0, change, fact, f"Multiplied by {value:.3g} they")
 
 
 def factor(value: float) -> Repair:
@@ -166,7 +141,7 @@ def factor(value: float) -> Repair:
         "time_step",
         f"gyro × {value:.6g}",
         0 if value in plain else 1,
-        partial(_scaled, "gyro", value),
+        partial(_multiplied, ("gyro",), value * np.eye(3)),
         f"The filter turns by {1.0 / value:.4g} times what the gyro tells: a wrong time step{plain.get(value, '')}",
         f"With the gyro multiplied by {value:.5g} the readings",
     )
@@ -175,30 +150,42 @@ def factor(value: float) -> Repair:
 def late(sensor: str, samples: float) -> Repair:
     """Readings of one sensor moved in time by a whole number of samples."""
     count = int(samples)
-    how = "late" if count > 0 else "early"
+    size = f"{abs(count)} sample{'s' if abs(count) > 1 else ''}"
     return Repair(
         f"{sensor}_late",
-        f"{abs(count)} samples {'earlier' if count > 0 else 'later'}",
+        f"{size} {'earlier' if count > 0 else 'later'}",
         1,
         partial(_moved, (sensor,), count),
-        f"The filter uses the readings of the {sensor} {abs(count)} samples too {how}",
+        f"The filter uses the readings of the {sensor} {size} too {'late' if count > 0 else 'early'}",
         "Moved by as many they",
     )
 
 
 def exact_repairs() -> tuple[Repair, ...]:
     """Every repair without a fitted constant, in the order of the table of mistakes."""
-    found = [repair for sensor in SENSORS for repair in _axes(sensor)]
-    found += _body_axes()
-    found += [repair for sensor in SENSORS for repair in _units(sensor)]
-    return (*found, WORLD_AXES, factor(2.0), factor(0.5))
+    world = Repair(
+        "gyro_world_axes",
+        "gyro on the world's axes",
+        0,
+        _on_world_axes,
+        "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
+        "Given on the world's axes its readings",
+    )
+    units = (repair for sensor in SENSORS for repair in _units(sensor))
+    return tuple(sorted((*_axes(), *units, world, factor(2.0), factor(0.5)), key=lambda each: ORDER.index(each.code)))
 
 
-FITTED: Final[dict[str, Callable[[float], Repair]]] = {
-    "time_step": factor,
-    **{f"{sensor}_late": partial(late, sensor) for sensor in SENSORS},
+class Fitted(NamedTuple):
+    """A repair with one constant, and the constants that are tried at first, in order."""
+
+    of: Callable[[float], Repair]
+    tried: tuple[float, ...]
+
+
+FITTED: Final = {
+    "time_step": Fitted(factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
+    **{f"{sensor}_late": Fitted(partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSORS},
 }
-"""Repairs with one constant."""
 
 ORDER: Final = (
     "inverted",
@@ -225,3 +212,56 @@ ORDER: Final = (
     "body_mounting",
 )
 """Mistakes in the order in which they are named where several do as well and cost as much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a filter made of a course.
+
+    Attributes
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+    attitude_xyzw : ndarray, shape (N, 4)
+        Its attitudes, divided by their norms; the identity where one is not finite or zero.
+    broken : ndarray of int64
+        Numbers of the samples that are not finite or zero.
+    norm_error : float
+        Largest | |q|² − 1 |.
+    given : Returned
+        As it was returned.
+    """
+
+    stamps_ns: Integers
+    attitude_xyzw: Array
+    broken: Integers
+    norm_error: float
+    given: Returned
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of the filter: a course whose readings are repaired."""
+
+    course: Course
+    repairs: tuple[Repair, ...] = ()
+
+    def __call__(self, estimate: Estimator) -> Answer:
+        """What the filter makes of it.
+
+        Raises
+        ------
+        FilterError
+            With the line in the user's file, or with the shape.
+        """
+        readings = self.course.readings()
+        for repair in self.repairs:
+            readings = repair.change(readings)
+        found = called(estimate, readings.run())
+        attitude = np.array(found.attitude_xyzw)
+        norms = quaternion.norm(attitude)
+        broken = np.flatnonzero(~(np.isfinite(norms) & (norms > SMALLEST_NORM)))
+        attitude[broken], norms[broken] = (0.0, 0.0, 0.0, 1.0), 1.0
+        norm_error = float(np.abs(norms**2 - 1.0).max(initial=0.0))
+        return Answer(found.t_ns, attitude / norms[:, np.newaxis], broken, norm_error, found)

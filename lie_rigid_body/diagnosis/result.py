@@ -79,11 +79,22 @@ class Note:
 
 @dataclass(frozen=True)
 class ErrorOverTime:
-    """The total error in the first trial, without repairs or with some: label, times in s, degrees."""
+    """The total error in the first course, after a repair and those before it.
 
-    label: str
+    Attributes
+    ----------
+    code : str
+        The mistake that is repaired last, or nothing.
+    t_s, error_deg : ndarray, shape (N,)
+        Times in s, errors in degrees.
+    rms_deg : float
+        RMS over the last two thirds of all courses, degrees.
+    """
+
+    code: str
     t_s: Array
     error_deg: Array
+    rms_deg: float
 
     __repr__ = short_repr
 
@@ -129,9 +140,11 @@ class FilterDiagnosis:
     @property
     def sentences(self) -> list[str]:
         """What a person needs to know first."""
-        failed = [probe.code for probe in self.probes if not probe.passed]
+        failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
+        if "finite" in failed:
+            return [f"Mend first {failed['finite']}; other failed probes: {', '.join(failed)}."]
         if self.rms_deg <= self.floor_deg:
             found = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
             return [found + (f"; it fails the probes {', '.join(failed)}." if failed else ".")]

@@ -1,105 +1,323 @@
-"""The search for repairs: those of the output, single ones of the input, then pairs, within a budget of filter runs."""
+"""The search for repairs, and the one rule by which of all that were tried those are chosen that name the mistakes.
+
+Those of the output are tried first, then single ones of the input, then pairs, within a budget of filter runs.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Protocol, TypeVar
+from typing import Final
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from lie_rigid_body.diagnosis.choice import UNCHANGED, Candidate, Choice, Outputs, choose, plain_error, undo
-from lie_rigid_body.diagnosis.filter import Filter, FilterError
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, Repair, exact_repairs
-from lie_rigid_body.diagnosis.trial import KINDS, Trial
-from lie_rigid_body.evaluation.attitudes import angles_between
+from lie_rigid_body.diagnosis.course import KINDS, Course, of_kind
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs
 from lie_rigid_body.evaluation.causes import CAUSES, Cause, Track, Tracks, error_of
+from lie_rigid_body.runs.workers import FilterError
+from lie_rigid_body.wording import short_repr
 
-T = TypeVar("T")
+FLOOR: Final = 0.1
+"""Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
+MENDED: Final = 0.1
+"""Share of the error that a repair may leave."""
+HALVED: Final = 0.5
+"""Share of the error that a repair may leave which brings it below the floor."""
+NEAR: Final = 2.0
+"""Factor within which errors above the floor count as equal."""
 
 SCREENED_S: Final = 4.0
-"""Length of the motion by which repairs are compared at first, s."""
-FINALISTS: Final = 6
-"""Number of repairs that are then tried on all runs, of those that are best alone, and best with one of the output."""
-BEAM: Final = 8
-"""Largest number of repairs of which each is tried together with every other one."""
+"""Length of the motion on which repairs are compared at first, s."""
+SCREENED: Final = 100
+"""Samples of it at which repairs of the output are compared."""
+FINALISTS: Final = 4
+"""Number of repairs that are then tried on all courses, of those that are best alone, and with one of the output."""
 FAR: Final = 10.0
 """Factor of the least error, or of the floor, above which a repair is not tried further."""
-PAIR_FINALISTS: Final = 4
-"""Number of pairs with one of these that are then tried on all runs."""
-ANY_PRICE: Final = 9
+BEAM: Final = 8
+"""Largest number of repairs each of which is tried together with every other one, the most promising first."""
+UNCHANGED: Final = 1e-6
+"""Change of the error, rad, below which a repair is none."""
+FINEST_FACTOR: Final = 1e-6
+"""Accuracy to which a factor is fitted."""
 _OF_TIME: Final = ("lagging", "leading", "clock_rate")
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in _OF_TIME)
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
-_LAGS: Final = (-2, -1, 1, 2, 3, 4, 5, 7, 10, 14, 20, 28, 40)
-"""Samples by which readings are moved at first."""
-_FACTORS: Final = (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)
-"""Factors of the gyro that are tried at first."""
-_FINEST_FACTOR: Final = 1e-6
+
+BY_CODE: Final = {cause.code: cause for cause in CAUSES}
+
+Repairs = tuple[Repair, ...]
+Outputs = tuple[tuple[str, tuple[float, ...]], ...]
+"""Repairs of the output: codes with their constants, in the order in which they are applied."""
 
 
-Asked = Callable[[Filter], list[Candidate]]
-"""A job that finds candidates."""
-
-
-class Crew(Protocol):
-    """Those who do jobs: `Alone` or `Workers`."""
-
-    def each(self, jobs: Sequence[Callable[[Filter], T]]) -> Iterator[T | FilterError]:
-        """The results in the order of the jobs."""
-        ...
+def undo(track: Track, outputs: Outputs) -> Track:
+    """A track with the causes of errors in the output undone."""
+    for code, constants in outputs:
+        track = BY_CODE[code].undo(track, np.array(constants))
+    return track
 
 
 @dataclass(frozen=True)
-class Try:
-    """A job: repairs of the input on trials of one kind, alone and with causes undone in the output.
+class Trial:
+    """Runs with one kind of gyro and with repairs, and the error that they leave.
 
     Attributes
     ----------
     repairs : tuple of Repair
-    trials : tuple of Trial
-        With one kind of gyro.
-    outputs : str
-        Which causes are undone: ``none``, ``quick``, ``all``, or ``pairs``, also every two.
-    applied : tuple of (str, tuple of float)
-        Causes that are undone before all others, with their constants.
+        Repairs of the input, with `JOINT` last where it is applied.
+    outputs : tuple of (str, tuple of float)
+        Repairs of the output.
+    kind : str
+        The kind of gyro.
+    error : float
+        RMS of the total error over the last two thirds of all runs, rad.
+    parts : tuple of float
+        RMS of the error of the vertical, and of that of the turns, rad, where it is known; in the choice of pairs after
+        the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
     """
 
     repairs: tuple[Repair, ...]
-    trials: tuple[Trial, ...]
-    outputs: str = "none"
-    applied: Outputs = ()
+    outputs: Outputs
+    kind: str
+    error: float
+    parts: tuple[float, ...] = ()
 
-    def __call__(self, run: Filter) -> list[Candidate]:
-        """The candidates; none where a repair changes nothing, or the filter fails."""
-        kind = str(self.trials[0].scenario.parameters()["gyro_rate"])
-        try:
-            answers = [run.answer(trial, self.repairs) for trial in self.trials]
-            if any(answer.broken >= 0 for answer in answers):
-                return [] if self.repairs else [Candidate((), (), np.pi, kind)]
-            if any(repair != JOINT for repair in self.repairs) and self._changes_nothing(run, answers[0].track):
-                return []
-        except FilterError:
-            if not self.repairs:
-                raise
-            return []
-        tracks = [undo(answer.settled(), self.applied) for answer in answers]
-        partial: tuple[float, ...] = ()
-        if self.outputs == "quick":
-            partial, tracks = tracks[0].partial_errors(), [track.few(100) for track in tracks]
-        found = [Candidate(self.repairs, self.applied, error_of(tracks), kind, partial)]
-        chosen = {"none": (), "quick": QUICK}.get(self.outputs, CAUSES)
-        for outputs, error in _undone(tracks, chosen, pairs=self.outputs == "pairs"):
-            found.append(Candidate(self.repairs, outputs, error, kind))
-        return found
+    __repr__ = short_repr
 
-    def _changes_nothing(self, run: Filter, track: Track) -> bool:
-        plain = run.answer(self.trials[0], (JOINT,) * (JOINT in self.repairs)).track
-        attitude = track.attitude_xyzw
-        return len(plain.attitude_xyzw) == len(attitude) and bool(
-            np.max(angles_between(plain.attitude_xyzw, attitude)) < UNCHANGED
-        )
+    @property
+    def joint(self) -> bool:
+        """Whether accelerometer and magnetometer come one sample later."""
+        return JOINT in self.repairs
+
+    @property
+    def inputs(self) -> tuple[Repair, ...]:
+        """The repairs of the input that are of mistakes."""
+        return tuple(repair for repair in self.repairs if repair != JOINT)
+
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """The mistakes."""
+        return (*(repair.code for repair in self.inputs), *(code for code, _ in self.outputs))
+
+    @property
+    def rank(self) -> tuple[int, int, list[int]]:
+        """Number of repairs, price, and places in the table: the least is named."""
+        price = sum(repair.price for repair in self.inputs) + sum(BY_CODE[code].price for code, _ in self.outputs)
+        return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
+
+    @property
+    def steps(self) -> list[tuple[tuple[Repair, ...], Outputs]]:
+        """The repairs one after the other: the first, the first two, and so on, each with `JOINT` as it is here."""
+        joint = (JOINT,) * self.joint
+        inputs = [((*self.inputs[:count], *joint), ()) for count in range(1, len(self.inputs) + 1)]
+        return inputs + [(self.repairs, self.outputs[:count]) for count in range(1, len(self.outputs) + 1)]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The trial that names the mistakes, and those that do as well with as many repairs."""
+
+    named: Trial
+    others: tuple[Trial, ...]
+
+    __repr__ = short_repr
+
+    def or_else(self, code: str) -> tuple[str, ...]:
+        """Codes that stand in the place of one of the named ones where the others stay."""
+        rest = set(self.named.codes) - {code}
+        found = [set(other.codes) - rest for other in self.others if rest <= set(other.codes)]
+        return tuple(sorted(set().union(*found) - set(self.named.codes), key=ORDER.index))
+
+
+def plain(trials: Iterable[Trial], *, joint: bool | None = None) -> Trial:
+    """The filter without a repair, with the kind of gyro that it expects; `JOINT` is none."""
+    return min((t for t in trials if not t.codes and joint in (None, t.joint)), key=lambda t: t.error)
+
+
+def choose(trials: Sequence[Trial], floor: float) -> Choice | None:
+    """The repairs that are named, if any mend the error.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        At least those without a repair.
+    floor : float
+        The error below which all count as equal, rad.
+    """
+    before = plain(trials).error
+    if before <= floor:
+        return None
+    limit = max(MENDED * before, min(floor, HALVED * before))
+    mending = [t for t in trials if t.codes and t.error <= limit]
+    if not mending:
+        return None
+    best = min(t.error for t in mending)
+    as_good = [t for t in mending if t.error <= (floor if best <= floor else NEAR * best)]
+    named = min(as_good, key=lambda t: (t.rank, t.error))
+    return Choice(named, tuple(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes))
+
+
+Ask = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
+"""Runs the filter, as many times as there are jobs."""
+
+
+def track(course: Course, answer: Answer) -> Track:
+    """What a filter answered, beside the truth."""
+    return Track(answer.stamps_ns, answer.attitude_xyzw, course.truth)
+
+
+def settled(whole: Track) -> Track:
+    """The last two thirds of the samples, by which a filter has converged."""
+    return whole.part(slice(len(whole.stamps_ns) // 3, None))
+
+
+class Search:
+    """A search under way; what was found so far can be asked for at any time.
+
+    Attributes
+    ----------
+    trials : list of Trial
+        Those on all courses.
+    is_cut : bool
+        Whether pairs were left untried for want of runs.
+    is_broken : bool
+        Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
+
+    Parameters
+    ----------
+    ask : callable
+    courses : tuple of Course
+        The ordinary ones, with an integrated gyro.
+    floor : float
+        The error below which nothing is looked for, rad.
+    has_room : callable
+        Whether the budget allows more runs of the filter.
+    """
+
+    def __init__(self, ask: Ask, courses: tuple[Course, ...], floor: float, has_room: Callable[[], bool]) -> None:
+        self._ask, self._courses, self._floor, self._has_room = ask, courses, floor, has_room
+        self._short = (replace(courses[0], moving_s=SCREENED_S),)
+        self._exact = exact_repairs()
+        self.trials: list[Trial] = []
+        self.is_cut = self.is_broken = False
+
+    def choice(self) -> Choice | None:
+        """What is named so far."""
+        return choose(self.trials, self._floor)
+
+    def run(self) -> None:
+        """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
+        self.fully([()], CAUSES, pairs=True)
+        if self._is_mended(1, 0):
+            return
+        ((unrepaired,),) = self.tried([((), self._short)])
+        singles = self._screened([(repair,) for repair in self._exact])
+        if not self._is_mended(1, 0):
+            singles += self._fitted_beside(())
+        changing = {trial.inputs[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
+        self._exact = tuple(repair for repair in self._exact if repair in changing)
+        firsts = [trial.inputs for trial in _most_promising(singles)[:BEAM]]
+        for pairs_with in (self._exact_beside, self._fitted_beside):
+            for first in firsts:
+                if self._is_mended(2, 0):
+                    return
+                self.is_cut = not self._has_room()
+                if self.is_cut:
+                    return
+                pairs_with(first)
+
+    def _is_mended(self, count: int, price: int) -> bool:
+        """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
+        choice = self.choice()
+        return choice is not None and choice.named.error <= self._floor and choice.named.rank[:2] <= (count, price)
+
+    def _exact_beside(self, first: Repairs) -> list[Trial]:
+        """Try each repair of the input without a constant beside another."""
+        return self._screened([(*first, repair) for repair in self._exact if repair.code != first[0].code])
+
+    def _fitted_beside(self, first: Repairs) -> list[Trial]:
+        """Try those with a constant, alone or beside another."""
+        codes = [code for code in FITTED if code not in [repair.code for repair in first]]
+        rests = [(*first, *joint) for joint in ((), (JOINT,))]
+        return self._screened([(self._fitted(code, rest), *rest) for code in codes for rest in rests])
+
+    def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
+        """Try repairs shortly, a single one also with each of the output's, and the best of them on all courses."""
+        single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
+        found = list(self.tried([(repairs, self._short) for repairs in chosen], QUICK if single else ()))
+        least = {trials[0]: min(trial.error for trial in trials) for trials in found}
+        best = sorted(least, key=least.__getitem__)[:FINALISTS]
+        alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
+        far = FAR * max(self._floor, least[best[0]])
+        finals = dict.fromkeys(trial.inputs for trial in (*alone, *best) if least[trial] <= far)
+        self.fully(finals, CAUSES if single else ())
+        return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
+
+    def fully(self, chosen: Iterable[Repairs], causes: Sequence[Cause] = (), *, pairs: bool = False) -> None:
+        """Try repairs on all courses, with both kinds of gyro, with and without `JOINT`."""
+        by_kind = [of_kind(self._courses, kind) for kind in KINDS]
+        jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
+        for found in self.tried([(each, courses) for each in jointly for courses in by_kind], causes, pairs=pairs):
+            self.trials += found
+
+    def _fitted(self, code: str, rest: Repairs) -> Repair:
+        """The best constant of a repair beside others."""
+        of, tried = FITTED[code]
+
+        def left(values: Iterable[float]) -> list[float]:
+            return [each[0].error for each in self.tried([((of(value), *rest), self._short) for value in values])]
+
+        place = int(np.argmin(left(tried)))
+        low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
+        if code == "time_step":
+            best: float = minimize_scalar(
+                lambda value: left([value])[0] ** 2,
+                bounds=(low, high),
+                method="bounded",
+                options={"xatol": FINEST_FACTOR, "maxiter": 40},
+            ).x
+        else:
+            between = [count for count in range(int(low), int(high) + 1) if count]
+            best = float(between[int(np.argmin(left(between)))])
+        return of(best)
+
+    def tried(
+        self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = (), *, pairs: bool = False
+    ) -> Iterator[list[Trial]]:
+        """Trials of repairs on courses of one kind, the first alone, the others with a cause in the output undone.
+
+        Raises
+        ------
+        FilterError
+            If the filter fails without a repair.
+        """
+        answers = self._ask([Job(course, repairs) for repairs, courses in asked for course in courses])
+        for repairs, courses in asked:
+            given, kind = [next(answers) for _ in courses], courses[0].kind
+            failed = [answer for answer in given if isinstance(answer, FilterError)]
+            if failed and not repairs:
+                raise failed[0]
+            right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
+            self.is_broken |= any(answer.broken.size > 0 for answer in right)
+            if len(right) < len(courses):
+                yield [Trial(repairs, (), kind, np.pi, (np.pi, np.pi))]
+                continue
+            tracks = [settled(track(*each)) for each in zip(courses, right, strict=True)]
+            parts = tracks[0].partial_errors()
+            if courses == self._short:
+                tracks = [each.few(SCREENED) for each in tracks]
+            undone = _undone(tracks, causes, pairs=pairs)
+            alone = Trial(repairs, (), kind, error_of(tracks), parts)
+            yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in undone)]
+
+
+def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
+    """Those first that leave the least of the error, with one of the output's, of the vertical's or of the turns'."""
+    errors = np.array([trial.parts for trial in trials])
+    places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
+    return [trials[number] for number in np.argsort(places, kind="stable")]
 
 
 def _undone(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:
@@ -112,155 +330,3 @@ def _undone(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator
             without = [cause.undo(track, constants) for track in tracks]
             others = (other for other in CAUSES if other.code != cause.code)
             yield from ((undone + second, left) for second, left in _undone(without, others, pairs=False))
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A job: the best constant of a repair that has one, on one trial.
-
-    Attributes
-    ----------
-    code : str
-    repairs : tuple of Repair
-        Those before it, and `JOINT` where it is applied.
-    trial : Trial
-    """
-
-    code: str
-    repairs: tuple[Repair, ...]
-    trial: Trial
-
-    def __call__(self, run: Filter) -> list[Candidate]:
-        """The candidate with the constant, if the filter takes any."""
-        kept: dict[float, float] = {}
-
-        def left(value: float) -> float:
-            if value not in kept:
-                found = Try((FITTED[self.code](value), *self.repairs), (self.trial,))(run)
-                kept[value] = found[0].error if found else np.pi
-            return kept[value]
-
-        if self.code == "time_step":
-            best = min(_FACTORS, key=left)
-            place = _FACTORS.index(best)
-            low, high = _FACTORS[max(0, place - 1)], _FACTORS[min(len(_FACTORS) - 1, place + 1)]
-            best = float(
-                minimize_scalar(
-                    left, bounds=(low, high), method="bounded", options={"xatol": _FINEST_FACTOR, "maxiter": 40}
-                ).x
-            )
-        else:
-            best = min(_LAGS, key=left)
-            place = _LAGS.index(best)  # between the neighbours that were tried there may be a better one
-            between = range(_LAGS[max(0, place - 1)], _LAGS[min(len(_LAGS) - 1, place + 1)] + 1)
-            best = min((count for count in between if count), key=left)
-        return Try((FITTED[self.code](best), *self.repairs), (self.trial,), "quick")(run)
-
-
-class Search:
-    """A search under way; what was found so far can be asked for at any time.
-
-    Parameters
-    ----------
-    crew : Crew
-    trials : tuple of Trial
-        The ordinary ones, with an integrated gyro.
-    floor : float
-        The error below which nothing is looked for, rad.
-    has_room : callable
-        Whether the budget allows more runs of the filter.
-    """
-
-    def __init__(self, crew: Crew, trials: tuple[Trial, ...], floor: float, has_room: Callable[[], bool]) -> None:
-        self._crew, self._trials, self._floor, self._has_room = crew, trials, floor, has_room
-        self.found: list[Candidate] = []
-        self._screened: list[list[Candidate]] = []
-        self._short = replace(trials[0], moving_s=SCREENED_S)
-
-    def choice(self) -> Choice | None:
-        """What is named so far."""
-        return choose(self.found, self._floor)
-
-    def plain(self) -> None:
-        """Run the filter as it is, on all trials.
-
-        Raises
-        ------
-        FilterError
-            If it fails.
-        """
-        self._try_fully([()], "none")
-
-    def run(self) -> None:
-        """Look for repairs until the error vanishes, or the budget is spent."""
-        if plain_error(self.found).error <= self._floor:
-            return
-        self._of_outputs()
-        if not self._is_mended(1, 0):
-            self._of_single_inputs()
-        if not (self._is_mended(1, ANY_PRICE) or self._is_mended(2, 0)):
-            self._of_pairs()
-
-    def _is_mended(self, count: int, price: int) -> bool:
-        """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
-        choice = self.choice()
-        return choice is not None and choice.named.error <= self._floor and choice.named.rank[:2] <= (count, price)
-
-    def _do(self, jobs: Sequence[Asked]) -> list[list[Candidate]]:
-        """The candidates of each job, none where the filter fails."""
-        return [[] if isinstance(each, FilterError) else each for each in self._crew.each(jobs)]
-
-    def _try_fully(self, chosen: Iterable[tuple[Repair, ...]], outputs: str) -> None:
-        """Try repairs on all trials, with both kinds of gyro, with and without `JOINT`."""
-        by_kind = [tuple(trial.of_kind(kind) for trial in self._trials) for kind in KINDS]
-        jobs = [
-            Try((*repairs, *joint), trials, outputs)
-            for repairs in chosen
-            for joint in ((), (JOINT,))
-            for trials in by_kind
-        ]
-        for each in self._crew.each(jobs):
-            if not isinstance(each, FilterError):
-                self.found += each
-            elif not self.found:
-                raise each
-
-    def _of_outputs(self) -> None:
-        self._try_fully([()], "pairs")
-
-    def _of_single_inputs(self) -> None:
-        """Screen every repair on a short trial, then try the best on all of them; at last those with a constant."""
-        self._screen([Try((repair,), (self._short,), "quick") for repair in exact_repairs()])
-        if not self._is_mended(1, 0):
-            self._screen([Fit(code, joint, self._short) for code in FITTED for joint in ((), (JOINT,))])
-
-    def _screen(self, jobs: Sequence[Asked]) -> None:
-        found = sorted((each for each in self._do(jobs) if each), key=_least)
-        alone = sorted(found, key=lambda each: each[0].error)  # else it hides among those that an output's repair mends
-        self._screened = sorted([*self._screened, *found], key=_least)
-        far = FAR * max(_least(found[0]), self._floor) if found else 0.0
-        chosen = [each[0].inputs for each in (*alone[:FINALISTS], *found[:FINALISTS]) if _least(each) <= far]
-        self._try_fully(dict.fromkeys(chosen), "all")
-
-    def _of_pairs(self) -> None:
-        """Try the best repairs of the input each with every other, and the best of these pairs on all trials."""
-        orders = [
-            self._screened
-        ]  # one repair of two may take away the error of the vertical alone, or that of the turns
-        orders += [sorted(self._screened, key=lambda each: each[0].partial[part]) for part in (0, 1)]
-        firsts = list(dict.fromkeys(each[0].inputs[0] for level in zip(*orders, strict=True) for each in level))[:BEAM]
-        jobs: list[list[Asked]] = [
-            [Try((first, second), (self._short,)) for second in exact_repairs() if second.code != first.code]
-            for first in firsts
-        ]
-        jobs += [[Fit(code, (first,), self._short) for code in FITTED if code != first.code] for first in firsts]
-        for together in jobs:
-            if not self._has_room() or self._is_mended(2, 0):
-                return
-            best = sorted((each for each in self._do(together) if each), key=_least)[:PAIR_FINALISTS]
-            far = FAR * max(_least(best[0]), self._floor) if best else 0.0
-            self._try_fully(dict.fromkeys(each[0].inputs for each in best if _least(each) <= far), "none")
-
-
-def _least(candidates: Sequence[Candidate]) -> float:
-    return min(candidate.error for candidate in candidates)

@@ -55,22 +55,31 @@ class Track:
         World-from-body, scalar last, of unit norm.
     truth : Truth
         The true attitude at any stamp.
+    origin_ns : int, optional
+        Stamp at which a clock of another rate was right, ns; by default the first of the whole track.
     """
 
     stamps_ns: Integers
     attitude_xyzw: Array
     truth: Truth
+    origin_ns: int | None = None
 
     __repr__ = short_repr
 
     @property
     def since_s(self) -> Array:
-        """Times since the first stamp, s, shape (N,)."""
-        return np.asarray((self.stamps_ns - self.stamps_ns[0]) / 1e9)
+        """Times since the origin, s, shape (N,)."""
+        return np.asarray((self.stamps_ns - self.origin) / 1e9)
 
     def part(self, chosen: slice | Integers) -> Track:
         """Some of the samples."""
-        return replace(self, stamps_ns=self.stamps_ns[chosen], attitude_xyzw=self.attitude_xyzw[chosen])
+        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
+        return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
+
+    @property
+    def origin(self) -> int:
+        """Stamp at which a clock of another rate was right, ns."""
+        return int(self.stamps_ns[0]) if self.origin_ns is None else self.origin_ns
 
     def few(self, most: int = _SCANNED) -> Track:
         """About so many of the samples, evenly chosen."""
@@ -240,7 +249,7 @@ def _moved(track: Track, lag_s: Array) -> Track:
 
 def _by_clock(track: Track, rate: Array) -> Track:
     since_ns = np.round(1e9 * track.since_s * rate[0]).astype(np.int64)
-    return replace(track, stamps_ns=track.stamps_ns[0] + since_ns)
+    return replace(track, stamps_ns=track.origin + since_ns)
 
 
 def _fixed(*values: float) -> Callable[[Tracks], Sequence[Array]]:

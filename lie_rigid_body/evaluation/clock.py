@@ -235,7 +235,8 @@ def _without_strays(track: Track) -> Track:
     """The track without the few samples that are farther from all others than these span, as by one wrong stamp."""
     stamps, few = track.stamps_ns, round(MOST_STRAY * len(track.stamps_ns))
     first, last = int(stamps[few]), int(stamps[-1 - few])
-    return track.part(np.flatnonzero((stamps >= 2 * first - last) & (stamps <= 2 * last - first)))
+    kept = np.flatnonzero((stamps >= 2 * first - last) & (stamps <= 2 * last - first))
+    return replace(track.part(kept), origin_ns=None)  # a rate is about the first of these
 
 
 def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
@@ -285,7 +286,7 @@ def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
         covered = np.flatnonzero(track.truth.covers(undone(track, clock).stamps_ns))
         if len(covered) < max(FEWEST, LEAST_COVERED[len(clock) == 1] * len(track.stamps_ns)):
             return []
-        few = track.part(np.r_[0, covered[spread(len(covered), FIT_SAMPLES)]])  # a rate is about the first stamp
+        few = track.part(covered[spread(len(covered), FIT_SAMPLES)])
         clock = fit([few], clock, steps=4)
     moved, own = undone(few, clock).known(), few.known()
     truth, rate = moved.truth.states(moved.stamps_ns)

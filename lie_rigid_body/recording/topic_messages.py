@@ -89,9 +89,10 @@ class TopicMessages:
         return len(self.stamps_ns)
 
     @property
-    def frame_ids(self) -> tuple[str, ...]:
-        """The distinct names of frames."""
-        return tuple(dict.fromkeys(frame for frame, _ in self.kinds if frame is not None))
+    def frame_ids(self) -> set[str]:
+        """Names of the frames that the messages have."""
+        present = np.unique(self.kind) if len(self.kinds) > 1 else range(len(self.kinds))
+        return {frame for frame, _ in (self.kinds[number] for number in present) if frame is not None}
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> TopicMessages:
         return TopicMessages(

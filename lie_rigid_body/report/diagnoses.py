@@ -46,8 +46,7 @@ def _lines(found: FilterDiagnosis) -> Iterator[str]:
     yield ""
     for note in found.notes:
         yield from wrapped(note.message, f"note: {note.code}: ")
-    for remark in found.remarks:
-        yield from wrapped(remark)
+    yield from found.remarks  # each on one line, as it may be a command
     yield f"{counted(found.filter_runs, 'run')} of the filter."
 
 
@@ -100,7 +99,8 @@ def _draw(found: FilterDiagnosis) -> Figure:
     axes = figure.subplots()
     for number, each in enumerate(found.errors):
         errors = np.maximum(each.error_deg, _SMALLEST_DEG)
-        axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=each.label)
+        label = f"{each.code} repaired" if each.code else "as it is"
+        axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=label)
     axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
     axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
     axes.grid(alpha=0.3)

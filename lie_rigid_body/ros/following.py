@@ -6,17 +6,20 @@ from collections.abc import Callable, Collection, Iterator
 from importlib import import_module
 from typing import Final
 
+from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, attitudes_of, wrong_type
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
-from lie_rigid_body.wording import listed
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import counted, listed
 
 ESTIMATE: Final = "estimate"
 """Relative name of the estimate's topic, to be remapped."""
@@ -32,7 +35,7 @@ class Following:
     Parameters
     ----------
     node : Node
-        It must not be spun: messages are taken by `take`, in bulk, which costs a fraction of a callback each.
+        Messages are taken by `take`, in bulk.
     begin : callable
         ``begin(topic, message_type)`` is called once the topic of the estimate is there.
 
@@ -50,6 +53,7 @@ class Following:
         self._subscriptions: dict[str, Subscription] = {}
         self._types: dict[str, str] = {}
         self._crowd: dict[str, int] = {}
+        self._unreadable: dict[str, tuple[int, str]] = {}
 
     def look(self) -> None:
         """Subscribe to what has appeared.
@@ -72,7 +76,9 @@ class Following:
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
 
     def notes(self) -> Iterator[str]:
-        """Sentences about the topics of the truth that a reader of the score should know."""
+        """Sentences about the topics that a reader of the score should know."""
+        for topic, (count, reason) in self._unreadable.items():
+            yield f"{counted(count, 'message')} of {topic} could not be read, and count for nothing: {reason}."
         for topic, count in self._crowd.items():
             if count > 1:
                 yield f"{count} nodes published the truth on {topic} at a time: a score needs one, or one's namespace."
@@ -82,7 +88,7 @@ class Following:
         if self.live is None:
             return
         for topic, subscription in self._subscriptions.items():
-            payloads = _taken(subscription)
+            payloads = self._readable(topic, taken(subscription))
             if topic == self.estimate:
                 self.live.hear_estimates(payloads)
             elif self._types[topic] == STRING:
@@ -90,6 +96,25 @@ class Following:
                     self.live.truth.hear_scenario(payload)
             else:
                 self.live.truth.hear_poses(topic, self._types[topic], payloads)
+
+    def _readable(self, topic: str, payloads: list[bytes]) -> list[bytes]:
+        """The messages that can be read; one that cannot costs itself, and the first of a topic is logged."""
+        try:
+            if self._types[topic] == STRING:
+                for payload in payloads:
+                    Segment.from_json(decode_string(payload))
+            elif payloads:
+                attitudes_of(topic, self._types[topic], payloads)
+        except LieRigidBodyError as error:
+            if len(payloads) > 1:
+                half = len(payloads) // 2
+                return self._readable(topic, payloads[:half]) + self._readable(topic, payloads[half:])
+            count, reason = self._unreadable.get(topic, (0, str(error)))
+            self._unreadable[topic] = count + 1, reason
+            if not count:
+                self._node.get_logger().warning(f"a message of {topic} is left out: {reason}")
+            return []
+        return payloads
 
     def published(self) -> dict[str, list[str]]:
         """The topics that have a publisher, with their types."""
@@ -149,36 +174,62 @@ class Following:
         return usable[0]
 
     def _subscribe(self, topic: str, kind: str) -> None:
-        package, _, name = kind.split("/")
-        try:
-            message = getattr(import_module(f"{package}.msg"), name)
-        except ImportError:
-            raise InputError(
-                f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
-                f"ros-jazzy-{package.replace('_', '-')}"
-            ) from None
         self._types[topic] = kind
-        with translated_errors(f"to listen to {topic}"):
-            self._subscriptions[topic] = self._node.create_subscription(
-                message, topic, lambda payload: None, self._quality(topic), raw=True
-            )
+        self._subscriptions[topic] = subscribe(self._node, topic, kind)
 
-    def _quality(self, topic: str) -> QoSProfile:
-        """The quality of service that every publisher of a topic offers: a wish for more would not be served."""
-        offered = [info.qos_profile for info in self._node.get_publishers_info_by_topic(topic)]
-        reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
-        latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
-        return QoSProfile(
-            depth=MESSAGES_KEPT,
-            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+
+class Unspun(CallbackGroup):
+    """A group whose callbacks no executor carries out: `taken` takes its messages, in a fraction of the time."""
+
+    def can_execute(self, entity: object) -> bool:
+        """Tell the executor of the node that there is nothing to do."""
+        return False
+
+
+def subscribe(node: Node, topic: str, kind: str) -> Subscription:
+    """Subscribe to a topic, whose messages `taken` takes as bytes.
+
+    Parameters
+    ----------
+    node : Node
+    topic, kind : str
+        Name and message type of the topic.
+
+    Raises
+    ------
+    InputError
+        If the package of the message is not installed.
+    """
+    package, _, name = kind.split("/")
+    try:
+        message = getattr(import_module(f"{package}.msg"), name)
+    except ImportError:
+        raise InputError(
+            f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
+            f"ros-jazzy-{package.replace('_', '-')}"
+        ) from None
+    with translated_errors(f"to listen to {topic}"):
+        return node.create_subscription(
+            message, topic, lambda payload: None, _quality(node, topic), raw=True, callback_group=Unspun()
         )
 
 
-def _taken(subscription: Subscription) -> list[bytes]:
+def _quality(node: Node, topic: str) -> QoSProfile:
+    """The quality of service that every publisher of a topic offers: a wish for more would not be served."""
+    offered = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]
+    reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
+    latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
+    return QoSProfile(
+        depth=MESSAGES_KEPT,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def taken(subscription: Subscription) -> list[bytes]:
     """The bytes of the messages that have come, as rclpy.wait_for_message takes one."""
     found = []
     with subscription.handle:
-        while (taken := subscription.handle.take_message(subscription.msg_type, True)) is not None:
-            found.append(taken[0])
+        while (message := subscription.handle.take_message(subscription.msg_type, True)) is not None:
+            found.append(message[0])
     return found

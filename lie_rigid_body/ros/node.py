@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import combinations
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
@@ -27,6 +27,9 @@ from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
+
+if TYPE_CHECKING:
+    from lie_rigid_body.ros.answers import Answers
 
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
 TOPICS: Final = (POSE, TWIST, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
@@ -57,6 +60,8 @@ class SimulatorNode(Node):
     publisher : SamplePublisher
     sinks : list of Sink
         The publisher, and what publishes what is made of the samples.
+    answers : Answers or None
+        The answers of a filter in lock-step.
 
     Raises
     ------
@@ -79,13 +84,20 @@ class SimulatorNode(Node):
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         self._answers = AnsweringParameterService(self)
         scenario, values = self.parameters.scenario(), self.parameters.values()
+        topic = values["lockstep_topic"]
         self.publisher = SamplePublisher(
             self,
             stamped_twist=scenario.stamped_twist,
             sensors=scenario.sensors,
-            clock=values["publish_clock"],
-            keep_all=values["real_time_factor"] == 0.0,
+            clock=values["publish_clock"] or bool(topic),
+            keep_all=values["real_time_factor"] == 0.0 or bool(topic),
+            imu_last=bool(topic),
         )
+        self.answers: Answers | None = None
+        if topic:
+            from lie_rigid_body.ros.answers import Answers  # which needs what reads bags
+
+            self.answers = Answers(self, self.publisher, topic, values["lockstep_nodes"])
         self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
         self.sinks: list[Sink] = [self.publisher, self._diagnostics]

@@ -13,12 +13,14 @@ from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import sensor_topics
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.arguments import Arguments
 from lie_rigid_body.ros.node import SimulatorNode
 from lie_rigid_body.ros.publishing.announcement import Names, announcement, farewell
 from lie_rigid_body.ros.publishing.recorder import Recorder
 from lie_rigid_body.ros.session import destroying, initialised, spinning
 from lie_rigid_body.ros.timing.live_run import LiveRun
+from lie_rigid_body.ros.timing.lockstep import Lockstep
 from lie_rigid_body.ros.timing.mailbox import Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
@@ -43,14 +45,19 @@ def simulate(given: Arguments, interruption: Interruption) -> None:
 def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption: Interruption) -> None:
     scenario = node.parameters.scenario()
     values = node.parameters.values()
+    mailbox, lockstep = Mailbox(), None
+    if (answers := node.answers) is not None:
+        lockstep = Lockstep(answers.topic, answers.look, round(values["lockstep_timeout"] * NS))
+        answers.tell(lambda stamp_ns: mailbox.post(partial(lockstep.hear, stamp_ns)))
     run = LiveRun(
         Simulation(scenario),
         [*node.sinks, *([recorder] if recorder else [])],
-        Mailbox(),
+        mailbox,
         interruption,
         wall=None if scenario.epoch_ns else time.time_ns,
         factor=values["real_time_factor"],
         paused=values["paused"],
+        lockstep=lockstep,
     )
     node.serve(run)
     _say(announcement(scenario, _names(node, scenario), path))
@@ -100,11 +107,13 @@ def _open_bag(node: SimulatorNode, path: str) -> BagWriter:
 
 @contextmanager
 def _finished(node: SimulatorNode) -> Iterator[None]:
-    """Deliver the last samples at the end, also after a recording that failed, before rclpy is shut down."""
+    """Deliver the last samples and hear the last answers, also after a failed recording, before rclpy is shut down."""
     try:
         yield
     finally:
         node.publisher.finish()
+        if node.answers is not None:
+            node.answers.close()
 
 
 def _names(node: SimulatorNode, scenario: Scenario) -> Names:

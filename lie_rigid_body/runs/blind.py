@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Any, Final, NoReturn
 
 from lie_rigid_body.arrays import Array, Integers
@@ -32,6 +33,7 @@ class BlindScenario(Scenario):
     """A scenario without its start and its seed."""
 
     @classmethod
+    @lru_cache(maxsize=32)  # a filter is run many times on few scenarios
     def of(cls, scenario: Scenario) -> BlindScenario:
         """What a filter may know of a scenario."""
         told = {name: value for name, value in scenario.parameters().items() if name not in WITHHELD}
@@ -66,6 +68,17 @@ class BlindRun(Run):
     """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
 
     known: BlindScenario | None = None
+
+    @classmethod
+    def without_truth(cls, run: Run) -> BlindRun:
+        """The readings of a run, without its truth, its faults and the true biases."""
+        told = {"gyro_bias": None, "accelerometer_bias": None}
+        sensors = {
+            key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**_arrays(arrays), **(told if key == "imu" else {})})
+            for key, arrays in run.sensors.items()
+        }
+        none: Any = None
+        return cls(run.t_ns, none, sensors, (), known=BlindScenario.of(run.scenario))
 
     @classmethod
     def of_readings(
@@ -120,3 +133,7 @@ class BlindRun(Run):
     def gyro_bias_at(self, t_ns: Any) -> NoReturn:
         """Refused: it is the true bias."""
         _refuse("run.gyro_bias_at()")
+
+
+def _arrays(sensor: SensorArrays) -> dict[str, Array | None]:
+    return {name: array for name, array in vars(sensor).items() if name not in ("t_ns", "arrival_ns")}

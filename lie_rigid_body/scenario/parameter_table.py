@@ -88,6 +88,26 @@ OWN: Final = (
         minimum=0.0,
         maximum=1000.0,
     ),
+    Parameter(
+        "lockstep_topic",
+        "string",
+        "",
+        "The node waits for the estimate of each IMU reading on this topic before it sends what follows; empty: never.",
+    ),
+    Parameter(
+        "lockstep_nodes",
+        "string_array",
+        (),
+        "Nodes beside the filter, as an evaluator, that must have their subscriptions before lock-step begins.",
+    ),
+    Parameter(
+        "lockstep_timeout",
+        "double",
+        10.0,
+        "Longest wait for an answer in lock-step, s; then the node says so and ends.",
+        minimum=1e-3,
+        maximum=1e6,
+    ),
 )
 """The parameters that are not of sensors."""
 

@@ -30,9 +30,10 @@ if TYPE_CHECKING:
 
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs import Run
+    from lie_rigid_body.runs.command import CommandEstimator
     from lie_rigid_body.scenario import Scenario
 
-__all__ = ["assert_attitude", "attitude_run"]
+__all__ = ["assert_attitude", "attitude_run", "command_estimator"]
 
 FIXTURE: Final = "attitude_run"
 """Name of the fixture, and of its marker."""
@@ -55,6 +56,27 @@ _OF_SIMULATE: Final = ("duration", "seeds", "memory_limit", "record_path")
 
 _runs: dict[tuple[Scenario, str], Run | tuple[Run, ...]] = {}
 """Runs that tests of this process have asked for, by their keys."""
+
+
+def command_estimator(command: str, timeout: float = 60.0) -> CommandEstimator:
+    """Make an estimator of a program.
+
+    Parameters
+    ----------
+    command : str
+        Program and arguments. It reads CSV, ``t_ns,gyro_x,...``, rad/s, m/s² and T, on its standard input, and prints
+        ``t_ns,x,y,z,w`` for each reading of the IMU.
+    timeout : float
+        Longest time of a run, s.
+
+    Returns
+    -------
+    CommandEstimator
+        A function of a `Run`, for `lie_rigid_body.diagnose`, for tests, and for campaigns.
+    """
+    from lie_rigid_body.runs.command import CommandEstimator
+
+    return CommandEstimator(command, timeout)
 
 
 def pytest_configure(config: pytest.Config) -> None:

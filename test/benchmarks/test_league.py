@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from league import cases, page
-from league.cases import Case, run_of
+from league import page
 from league.contender import DEFAULTS, Filter, filters
 from league.readings import Readings, held
 from league.tournament import Result, bound, score
+from lie_rigid_body import Run
 from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.league import cases, playing
+from lie_rigid_body.league.cases import CASES, Case
+from lie_rigid_body.league.table import CaseResult, change
 
 SLOW = Case("slow_tumble", "perfect")
 
@@ -19,14 +22,19 @@ SLOW = Case("slow_tumble", "perfect")
 @pytest.fixture(scope="module", autouse=True)
 def short_runs():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cases, "DURATION", 2.0)
-        run_of.cache_clear()
+        patch.setattr(cases, "DURATION_S", 2.0)
+        cases.run_of.cache_clear()
         yield
-    run_of.cache_clear()
+    cases.run_of.cache_clear()
+
+
+def read(case: Case, seed: int = 1) -> tuple[Run, Readings]:
+    run = cases.run_of(case, seed)
+    return run, Readings.of(run)
 
 
 def test_readings_are_those_of_the_run() -> None:
-    run, given = run_of(Case("fast_tumble", "mems"), 5)
+    run, given = read(Case("fast_tumble", "mems"), 5)
     assert run.imu is not None
     assert run.magnetometer is not None
     assert np.array_equal(given.gyro, run.imu.gyro)
@@ -40,21 +48,22 @@ def test_a_missing_reading_is_held() -> None:
 
 
 def test_the_first_readings_tell_the_attitude() -> None:
-    run, given = run_of(SLOW, 1)
+    run, given = read(SLOW)
     error = attitude_error(given.first_attitude.as_quat()[None], run.truth.attitude_xyzw[:1])
     assert error.total[0] < 1e-12
 
 
 def test_a_filter_that_knows_the_truth_is_perfect_and_one_that_fails_is_lost(monkeypatch) -> None:
     def truth(given: Readings) -> Rotation:
-        return Rotation.from_quat(run_of(SLOW, 1)[0].truth.attitude_xyzw)
+        return Rotation.from_quat(cases.run_of(SLOW, 1).truth.attitude_xyzw)
 
     def broken(given: Readings) -> Rotation:
         raise ZeroDivisionError
 
     wired = (Filter("ours", "truth", truth), Filter("ours", "broken", broken))
     monkeypatch.setattr("league.tournament.filters", lambda: wired)
-    monkeypatch.setattr("league.tournament.SETTLED", 1.0)
+    monkeypatch.setattr(playing, "SETTLED_S", 1.0)
+    monkeypatch.setattr("league.tournament.SETTLED_S", 1.0)
     knows, fails = (score(number, SLOW, DEFAULTS) for number in (0, 1))
     assert knows.total < 1e-6
     assert not knows.trouble
@@ -64,14 +73,14 @@ def test_a_filter_that_knows_the_truth_is_perfect_and_one_that_fails_is_lost(mon
 
 @pytest.mark.parametrize("name", ["Madgwick", "EKF", "QUEST", "SAAM", "TRIAD"])
 def test_conventions_are_right(name: str) -> None:
-    run, given = run_of(SLOW, 1)
+    run, given = read(SLOW)
     one = next(each for each in filters() if (each.library, each.name) == ("ahrs", name))
     error = attitude_error(one.estimate(given).as_quat(), run.truth.attitude_xyzw)
     assert np.degrees(error.total[-50:].max()) < 5.0
 
 
 def test_the_bound_lies_below_what_gravity_and_field_alone_tell() -> None:
-    run, given = run_of(Case("slow_tumble", "mems"), 1)
+    run, given = read(Case("slow_tumble", "mems"))
     found = run.unavoidable_error()
     assert found is not None
     static = [given.attitude_of(k).as_quat() for k in range(len(given.t_ns))]
@@ -82,20 +91,26 @@ def test_the_bound_lies_below_what_gravity_and_field_alone_tell() -> None:
 
 def test_the_page_ranks_and_marks(monkeypatch) -> None:
     def results(name: str, error: float) -> list[Result]:
-        return [Result(f"lib {name}", c, DEFAULTS, error, error, error, 1.0, 2.0) for c in cases.cases()]
+        return [Result(f"ahrs {name}", case, DEFAULTS, CaseResult(error, error, error, 1.0), 2.0) for case in CASES]
 
     def nothing(given: Readings) -> Rotation:
         raise NotImplementedError
 
-    named = (Filter("lib", "bad", nothing), Filter("lib", "good", nothing, sees_future=True))
+    named = (Filter("ahrs", "bad", nothing), Filter("ahrs", "good", nothing, sees_future=True))
     monkeypatch.setattr("league.tournament.filters", lambda: named)
     plain = results("bad", 9.0) + results("good", 0.5)
-    rows = page.ranking(plain, plain)
+    rows, bounds = page.ranking(plain, plain), {str(case): 0.1 for case in CASES}
     assert [each.name for each, _, _ in rows] == ["good", "bad"]
-    text = page.replaced(f"a\n{page.BEGIN}\nold\n{page.END}\nb", rows, [])
+    text = page.replaced(f"a\n{page.BEGIN}\nold\n{page.END}\nb", rows, bounds)
     assert text.startswith("a\n")
     assert text.endswith("\nb")
     assert "old" not in text
-    assert "| lib `good` * | 0.5 |" in text
+    assert "| ahrs `good` * | 0.5 |" in text
     assert "9° with perfect sensors" in text
-    assert page.heat_map(rows, []).axes
+    assert page.heat_map(rows, bounds).axes
+    table = page.reference(plain, plain, bounds)
+    assert [(row.filter, row.sees_future) for row in table.rows] == [("ahrs good", True), ("ahrs bad", False)]
+    assert [row.overall_deg for row in table.rows] == pytest.approx([0.5, 9.0])
+    assert change(table, table) == []
+    worse = page.reference(results("bad", 9.0) + results("good", 0.6), plain, bounds)
+    assert len(change(table, worse)) == len(CASES)

@@ -192,6 +192,18 @@ def test_readings_that_are_late_are_certified(tmp_path):
         assert all(law.worst == 0.0 for value in (*VALUES, *POINTING) for law in laws(found, value))
 
 
+@pytest.mark.parametrize(("parameter", "topic"), [("world_frame", "/pose"), ("body_frame", "/twist")])
+@pytest.mark.parametrize("names", [(b"aaaa", b"bbbb"), (b"bbbb", b"aaaa")])
+def test_frames_are_those_of_their_own_segment(tmp_path, parameter, topic, names):
+    path = write(tmp_path / "a.mcap", ({parameter: "aaaa"}, 0.3), ({parameter: "bbbb"}, 0.3))
+    assert certify(Bag(path)).passed
+
+    def renamed(messages: list[Message]) -> list[Message]:
+        return [message._replace(data=message.data.replace(*names)) for message in messages]
+
+    assert broken(certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, renamed))))) == {"frames"}
+
+
 def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     path = write(tmp_path / "a.mcap", ({**START, **LATE}, 0.4))
     sooner = on(IMU, at(20, lambda m: m._replace(log_time=m.log_time - 1)))

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lie_rigid_body.diagnosis.choice import Candidate, choose
+from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
-from lie_rigid_body.diagnosis.trial import MARGIN, PathTruth, TrialReadings, trials_of
+from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Track
 from lie_rigid_body.lie import quaternion
@@ -19,57 +19,57 @@ FLOOR = 0.001
 REPAIRS = {repair.code: repair for repair in exact_repairs()}
 
 
-def candidate(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Candidate:
+def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
     constants = tuple((code, (0.0,)) for code in outputs)
-    return Candidate(tuple(REPAIRS[code] for code in codes), constants, error, "integrated")
+    return Trial(tuple(REPAIRS[code] for code in codes), constants, "integrated", error)
 
 
 @pytest.mark.parametrize(
     ("found", "named", "or_else"),
     [
-        ([candidate("gyro_axes", error=0.0)], ("gyro_axes",), ()),
-        ([candidate("gyro_axes", error=0.101)], None, ()),  # more than a tenth
-        ([candidate("gyro_axes", error=0.099)], ("gyro_axes",), ()),
+        ([trial("gyro_axes", error=0.0)], ("gyro_axes",), ()),
+        ([trial("gyro_axes", error=0.101)], None, ()),  # more than a tenth
+        ([trial("gyro_axes", error=0.099)], ("gyro_axes",), ()),
         (  # below the floor all are equal: the fewest, the cheapest, the first of the table
             [
-                candidate("gyro_axes", "gyro_units", error=0.0),
-                candidate(outputs=("world_turned",), error=0.0),
-                candidate("magnetometer_axes", error=0.0009),
-                candidate("accelerometer_axes", error=0.0005),
+                trial("gyro_axes", "gyro_units", error=0.0),
+                trial(outputs=("world_turned",), error=0.0),
+                trial("magnetometer_axes", error=0.0009),
+                trial("accelerometer_axes", error=0.0005),
             ],
             ("accelerometer_axes",),
             ("magnetometer_axes", "world_turned"),
         ),
         (
-            [candidate(outputs=("world_turned",), error=0.0), candidate(outputs=("lagging",), error=0.0)],
+            [trial(outputs=("world_turned",), error=0.0), trial(outputs=("lagging",), error=0.0)],
             ("lagging",),
             ("world_turned",),
         ),
         (  # above it within a factor of 2
-            [candidate("magnetometer_axes", error=0.02), candidate("gyro_axes", error=0.039)],
+            [trial("magnetometer_axes", error=0.02), trial("gyro_axes", error=0.039)],
             ("gyro_axes",),
             ("magnetometer_axes",),
         ),
-        ([candidate("magnetometer_axes", error=0.02), candidate("gyro_axes", error=0.041)], ("magnetometer_axes",), ()),
+        ([trial("magnetometer_axes", error=0.02), trial("gyro_axes", error=0.041)], ("magnetometer_axes",), ()),
     ],
 )
 def test_fewest_then_cheapest_then_first_is_named(
-    found: list[Candidate], named: tuple[str, ...] | None, or_else: tuple[str, ...]
+    found: list[Trial], named: tuple[str, ...] | None, or_else: tuple[str, ...]
 ) -> None:
-    choice = choose([candidate(error=1.0), *found], FLOOR)
+    choice = choose([trial(error=1.0), *found], FLOOR)
     assert (choice.named.codes if choice else None) == named
     if choice:
         assert choice.or_else(choice.named.codes[0]) == or_else
 
 
 def test_nothing_is_named_below_the_floor() -> None:
-    assert choose([candidate(error=0.9 * FLOOR), candidate("gyro_axes", error=0.0)], FLOOR) is None
+    assert choose([trial(error=0.9 * FLOOR), trial("gyro_axes", error=0.0)], FLOOR) is None
 
 
 def test_small_error_is_mended_by_a_repair_that_halves_it_below_the_floor() -> None:
-    before = candidate(error=1.5 * FLOOR)
-    assert choose([before, candidate("gyro_axes", error=0.8 * FLOOR)], FLOOR) is None
-    assert choose([before, candidate("gyro_axes", error=0.7 * FLOOR)], FLOOR) is not None
+    before = trial(error=1.5 * FLOOR)
+    assert choose([before, trial("gyro_axes", error=0.8 * FLOOR)], FLOOR) is None
+    assert choose([before, trial("gyro_axes", error=0.7 * FLOOR)], FLOOR) is not None
 
 
 def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
@@ -82,11 +82,11 @@ def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
 
 @pytest.mark.parametrize("kind", ["integrated", "instantaneous"])
 def test_readings_are_those_of_the_path(kind: str) -> None:
-    trial = trials_of({})[1].of_kind(kind)
-    readings = trial.readings()
+    course = courses_of({})[1].of_scenario(gyro_rate=kind)
+    readings = course.readings()
     imu = readings.run().imu
     assert imu is not None
-    truth = PathTruth(trial.scenario, trial.rest_s).at(imu.t_ns)
+    truth = course.truth.at(imu.t_ns)
     assert imu.t_ns[0] == 0
     assert len(imu.t_ns) == len(readings.t_ns) - 2 * MARGIN
     up = quaternion.rotate(truth, imu.specific_force)
@@ -98,7 +98,7 @@ def test_readings_are_those_of_the_path(kind: str) -> None:
     assert np.abs(imu.gyro[101:]).min(axis=0).max() > 0.0
 
 
-def given(readings: TrialReadings) -> dict[str, Any]:
+def given(readings: Readings) -> dict[str, Any]:
     """What a filter is given, by name."""
     run = readings.run()
     assert run.imu is not None
@@ -107,7 +107,7 @@ def given(readings: TrialReadings) -> dict[str, Any]:
 
 
 def test_late_readings_are_undone_by_earlier_ones() -> None:
-    readings = trials_of({})[0].readings()
+    readings = courses_of({})[0].readings()
     for sensor, name in SENSORS.items():
         moved = given(late(sensor, 3).change(late(sensor, -3).change(readings)))
         assert np.array_equal(moved[name], given(readings)[name])
@@ -116,7 +116,7 @@ def test_late_readings_are_undone_by_earlier_ones() -> None:
 
 
 def test_joint_repair_gives_the_first_reading_twice() -> None:
-    plain = trials_of({})[0].readings()
+    plain = courses_of({})[0].readings()
     moved = given(JOINT.change(plain))
     for name in ("specific_force", "field"):
         assert np.array_equal(moved[name][1:], given(plain)[name][:-1])
@@ -140,8 +140,7 @@ def test_joint_repair_gives_the_first_reading_twice() -> None:
     ],
 )
 def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> None:
-    trial = trials_of({})[0]
-    truth, stamps = PathTruth(trial.scenario, trial.rest_s), np.arange(300, 1300) * 10_000_000
+    truth, stamps = courses_of({})[0].truth, np.arange(300, 1300) * 10_000_000
     q, (x, *_) = truth.at(stamps), constants
     from scipy.spatial.transform import Rotation
 
@@ -163,3 +162,13 @@ def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> N
     fitted, left = cause.fitted([Track(stamps, put, truth)])
     assert left < 1e-7
     assert fitted == pytest.approx(constants, abs=1e-7)
+
+
+def test_clock_of_another_rate_is_undone_where_only_later_samples_are_compared() -> None:
+    truth, stamps = courses_of({})[0].truth, np.arange(1300) * 10_000_000
+    whole = Track(np.round(1.03 * stamps).astype(np.int64), truth.at(stamps), truth)
+    (clock,) = (cause for cause in CAUSES if cause.code == "clock_rate")
+    constants, left = clock.fitted([settled(whole)])
+    assert left < 1e-7
+    assert constants == pytest.approx([1.0 / 1.03], abs=1e-7)
+    assert clock.undo(whole, constants).errors().max() < 1e-7

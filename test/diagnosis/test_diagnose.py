@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import textbook
 import lie_rigid_body
 from lie_rigid_body import InputError
 from lie_rigid_body.cli.diagnose import main
+from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.lie import quaternion
 
@@ -99,7 +101,7 @@ def test_run_of_a_diagnosis_tells_no_truth() -> None:
 
     with pytest.raises(InputError):
         diagnose(estimate)
-    (run,) = seen
+    run, *_ = seen
     assert run.truth is None
     names = ("attitude", "to_bag", "certificate", "unavoidable_error")
     for ask in [*(getattr(run, name) for name in names), lambda: run.score([[0, 0, 0, 1]]), run.scenario.exact_motion]:
@@ -115,7 +117,24 @@ def test_run_of_a_diagnosis_tells_no_truth() -> None:
 def test_nan_fails_the_probe_with_the_first_sample() -> None:
     found = diagnose(textbook.not_a_number, max_runs=1)
     finite = next(probe for probe in found.probes if probe.code == "finite")
-    assert (finite.passed, finite.value) == (False, 7.0)
+    assert (finite.passed, finite.value) == (False, 1293.0)
+    assert "sample 7" in finite.message
+
+
+def test_filter_that_averages_the_gyro_first_needs_a_rest_and_nothing_else() -> None:
+    found = diagnose(textbook.averages_the_gyro, max_runs=1)
+    assert found.mistakes == ()
+    assert failed(found) == ["needs_rest"]
+
+
+def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path) -> None:
+    found = diagnose(textbook.stuck, max_runs=1)
+    assert found.mistakes == ()
+    assert "stuck: " in found.probes[0].message
+    program, *words = shlex.split(found.remarks[-1].partition(": ")[2])
+    assert (program, words[0]) == ("lie-rigid-body", "record")
+    words[1] = str(tmp_path / "errs.mcap")
+    assert record([*words[1:], "--quiet"]) == 0
 
 
 @pytest.mark.parametrize(
@@ -123,6 +142,7 @@ def test_nan_fails_the_probe_with_the_first_sample() -> None:
     [
         (textbook.raises, ["textbook.py line ", "ZeroDivisionError: of the filter"]),
         (textbook.of_wrong_shape, ["(1300, 3)"]),
+        (textbook.peeks, ["textbook.py line ", "run.attitude() would tell the truth"]),
     ],
 )
 def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any], said: list[str]) -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from math import cos, sin, sqrt
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -91,12 +91,11 @@ def late(samples: int) -> Change:
     return lambda vectors: np.concatenate([vectors[:1]] * samples + [vectors[:-samples]])
 
 
-def changed(
-    run: Any, gyro: Change = as_it_is, force: Change = as_it_is, field: Change = as_it_is, *, samples: int = 0
-) -> Any:
+def changed(run: Any, gyro: Change = as_it_is, force: Change = as_it_is, field: Change = as_it_is) -> Any:
     """A run whose readings a filter mistakes, as if its own code did it."""
-    imu = replace(run.imu, gyro=gyro(run.imu.gyro), specific_force=force(run.imu.specific_force))
-    return replace(run, imu=imu, magnetometer=replace(run.magnetometer, field=field(run.magnetometer.field)))
+    imu = SimpleNamespace(t_ns=run.imu.t_ns, gyro=gyro(run.imu.gyro), specific_force=force(run.imu.specific_force))
+    magnetometer = SimpleNamespace(t_ns=run.magnetometer.t_ns, field=field(run.magnetometer.field))
+    return SimpleNamespace(imu=imu, magnetometer=magnetometer, scenario=run.scenario)
 
 
 def in_degrees(run: Any) -> Array:
@@ -143,3 +142,19 @@ def dies(run: Any) -> Array:
     import os
 
     os._exit(3)
+
+
+def peeks(run: Any) -> Array:
+    return run.attitude().at(run.imu.t_ns)
+
+
+def stuck(run: Any) -> Array:
+    attitude = triad(run)
+    attitude[:] = attitude[0]
+    return attitude
+
+
+def averages_the_gyro(run: Any) -> Array:
+    """Mahony's filter that takes the mean of the gyro's first two seconds for its bias."""
+    first = run.imu.gyro[run.imu.t_ns < 2_000_000_000]
+    return mahony(changed(run, gyro=lambda v: v - first.mean(axis=0)), ki=0.0)

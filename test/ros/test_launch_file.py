@@ -31,7 +31,7 @@ ARGUMENTS = {
     "estimator.launch.py": {
         *("package", "executable", "parameters", "estimator_params_file", "remappings", "estimate"),
         *("max_rms", "max_after", "duration", "wait", "covariance_axes", "report", "plot"),
-        *("scenario", "params_file", "namespace"),
+        *("scenario", "params_file", "namespace", "lockstep"),
         *NAMES,
     },
 }
@@ -122,7 +122,8 @@ def test_arguments_are_described_and_switches_have_two_values(file: str, describ
     assert len(declared) == len(ARGUMENTS[file])
     assert all(settings["description"] for _, settings in declared)
     choices = {name: settings["choices"] for name, settings in declared if "choices" in settings}
-    assert choices == ({} if file == ESTIMATOR else {"record": ["true", "false"], "rviz": ["true", "false"]})
+    switches = ["lockstep"] if file == ESTIMATOR else ["record", "rviz"]
+    assert choices == {name: ["true", "false"] for name in switches}
 
 
 def test_what_is_given_reaches_the_node_and_nothing_else(launch: Launch, tmp_path: Path) -> None:
@@ -333,6 +334,26 @@ def test_any_filter_gets_its_parameters_topics_and_limits(launch: Launch, tmp_pa
         "a.html",
         "body",
     )
+
+
+def test_in_lock_step_the_simulator_waits_for_the_filter_and_the_evaluator(launch: Launch) -> None:
+    def parameters_of(**given: str) -> dict[str, object]:
+        sim, *_ = launch(ESTIMATOR, **given)
+        return dict(map(parse_assignment, words_after(sim, "-p")))
+
+    assert not [name for name in parameters_of() if name.startswith("lockstep")]
+    found = parameters_of(lockstep="true", estimate="attitude", namespace="a", real_time_factor="0.0")
+    assert found["lockstep_topic"] == "attitude"  # relative names, which the namespace is put before
+    assert read_parameters(found)["lockstep_nodes"] == ("evaluator",)
+    assert found["real_time_factor"] == 0.0
+    found = parameters_of(lockstep="true", lockstep_nodes="[/recorder]", lockstep_timeout="2.0")
+    assert read_parameters(found)["lockstep_nodes"] == ("/recorder",)
+    assert found["lockstep_timeout"] == 2.0
+
+
+def words_after(node: Node, option: str) -> list[str]:
+    words = node["arguments"]
+    return [word for before, word in zip(words[::2], words[1::2], strict=True) if before == option]
 
 
 def test_the_end_of_the_evaluator_is_that_of_the_launch(launch: Launch) -> None:

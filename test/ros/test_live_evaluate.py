@@ -267,6 +267,37 @@ def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int
     assert content["total_deg"]["rms"] == pytest.approx(np.sqrt(np.mean(np.degrees(heard[:, 0]) ** 2)))
 
 
+@pytest.mark.ros
+@pytest.mark.long
+def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
+    """The score is that of the others; a note counts those that were left out."""
+    run = simulate("tumbling_cubesat", duration=2.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
+    turn = quaternion.exp(np.radians([3.0, -4.0, -5.0]))
+    attitudes = quaternion.multiply(turn, run.truth.attitude_xyzw)
+    truth = ("--ros-args", "-r", "truth:=/strange/body/told", "--")
+    with Peer("strange", domain) as peer, evaluator(domain, "strict", *truth, "--json", estimate="/odd") as process:
+        errors = peer.listen(Vector3Stamped, "/strict/error")
+        told = peer.node.create_publisher(String, "/strange/body/told", LATCHED)
+        told.publish(String(data=Segment(run.scenario, 0, 0).to_json()))
+        estimate = peer.node.create_publisher(PoseStamped, "/odd", 1000)
+        peer.spin_until(lambda: estimate.get_subscription_count() == 1, "the evaluator")
+        for number, (stamp, attitude) in enumerate(zip(run.t_ns.tolist(), attitudes.tolist(), strict=True)):
+            estimate.publish(pose_of(stamp, attitude))
+            if number in (0, 7, 20):
+                wrong = pose_of(stamp, attitude)
+                wrong.header.stamp.nanosec = 2**32 - 1
+                estimate.publish(wrong)
+                told.publish(String(data="no scenario" * 10_000 * number))
+                told.publish(String(data="{}"))
+        peer.spin_until(lambda: len(errors) == 40, "every error")
+        process.process.send_signal(signal.SIGTERM)
+        assert process.wait() == 0, process.complained
+    content = json.loads("\n".join(process.said))
+    assert content["samples"] == 40
+    assert content["total_deg"]["max"] == pytest.approx(np.degrees(np.linalg.norm(np.radians([3.0, -4.0, -5.0]))))
+    assert [note[:26] for note in content["notes"][1:]] == ["3 messages of /odd could n", "6 messages of /strange/bod"]
+
+
 def pose_of(stamp: int, attitude: list[float]) -> PoseStamped:
     pose = PoseStamped()
     pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp, 10**9)

@@ -25,6 +25,9 @@ FIXED: Final[Mapping[str, str]] = {
     "paused": "it is how the node starts: call ~/pause or ~/resume",
     "publish_tf": f"publishers are made at the start: {_NEW_NODE}",
     "marker_rate": f"publishers are made at the start: {_NEW_NODE}",
+    "lockstep_topic": f"the filter is looked for at the start: {_NEW_NODE}",
+    "lockstep_nodes": f"they are looked for at the start: {_NEW_NODE}",
+    "lockstep_timeout": f"it holds from the start: {_NEW_NODE}",
     "imu_orientation": f"a topic tells the same throughout: {_NEW_NODE}",
     "sensor_grade": f"other parameters depend on it: {_NEW_NODE}",
 }

@@ -29,6 +29,7 @@ from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
 
 SCENARIO: Final = "~/scenario"
+IMU_TOPIC: Final = "imu/data_raw"
 CLOCK: Final = "/clock"
 DEPTH: Final = 4 * LARGEST_BATCH
 """Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
@@ -62,6 +63,8 @@ class SamplePublisher(Sink):
     keep_all : bool, optional
         Whether reliable subscribers set the pace: every message is kept until all of them have confirmed it, and
         `ready` says when there is room for more. Otherwise a subscriber that hangs loses messages, and delays nobody.
+    imu_last : bool, optional
+        Whether a reading of the IMU follows all other messages of its time, as the bag has it before other sensors'.
 
     Raises
     ------
@@ -70,9 +73,17 @@ class SamplePublisher(Sink):
     """
 
     def __init__(
-        self, node: Node, *, stamped_twist: bool, sensors: Sensors, clock: bool, keep_all: bool = False
+        self,
+        node: Node,
+        *,
+        stamped_twist: bool,
+        sensors: Sensors,
+        clock: bool,
+        keep_all: bool = False,
+        imu_last: bool = False,
     ) -> None:
         self._node = node
+        self._imu_last = imu_last
         self._history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
         self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
         self._blocked: tuple[Publisher, bytes] | None = None
@@ -112,6 +123,12 @@ class SamplePublisher(Sink):
         """Full names of the topics of all sensors, also of those that are off, as remapped, by their relative names."""
         return {topic: self._node.resolve_topic_name(topic) for topic in SENSOR_TOPICS}
 
+    @property
+    def publishers(self) -> dict[str, Publisher]:
+        """Publishers by the full names of their topics."""
+        others = (self._scenario, *([self._clock] if self._clock else ()))
+        return {publisher.topic_name: publisher for publisher in (*self._publishers.values(), *others)}
+
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""
         self._add_sensors(segment.scenario.sensors)
@@ -132,7 +149,8 @@ class SamplePublisher(Sink):
 
     def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
         publishers, clock = self._publishers, self._clock
-        for stamp, topic, payload in batch.in_order():
+        messages = batch.in_order()
+        for stamp, topic, payload in sorted(messages, key=_with_imu_last) if self._imu_last else messages:
             if clock is not None and stamp > self._clock_ns:
                 self._clock_ns = stamp
                 yield clock, _clock(stamp)
@@ -193,6 +211,11 @@ def _message_class(name: str) -> type:
     package, _, kind = name.partition("/msg/")
     found: type = getattr(import_module(f"{package}.msg"), kind)
     return found
+
+
+def _with_imu_last(message: tuple[int, str, bytes]) -> tuple[int, bool]:
+    stamp_ns, topic, _ = message
+    return stamp_ns, topic == IMU_TOPIC
 
 
 def _clock(stamp_ns: int) -> bytes:

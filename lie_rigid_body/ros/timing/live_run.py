@@ -17,6 +17,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.mailbox import Mailbox, P, T
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Halted, Pace, credit_ns, pace_of
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
@@ -67,6 +68,8 @@ class LiveRun:
         Real-time factor: simulated time over steady time; 0: as fast as possible.
     paused : bool, optional
         Begin paused, before the first sample.
+    lockstep : Lockstep, optional
+        What holds samples back until a filter has answered; the factor is then an upper limit.
 
     Attributes
     ----------
@@ -90,6 +93,7 @@ class LiveRun:
         wall: Callable[[], int] | None = None,
         factor: float = 1.0,
         paused: bool = False,
+        lockstep: Lockstep | None = None,
     ) -> None:
         self._simulation = simulation
         self._sinks = sinks
@@ -98,6 +102,7 @@ class LiveRun:
         self._steady = steady
         self._wall = wall
         self.factor = factor
+        self._lockstep = lockstep
         self._take_pace(Halted(simulation.next_stamp_ns - 1))
         self.state = RunState.PAUSED if paused else RunState.PLAYING
         self._request: StepRequest | None = None
@@ -114,7 +119,7 @@ class LiveRun:
         Raises
         ------
         LieRigidBodyError
-            If a sink fails, or the stamps reach their end.
+            If a sink fails, the stamps reach their end, or in lock-step no answer comes.
         """
         steady = self._steady()
         if self._wall is not None:
@@ -271,6 +276,8 @@ class LiveRun:
         self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in scenario.sensors.on.values())])
         self._set_deadline()
         self._rested_ns = 0
+        if self._lockstep is not None:
+            self._lockstep.begin_segment(scenario.sensors.on)
         self.latest: tuple[int, State] = (segment.start_ns, scenario.start())
         for sink in self._sinks:
             sink.begin_segment(segment)
@@ -278,20 +285,26 @@ class LiveRun:
     def _set_deadline(self) -> None:
         factor = self.factor or 1.0
         self._deadline_ns = max(SHORTEST_WAIT_NS, math.ceil(self._simulation.clock.period_ns / Fraction(factor)))
-        self._is_fast = self._fastest_rate * factor * SHORTEST_WAIT_NS > NS
+        self._is_fast = self._lockstep is None and self._fastest_rate * factor * SHORTEST_WAIT_NS > NS
 
     def _send_due(self) -> None:
         """Send samples that are due: at most one batch, and of those that are late a few."""
         now, stamp = self._steady(), self._simulation.next_stamp_ns
         if not all(sink.ready() for sink in self._sinks) or stamp > self._pace.due_ns(now) or now < self._rested_ns:
             return
+        if self._lockstep is not None and self._lockstep.holds(now):
+            self._take_pace(self._pace.postponed(stamp, now))
+            return
         with self._interruption.allowed():
             credit = self._credit_ns(stamp, now)
-            taken = self._simulation.take_until(self._pace.last_ns(stamp, now, credit), self._batch_size)
+            last_ns = self._pace.last_ns(stamp, now, credit) if self._lockstep is None else stamp
+            taken = self._simulation.take_until(last_ns, self._batch_size)
         self._rested_ns = now + self._pace.rest_ns(self._simulation.next_stamp_ns - stamp, credit)
         batch = self._encoder.encode(taken)
         for sink in self._sinks:
             sink.write(batch)
+        if self._lockstep is not None:
+            self._lockstep.sent(taken)
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
 
     def _credit_ns(self, stamp_ns: int, steady_ns: int) -> int:
@@ -322,6 +335,8 @@ class LiveRun:
         wait = self._pace.wait_ns(self._simulation.next_stamp_ns, now)
         if not all(sink.ready() for sink in self._sinks):
             return 0
+        if self._lockstep is not None and self._lockstep.is_waiting and wait <= 0:
+            wait = LOOK_NS
         if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
             wait = SHORTEST_WAIT_NS
         if (rest := self._rested_ns - now) >= 0:

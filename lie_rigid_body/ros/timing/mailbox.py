@@ -87,6 +87,10 @@ class Mailbox:
             with self._lock:
                 self._unanswered.discard(call)
 
+    def post(self, function: Callable[[], object]) -> None:
+        """Have the owner call a function that raises nothing, without waiting for it."""
+        self._calls.put(Call(function))
+
     def wait(self, seconds: float) -> Call[object] | None:
         """The next call as soon as there is one, or None after so many seconds."""
         try:

@@ -50,6 +50,10 @@ class Pace(Protocol):
         """The rest after stamps with that credit, of which the next comes ``span_ns`` after the first, ns."""
         return 0
 
+    def postponed(self, stamp_ns: int, steady_ns: int) -> Pace:
+        """The pace from a time on at which a stamp is due, whatever was due before."""
+        return self
+
 
 @dataclass(frozen=True)
 class Scaled(Pace):
@@ -88,6 +92,10 @@ class Scaled(Pace):
     def rest_ns(self, span_ns: int, credit_ns: int) -> int:
         """See `Pace`; rounded up."""
         return math.ceil((span_ns * self.factor.denominator / self.factor.numerator - credit_ns) / CATCH_UP)
+
+    def postponed(self, stamp_ns: int, steady_ns: int) -> Pace:
+        """See `Pace`."""
+        return Scaled(stamp_ns, steady_ns, self.factor)
 
 
 @dataclass(frozen=True)

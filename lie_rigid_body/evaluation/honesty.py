@@ -1,0 +1,317 @@
+"""Whether a covariance is honest over many runs, and what is wrong with it.
+
+Errors of a filter are correlated in time, so the samples of one run are not independent; runs are, where the seeds of
+their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time; over honest runs
+its mean is the number of degrees of freedom, whatever the correlation, and its distribution is close to a gamma
+distribution of unknown shape, by whose likelihood ratio the mean is tested. A band of the mean NEES over time that
+holds for all times at once comes from resampling whole runs (bootstrap-t: B. Efron, R. Tibshirani, An Introduction to
+the Bootstrap, 1993, chapter 12, with the largest deviation over time). What is wrong is named by repair: of the
+covariances that are repaired, the likelier ones that are honest name it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.consistency import require_axes
+from lie_rigid_body.wording import short_repr
+
+LEVEL: Final = 0.05
+"""Probability that an honest covariance is called something else."""
+_HALF: Final = LEVEL / 2.0
+"""Level of each of the two tests, of the mean and of the band."""
+FEWEST_RUNS: Final = 10
+"""Least number of runs whose spread is known well enough."""
+COVERAGES: Final = (0.68, 0.95, 0.997)
+_RESAMPLED: Final = 2000
+"""Number of resamplings of the runs."""
+_BLOCK: Final = 100
+"""Number of resamplings that are computed at once."""
+_SMALLEST: Final = 1e-100
+"""Least NEES, of which the logarithm is taken."""
+_NEWTON: Final = 30
+"""Largest number of Newton's steps for the shape of a gamma distribution; six are enough from its start."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A time in which the mean NEES leaves its band.
+
+    Attributes
+    ----------
+    begin_s, end_s : float
+        First and last time outside, s.
+    verdict : str
+        ``overconfident`` or ``conservative``.
+    """
+
+    begin_s: float
+    end_s: float
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Honesty:
+    """Verdict about a covariance over many runs.
+
+    Attributes
+    ----------
+    runs, dimension : int
+    nees_mean : float
+        Mean over runs and times; `dimension` is expected.
+    nees_bounds : tuple of float
+        Interval of the mean at 95 %.
+    verdict : str
+        ``honest``, ``overconfident`` (errors larger than the covariance says), ``conservative``, or ``changing``, where
+        the mean over all times is right and that of some times is not.
+    outside : tuple of Interval
+        Times in which the mean NEES over the runs is outside of a band that holds for all times together.
+    coverage : dict of float to float
+        Share of errors inside the ellipsoid of each probability in `COVERAGES`.
+    cause : str
+        ``axes``, ``standard_deviation``, ``degrees``, ``cross_covariances`` or ``factor``; '' if none explains it.
+    factor : float
+        What the covariance is to be multiplied by to have the right mean NEES.
+    factor_bounds : tuple of float
+        Its interval at 95 %.
+    """
+
+    runs: int
+    dimension: int
+    nees_mean: float
+    nees_bounds: tuple[float, float]
+    verdict: str
+    outside: tuple[Interval, ...]
+    coverage: dict[float, float]
+    cause: str
+    factor: float
+    factor_bounds: tuple[float, float]
+
+    __repr__ = short_repr
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is honest."""
+        return self.verdict == "honest"
+
+    @property
+    def message(self) -> str:
+        """The verdict in one sentence."""
+        said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
+        times = "; ".join(f"{i.verdict} from {i.begin_s:.4g} s to {i.end_s:.4g} s" for i in self.outside)
+        mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
+        return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The verdict as JSON-serialisable data."""
+        coverage = {f"{probability:g}": share for probability, share in self.coverage.items()}
+        return {**asdict(self), "coverage": coverage, "passed": self.passed, "message": self.message}
+
+
+_WORDS: Final = {
+    "axes": "it is honest about the other axes, of world and body: give covariance_axes",
+    "standard_deviation": "it is honest when it is squared: give variances, no standard deviations",
+    "degrees": "it is honest when degrees become radians: give rad²",
+    "cross_covariances": "it is honest with cross-covariances of the other sign",
+    "factor": "multiply it by {:.3g} ({:.3g} to {:.3g})",
+}
+
+
+def honesty(
+    t_s: Array, errors: Array, covariance: Array, attitude_xyzw: Array | None = None, axes: str = "world", seed: int = 0
+) -> Honesty:
+    """Judge the covariance of an estimate over many independent runs.
+
+    Parameters
+    ----------
+    t_s : ndarray, shape (T,)
+        Times that the runs have in common, s.
+    errors : ndarray, shape (R, T, d)
+        Errors: of an attitude small rotations, rad, about the axes of the covariance.
+    covariance : ndarray, shape (R, T, d, d)
+        Covariances that the filter gave, in the squared unit of the errors.
+    attitude_xyzw : ndarray, shape (R, T, 4), optional
+        Attitudes world-from-body, scalar last; with them a covariance about the wrong axes is named.
+    axes : str
+        ``world`` or ``body``: the axes of the covariance.
+    seed : int
+        Seed of the resampling.
+
+    Raises
+    ------
+    InputError
+        If there are too few runs, or a covariance is not symmetric and positive definite.
+    """
+    require_axes(axes)
+    runs, _, dimension = errors.shape
+    if runs < FEWEST_RUNS:
+        raise InputError(f"the covariances of {runs} runs: their spread tells too little: give {FEWEST_RUNS} or more")
+    values, scores = _nees_and_score(errors, covariance)
+    means = values.mean(axis=1)
+    low, high = mean_bounds(means, LEVEL)
+    factor = float(means.mean()) / dimension
+    verdict, outside = _of_mean(means, dimension), _outside(t_s, values, dimension, seed)
+    if verdict == "honest" and outside:
+        verdict = "changing"
+    cause = ""
+    if verdict != "honest":
+        turned = None if attitude_xyzw is None else _rotations(attitude_xyzw)
+        cause = _cause(t_s, errors, covariance, scores, _repairs(turned, axes, factor), seed)
+    return Honesty(
+        runs,
+        dimension,
+        float(means.mean()),
+        (low, high),
+        verdict,
+        outside,
+        _coverage(values, dimension),
+        cause,
+        factor,
+        (low / dimension, high / dimension),
+    )
+
+
+def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
+    """NEES of every sample, shape (R, T), and minus the mean logarithm of the likelihood of each run, shape (R,)."""
+    try:
+        factor = np.linalg.cholesky(covariance)
+    except np.linalg.LinAlgError:
+        raise InputError("covariance: not positive definite: give one that has an inverse") from None
+    values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    values = np.maximum(values, _SMALLEST)
+    logarithm = np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
+    return values, (0.5 * values + logarithm).mean(axis=1)
+
+
+def _shape(excess: float) -> float:
+    """Shape k of a gamma distribution with ln k − ψ(k) = excess, by Newton's method from Minka's start."""
+    from scipy.special import polygamma, psi
+
+    k = (3.0 - excess + np.sqrt((excess - 3.0) ** 2 + 24.0 * excess)) / (12.0 * excess)
+    for _ in range(_NEWTON):
+        step = (np.log(k) - psi(k) - excess) / (1.0 / k - polygamma(1, k))
+        k = max(k - step, 0.1 * k)
+        if abs(step) < 1e-10 * k:
+            break
+    return float(k)
+
+
+def _likelihood(values: Array, mean: float) -> float:
+    """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes."""
+    from scipy.special import gammaln
+
+    logarithm, ratio = float(np.log(values).mean()), float(values.mean()) / mean
+    k = _shape(max(np.log(mean) - logarithm + ratio - 1.0, 1e-12))
+    return 2.0 * len(values) * float(k * np.log(k / mean) - gammaln(k) + (k - 1.0) * logarithm - k * ratio)
+
+
+def mean_bounds(values: Array, level: float) -> tuple[float, float]:
+    """Interval of the mean of gamma variates of unknown shape, by the likelihood ratio.
+
+    Parameters
+    ----------
+    values : ndarray, shape (R,)
+        Positive numbers.
+    level : float
+        Probability that the mean lies outside.
+    """
+    from scipy.optimize import brentq
+    from scipy.stats import f
+
+    mean, most = float(values.mean()), float(f.isf(level, 1, len(values) - 1))
+    best = _likelihood(values, mean)
+
+    def excess(factor: float) -> float:
+        return best - _likelihood(values, mean * factor) - most
+
+    return mean * float(brentq(excess, 1e-9, 1.0)), mean * float(brentq(excess, 1.0, 1e9))
+
+
+def _of_mean(means: Array, dimension: int) -> str:
+    low, high = mean_bounds(means, _HALF)
+    return "overconfident" if low > dimension else "conservative" if high < dimension else "honest"
+
+
+def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Interval, ...]:
+    """Times in which the mean over runs is outside of its band, neighbours joined."""
+    runs, draws = len(values), np.random.default_rng(seed)
+    mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(runs)
+    lowest, highest = [], []
+    for _ in range(_RESAMPLED // _BLOCK):
+        # each resampling counts how often every run is drawn
+        weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=_BLOCK) / runs
+        resampled = weights @ values
+        variance = (weights @ values**2 - resampled**2) * runs / (runs - 1)
+        deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
+        lowest.append(deviation.min(axis=1))
+        highest.append(deviation.max(axis=1))
+    least, most = (
+        np.quantile(np.concatenate(lowest), _HALF / 2.0),
+        np.quantile(np.concatenate(highest), 1.0 - _HALF / 2),
+    )
+    sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
+    found = []
+    for part in np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1):
+        if sides[part[0]]:
+            side = "overconfident" if sides[part[0]] > 0 else "conservative"
+            found.append(Interval(float(t_s[part[0]]), float(t_s[part[-1]]), side))
+    return tuple(found)
+
+
+def _coverage(values: Array, dimension: int) -> dict[float, float]:
+    from scipy.stats import chi2
+
+    return {share: float(np.mean(values <= chi2.ppf(share, dimension))) for share in COVERAGES}
+
+
+def _rotations(attitude_xyzw: Array) -> Array:
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(attitude_xyzw.reshape(-1, 4)).as_matrix().reshape(*attitude_xyzw.shape[:-1], 3, 3)
+
+
+def _repairs(turned: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
+    """Repaired covariances by causes, those without a constant first."""
+    found: dict[str, Callable[[Array], Array]] = {
+        "standard_deviation": lambda P: P @ P,
+        "degrees": lambda P: P * np.radians(1.0) ** 2,
+        "cross_covariances": lambda P: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
+    }
+    if turned is not None:
+        R = turned if axes == "world" else np.swapaxes(turned, -1, -2)
+        found = {"axes": lambda P: R @ P @ np.swapaxes(R, -1, -2), **found}
+    return {**found, "factor": lambda P: factor * P}
+
+
+def _cause(
+    t_s: Array,
+    errors: Array,
+    covariance: Array,
+    scores: Array,
+    repairs: dict[str, Callable[[Array], Array]],
+    seed: int,
+) -> str:
+    """The repair that makes the errors likelier and the covariance honest: the likeliest, with a factor if no other."""
+    from scipy.stats import t
+
+    runs, dimension = len(errors), errors.shape[-1]
+    found: dict[str, float] = {}
+    for code, repair in repairs.items():
+        if code == "factor" and found:
+            break
+        try:
+            values, repaired = _nees_and_score(errors, repair(covariance))
+        except InputError:  # the repaired one is none
+            continue
+        gain = scores - repaired
+        sure = code == "factor" or gain.mean() > t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
+        honest = _of_mean(values.mean(axis=1), dimension) == "honest" and not _outside(t_s, values, dimension, seed)
+        if sure and honest:
+            found[code] = float(repaired.mean())
+    return min(found, key=lambda code: found[code], default="")

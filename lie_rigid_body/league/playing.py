@@ -1,0 +1,80 @@
+"""A filter over the cases of the league."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.evaluation.statistics import rms, settling_limit, time_to_converge
+from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
+from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
+from lie_rigid_body.runs.blind import BlindRun
+from lie_rigid_body.runs.estimators import Estimator
+from lie_rigid_body.runs.workers import Source, Workers, called
+
+
+def play(name: str, source: Source, *, workers: int, timeout_s: float, progress: Callable[[], object]) -> FilterRow:
+    """Run a filter over all cases, in processes.
+
+    Parameters
+    ----------
+    name : str
+        Name of the row.
+    source : Source
+        Where the processes find the filter.
+    workers : int
+        Number of processes.
+    timeout_s : float
+        Longest time of a case, s.
+    progress : callable
+        Called after each case.
+
+    Raises
+    ------
+    InputError
+        If the filter fails in every case, with what it failed of in the first.
+    """
+    pool = Workers(source, workers, timeout_s)
+    results: dict[str, CaseResult] = {}
+    other: list[str] = []
+    try:
+        for case, answer in zip(CASES, pool.each([partial(_play_here, case=case) for case in CASES]), strict=True):
+            result, digest = (lost(answer), "") if isinstance(answer, InputError) else answer
+            results[str(case)] = result
+            if digest and digest != reference().readings[str(case)]:
+                other.append(str(case))
+            progress()
+    finally:
+        pool.close()
+    if all(result.failure for result in results.values()):
+        raise InputError(f"{name} gave no estimate in any case: {results[str(CASES[0])].failure}")
+    return FilterRow(name, results, other_readings=tuple(other))
+
+
+def _play_here(estimate: Estimator, case: Case) -> tuple[CaseResult, str]:
+    return play_case(estimate, case), readings_hash(run_of(case))
+
+
+def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
+    """Score a filter in one case; it is given the readings, and nothing of the truth."""
+    run = run_of(case, seed)
+    try:
+        found = called(estimate, BlindRun.without_truth(run))
+        error = attitude_error(found.attitude_xyzw, run.attitude().at(found.t_ns))
+    except InputError as failure:
+        return lost(failure)
+    t_s, total = (found.t_ns - run.t_ns[0]) / 1e9, np.degrees(error.total)
+    settled = t_s >= SETTLED_S
+    if not settled.any():
+        return lost(InputError(f"no attitude after {SETTLED_S:g} s: return a row for each reading of the IMU"))
+    of_axis = [float(np.degrees(rms(angle[settled]))) for angle in (error.total, error.heading, error.inclination)]
+    return CaseResult(of_axis[0], of_axis[1], of_axis[2], time_to_converge(t_s, total, settling_limit(t_s, total)))
+
+
+def lost(failure: InputError) -> CaseResult:
+    """The result of a filter that failed."""
+    return CaseResult(LOST_DEG, LOST_DEG, LOST_DEG, None, str(failure))

@@ -1,0 +1,242 @@
+"""The table of the league: rows of filters, how they are ranked, and the reference rows that the package ships."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from lie_rigid_body.bounded_input import read_text
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.league.cases import CASES, REAL, Case
+from lie_rigid_body.scenario.parameter_file import CONFIG
+from lie_rigid_body.wording import call_repr, counted, listed, shown
+
+EDITION: Final = "2026.1"
+"""Edition of the cases and of the reference rows: rows of one edition can be compared."""
+REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
+_MOST_BYTES: Final = 2**22
+"""Most bytes of a file of rows; the reference has a tenth of that."""
+LOST_DEG: Final = 180.0
+"""Error of a filter that fails, degrees."""
+_SMALLEST_DEG: Final = 1e-9
+"""Least error that counts in a geometric mean, degrees."""
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """Errors of a filter in one case.
+
+    Attributes
+    ----------
+    total_deg, heading_deg, inclination_deg : float
+        RMS from `SETTLED_S` on, degrees; `LOST_DEG` of a filter that failed.
+    converged_s : float or None
+        Time to converge, s; None where it never does.
+    failure : str
+        What the filter failed of; '' if it did not.
+    """
+
+    total_deg: float
+    heading_deg: float
+    inclination_deg: float
+    converged_s: float | None = None
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class FilterRow:
+    """A filter in all cases.
+
+    Attributes
+    ----------
+    filter : str
+        Its name.
+    results : mapping of str to CaseResult
+        By the names of the cases.
+    version : str
+        Of its library.
+    setting : str
+        How its parameters were chosen; '' for the defaults of its library.
+    sees_future : bool
+        Whether an attitude rests on later readings too, as a smoother's does.
+    other_readings : tuple of str
+        Cases in which the machine made other readings than the reference has.
+    """
+
+    filter: str
+    results: Mapping[str, CaseResult]
+    version: str = ""
+    setting: str = ""
+    sees_future: bool = False
+    other_readings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return call_repr(self, {"filter": self.filter, "overall_deg": self.overall_deg})
+
+    @property
+    def name(self) -> str:
+        """The filter with its setting, as tables show it."""
+        return ", ".join(filter(None, (self.filter, self.setting)))
+
+    def typical_deg(self, grade: str, *, faults: bool = False) -> float:
+        """Median of the total errors over the cases of a grade, without faults or with, degrees."""
+        return float(np.median([self.results[str(c)].total_deg for c in CASES if is_of(c, grade, faults=faults)]))
+
+    @property
+    def overall_deg(self) -> float:
+        """Geometric mean of the typical errors with the grades of real sensors, degrees: rows are ranked by it."""
+        return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), _SMALLEST_DEG)) for grade in REAL])))
+
+    def to_json(self) -> dict[str, Any]:
+        """The row as JSON-serialisable data."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, content: Any) -> FilterRow:
+        """Read what `to_json` gave.
+
+        Raises
+        ------
+        InputError
+            If a field or a case is missing, or one is of another kind.
+        """
+        try:
+            results = {str(name): CaseResult(**result) for name, result in content["results"].items()}
+            row = cls(**{**content, "results": results, "other_readings": tuple(content.get("other_readings", ()))})
+            numbers = np.array([[row.results[str(case)].total_deg] for case in CASES], dtype=np.float64)
+            if not np.isfinite(numbers).all():
+                raise ValueError("an error that is not finite")
+        except (TypeError, KeyError, AttributeError, ValueError) as error:
+            raise InputError(f"no row of the league ({shown(str(error))}): give what 'league --json' writes") from None
+        return row
+
+
+def is_of(case: Case, grade: str, *, faults: bool = False) -> bool:
+    """Whether a case is of a grade, without a fault or with one."""
+    return case.grade == grade and bool(case.fault) == faults
+
+
+@dataclass(frozen=True)
+class LeagueTable:
+    """Rows of one edition.
+
+    Attributes
+    ----------
+    rows : tuple of FilterRow
+        The best first.
+    readings : mapping of str to str
+        Hash of the readings of each case.
+    best_possible_deg : mapping of str to float
+        RMS error that the sensors leave to the best filter in each case with errors, degrees.
+    """
+
+    rows: tuple[FilterRow, ...]
+    readings: Mapping[str, str]
+    best_possible_deg: Mapping[str, float]
+
+    @property
+    def edition(self) -> str:
+        """Edition of the cases."""
+        return EDITION
+
+    @property
+    def best_possible(self) -> FilterRow:
+        """The row of `best_possible_deg`, which is no filter's."""
+        floors = {str(case): self.best_possible_deg.get(str(case), 0.0) for case in CASES}
+        return FilterRow("best possible", {case: CaseResult(floor, 0.0, 0.0) for case, floor in floors.items()})
+
+    def __repr__(self) -> str:
+        return call_repr(self, {"rows": len(self.rows)})
+
+    def with_rows(self, rows: Iterable[FilterRow]) -> LeagueTable:
+        """The table with more rows."""
+        return replace(self, rows=tuple(sorted((*self.rows, *rows), key=lambda row: row.overall_deg)))
+
+    def rank(self, row: FilterRow, of: Callable[[FilterRow], float] = lambda row: row.overall_deg) -> int:
+        """Place of a row, from 1 on, by a number of each row; rows that are alike share the better place."""
+        return 1 + sum(of(other) < of(row) for other in self.rows)
+
+    def best_and_worst(self, row: FilterRow) -> tuple[Case, Case]:
+        """Cases in which a row has the best and the worst place of all its places."""
+        places = [self.rank(row, lambda each, name=str(case): each.results[name].total_deg) for case in CASES]  # type: ignore[misc]
+        return CASES[int(np.argmin(places))], CASES[int(np.argmax(places))]
+
+    def to_json(self) -> dict[str, Any]:
+        """The table as JSON-serialisable data."""
+        return {"edition": EDITION, **asdict(self)}
+
+
+def rows_of(path: str | Path) -> list[FilterRow]:
+    """Rows of a file that ``league --json`` wrote.
+
+    Raises
+    ------
+    InputError
+        If it is no such file, or of another edition.
+    """
+    try:
+        content = json.loads(read_text(path, _MOST_BYTES))
+    except ValueError as error:
+        raise InputError(f"{path}: no JSON ({error}): give what 'league --json' writes") from None
+    edition = content.get("edition") if isinstance(content, dict) else None
+    if edition != EDITION:
+        raise InputError(
+            f"{path}: edition {shown(str(edition))} is not {EDITION}, whose cases differ: run the filter again"
+        )
+    rows = content.get("rows")
+    if not (isinstance(rows, list) and rows):
+        raise InputError(f"{path}: it has no rows: give what 'league --json' writes")
+    try:
+        return [FilterRow.from_json(row) for row in rows]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+@lru_cache
+def reference() -> LeagueTable:
+    """The reference set: filters of other libraries at their defaults, and at the best of a grid for each grade."""
+    content = json.loads(REFERENCE.read_text(encoding="utf-8"))
+    return LeagueTable((), content["readings"], content["best_possible_deg"]).with_rows(
+        map(FilterRow.from_json, content["rows"])
+    )
+
+
+def standing(table: LeagueTable, row: FilterRow) -> str:
+    """Sentences about the place of a row in a table that has it."""
+    best, worst = table.best_and_worst(row)
+    failed = [name for name, result in row.results.items() if result.failure]
+    sentences = [
+        f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {row.typical_deg('mems'):.2g}° with MEMS "
+        f"sensors, where {table.best_possible.typical_deg('mems'):.2g}° is the best possible.",
+        f"It is best at {best} (number {_place(table, row, best)}) and worst at {worst} "
+        f"(number {_place(table, row, worst)}).",
+    ]
+    if failed:
+        sentences.append(
+            f"It failed in {counted(len(failed), 'case')}, first in {failed[0]}: {row.results[failed[0]].failure}"
+        )
+    if row.other_readings:
+        sentences.append(f"This machine makes other readings than the reference in {listed(row.other_readings)}.")
+    return " ".join(sentences)
+
+
+def _place(table: LeagueTable, row: FilterRow, case: Case) -> int:
+    return table.rank(row, lambda each: each.results[str(case)].total_deg)
+
+
+def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> Sequence[str]:
+    """What differs between two tables: rows that came, went, or whose errors differ by more than a share."""
+    old, new = ({row.name: row for row in table.rows} for table in (before, after))
+    lines = [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
+    for name in old.keys() & new.keys():
+        for case, result in new[name].results.items():
+            was, now = old[name].results[case].total_deg, result.total_deg
+            if abs(now - was) > tolerance * max(was, 1e-3):
+                lines.append(f"{name}, {case}: {was:.4g}° is {now:.4g}° now")
+    return lines

@@ -1,0 +1,166 @@
+"""The answers of a filter in lock-step: who takes part, whether all of them hear, and the stamps of the estimates."""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from threading import Thread
+from typing import Any, Final
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy
+from rclpy.subscription import Subscription
+
+from lie_rigid_body.errors import BagError, ParameterError
+from lie_rigid_body.messages.decoding import byte_order
+from lie_rigid_body.messages.definitions import TF_MESSAGE
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
+from lie_rigid_body.ros.following import subscribe, taken
+from lie_rigid_body.ros.publishing.publisher import IMU_TOPIC, SamplePublisher
+from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.timing.lockstep import LOOK_NS
+from lie_rigid_body.sensors import SENSORS
+from lie_rigid_body.wording import listed
+
+SETTLED_S: Final = 1.0
+"""Time in which nothing may have changed before lock-step begins, s: what a node hears becomes known by and by."""
+
+
+class Answers:
+    """The topic on which a filter answers, and the nodes that take part.
+
+    Parameters
+    ----------
+    node : Node
+        The simulator's.
+    publisher : SamplePublisher
+        That of the readings.
+    topic : str
+        The filter's topic.
+    nodes : sequence of str
+        Names of the nodes that have to hear, beside the filter.
+
+    Attributes
+    ----------
+    topic : str
+        Full name of the filter's topic.
+
+    Raises
+    ------
+    InputError
+        If a name is none of ROS, or there is no IMU.
+    """
+
+    def __init__(self, node: Node, publisher: SamplePublisher, topic: str, nodes: Sequence[str]) -> None:
+        self._node, self._publisher = node, publisher
+        with translated_errors(f"lockstep_topic {topic!r}"):
+            self.topic = node.resolve_topic_name(topic)
+        with translated_errors(f"lockstep_nodes {', '.join(nodes)!r}"):
+            self._nodes = [node.resolve_topic_name(name, only_expand=True) for name in nodes]
+        self._imu = publisher.sensor_topics[IMU_TOPIC]
+        if self._imu not in publisher.publishers:
+            raise ParameterError("lockstep_topic", f"{topic} can answer no reading without an IMU: give imu_rate")
+        self._hear: Callable[[int], object] = lambda stamp_ns: None
+        self._subscription: Subscription | None = None
+        self._thread: Thread | None = None
+        self._closed = False
+        self._state: tuple[Mapping[str, set[str]], list[str]] = ({}, [])
+        self._since = 0.0
+
+    def tell(self, hear: Callable[[int], object]) -> None:
+        """Have a function called with the stamp of each estimate, ns, in a thread of its own."""
+        self._hear = hear
+
+    def look(self) -> Collection[str] | None:
+        """Look for all who take part, and log who is missing.
+
+        Returns
+        -------
+        collection of str, or None
+            Names of the sensors that the filter hears; None as long as somebody is missing.
+
+        Raises
+        ------
+        InputError
+            If the topic is of a type that holds no attitude.
+        """
+        published = self._node.get_publishers_info_by_topic(self.topic)
+        for info in published:
+            self._listen(info.topic_type)
+        asked = {
+            topic: self._node.get_subscriptions_info_by_topic(topic)
+            for topic in (self.topic, *self._publisher.publishers)
+        }
+        hearers = {topic: _names(infos) for topic, infos in asked.items()}
+        filters = _names(published) & hearers[self._imu]
+        parts = filters.union(self._nodes)
+        missing = [*self._missing(filters, len(published), hearers), *self._unmatched(parts, asked)]
+        state = {topic: parts & names for topic, names in hearers.items()}, missing
+        if state != self._state:
+            if missing and missing != self._state[1]:
+                self._node.get_logger().info(f"lock-step waits for {', '.join(missing)}")
+            self._state, self._since = state, time.monotonic()
+        if missing or time.monotonic() < self._since + SETTLED_S:
+            return None
+        [name] = filters
+        topics = self._publisher.sensor_topics
+        heard = [s for s in SENSORS if any(name in hearers.get(topics[t.name], ()) for t in SENSORS[s].topics)]
+        self._node.get_logger().info(f"lock-step with {name}, which hears {listed(heard)} and answers on {self.topic}")
+        return heard
+
+    def _listen(self, kind: str) -> None:
+        if kind not in ATTITUDE_TYPES:
+            raise ParameterError("lockstep_topic", f"{self.topic} {wrong_type(kind)}")
+        if self._subscription is None:
+            self._subscription = subscribe(self._node, self.topic, kind)
+            arguments = self._subscription, 8 if kind == TF_MESSAGE else 4
+            self._thread = Thread(target=self._take, args=arguments, name="answers", daemon=True)
+            self._thread.start()
+
+    def close(self) -> None:
+        """Listen no more; to be called before rclpy is shut down."""
+        self._closed = True
+        if self._thread is not None:
+            self._thread.join()
+
+    def _take(self, subscription: Subscription, offset: int) -> None:
+        """Take the messages, each with its stamp behind so many bytes: the executor takes a millisecond for each."""
+        context = self._node.context.handle
+        assert context is not None
+        with subscription.handle, context:
+            wait_set = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, context)
+            while not self._closed:
+                wait_set.clear_entities()
+                wait_set.add_subscription(subscription.handle)
+                wait_set.wait(LOOK_NS)
+                for payload in taken(subscription):
+                    with suppress(BagError, struct.error):  # of a message without a stamp
+                        seconds, nanoseconds = struct.unpack_from(f"{byte_order(payload, 0)}iI", payload, offset)
+                        self._hear(seconds * NS + nanoseconds)
+
+    def _missing(self, filters: Collection[str], published: int, hearers: Mapping[str, set[str]]) -> Iterator[str]:
+        if len(filters) != 1:
+            yield f"one node that publishes {self.topic} and hears {self._imu}, of which there are {len(filters)}"
+        elif self._subscription is None or self._subscription.get_publisher_count() < published:
+            yield f"a match of {self.topic}"
+        for name in self._nodes:
+            if not any(name in names for names in hearers.values()):
+                yield f"subscriptions of {name}"
+
+    def _unmatched(self, parts: Collection[str], asked: Mapping[str, Sequence[Any]]) -> Iterator[str]:
+        """Topics that somebody who takes part may not hear yet: the middleware counts its matches, and names none."""
+        for topic, publisher in self._publisher.publishers.items():
+            offered = publisher.qos_profile.durability
+            fitting = [i for i in asked[topic] if i.qos_profile.durability in (offered, DurabilityPolicy.VOLATILE)]
+            wanted = _names(asked[topic]).intersection(parts)
+            if wanted and (wanted - _names(fitting) or publisher.get_subscription_count() < len(fitting)):
+                yield f"a match of {topic}"
+
+
+def _names(endpoints: Iterable[Any]) -> set[str]:
+    """Full names of the nodes of endpoints."""
+    return {f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in endpoints}

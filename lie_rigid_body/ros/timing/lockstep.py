@@ -1,0 +1,107 @@
+"""Lock-step: a run goes on only when a filter has answered the last reading that it can answer."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Collection, Iterable
+from typing import Final
+
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.parameters import NS
+from lie_rigid_body.simulation import Taken
+from lie_rigid_body.wording import counted
+
+IMU: Final = "imu"
+"""Name of the sensor whose readings are answered."""
+LOOK_NS: Final = 100_000_000
+"""Longest time between two looks whether samples are still held back, ns."""
+STAMPS_KEPT: Final = 1000
+"""Stamps of each other sensor that are remembered, until the IMU has a reading of the same stamp."""
+
+
+class Lockstep:
+    """The answers that a run waits for. All methods are called by the thread of the run.
+
+    An IMU reading can be answered if every other sensor that the filter hears has delivered a reading of the same
+    stamp, and no reading of that stamp or a later one was awaited before. Others are not waited for: a filter that
+    pairs its sensors has no answer to them.
+
+    Parameters
+    ----------
+    topic : str
+        Full name of the filter's topic, for the message.
+    look : callable
+        Returns the names of the sensors that the filter hears, or None as long as somebody is missing.
+    timeout_ns : int
+        Longest wait for an answer, ns. Time in which nothing is due, as while paused, does not count.
+    """
+
+    def __init__(self, topic: str, look: Callable[[], Collection[str] | None], timeout_ns: int) -> None:
+        self._topic, self._look, self._timeout_ns = topic, look, timeout_ns
+        self._heard: Collection[str] | None = None
+        self._sensors: frozenset[str] = frozenset()
+        self._delivered: dict[str, deque[int]] = {}
+        self._awaited: set[int] = set()
+        self._latest_ns = -1
+        self._others, self._other_ns = 0, 0
+        self._waited_ns = self._asked_ns = 0
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether samples that are due have to wait."""
+        return self._heard is None or bool(self._awaited)
+
+    def begin_segment(self, sensors: Iterable[str]) -> None:
+        """Look for those that take part anew if there are other sensors, whose topics nobody may hear yet."""
+        if self._sensors != (found := frozenset(sensors)):
+            self._sensors, self._heard = found, None
+
+    def holds(self, steady_ns: int) -> bool:
+        """Whether samples that are due at a time of the steady clock have to wait.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If they have waited for an answer as long as they may.
+        """
+        if self._heard is None:
+            self._heard = self._look()
+        if self._awaited:
+            # a longer time than between two looks was a pause, or one in which this process stood still itself
+            self._waited_ns += min(steady_ns - self._asked_ns, 2 * LOOK_NS)
+            if self._waited_ns > self._timeout_ns:
+                raise LieRigidBodyError(self._silence())
+        self._asked_ns = steady_ns
+        return self.is_waiting
+
+    def sent(self, taken: Taken) -> None:
+        """Await the answers to what was sent."""
+        others = self._sensors.intersection(self._heard or ()) - {IMU}
+        for name in others & taken.sensors.keys():
+            stamps = taken.sensors[name].stamps_ns.tolist()
+            self._delivered.setdefault(name, deque(maxlen=STAMPS_KEPT)).extend(stamps)
+        if IMU in taken.sensors:
+            for stamp in taken.sensors[IMU].stamps_ns.tolist():
+                if stamp > self._latest_ns and all(stamp in self._delivered.get(name, ()) for name in others):
+                    self._await(stamp)
+
+    def _await(self, stamp_ns: int) -> None:
+        self._awaited.add(stamp_ns)
+        self._latest_ns, self._waited_ns, self._others = stamp_ns, 0, 0
+        for name, stamps in self._delivered.items():
+            self._delivered[name] = deque((s for s in stamps if s > stamp_ns), maxlen=STAMPS_KEPT)
+
+    def hear(self, stamp_ns: int) -> None:
+        """Take the stamp of an estimate."""
+        if stamp_ns in self._awaited:
+            self._awaited.remove(stamp_ns)
+            self._waited_ns = 0
+        else:
+            self._others, self._other_ns = self._others + 1, stamp_ns
+
+    def _silence(self) -> str:
+        missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
+        came = (
+            f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns" if self._others else "none came"
+        )
+        return f"{self._topic}: {missed}; {came}: a filter on a timer cannot be used in lock-step"

@@ -1,0 +1,140 @@
+"""A program as an estimator: readings as CSV on its standard input, attitudes as CSV on its standard output."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.runs.estimators import Estimator
+from lie_rigid_body.runs.run import Run
+from lie_rigid_body.wording import printable, short_repr, shortened, shown
+
+HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,mag_z"
+"""First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
+ANSWER: Final = "t_ns,x,y,z,w"
+"""Columns that the program prints, with this line above them or without."""
+TIMEOUT_S: Final = 60.0
+_NO_IMU: Final = ",,,,,"
+_NO_FIELD: Final = ",,"
+_LONGEST_WORDS: Final = 120
+"""Largest number of characters of the program's own error that are repeated."""
+
+
+@dataclass(frozen=True)
+class CommandEstimator:
+    """An estimator that starts a program for each run.
+
+    Attributes
+    ----------
+    command : str
+        Program and arguments, as for a shell; no shell is started.
+    timeout_s : float
+        Longest time of a run, s.
+    """
+
+    command: str
+    timeout_s: float = TIMEOUT_S
+
+    __repr__ = short_repr
+
+    def load(self) -> Estimator:
+        """The estimator itself, for a process that is told where one is."""
+        return self
+
+    def __call__(self, run: Run) -> tuple[Integers, Array]:
+        """Stamps, ns, shape (N,), and attitudes world-from-body, scalar last, shape (N, 4), that the program prints.
+
+        Raises
+        ------
+        InputError
+            If it cannot be started, ends with a status other than 0, prints nothing or a line that is no attitude, or
+            does not end in time.
+        """
+        return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""])))
+
+    @property
+    def _name(self) -> str:
+        return f"command {shown(self.command)}"
+
+    def _output(self, readings: str) -> str:
+        arguments = shlex.split(self.command)
+        if not arguments:
+            raise InputError("command '': give a program, such as './my_filter --rate 100'")
+        try:
+            process = subprocess.Popen(
+                arguments,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                start_new_session=True,  # so that it can be ended with what it starts
+            )
+        except OSError as error:
+            raise InputError(f"{self._name} cannot be started: {error.strerror}: give the path of a program") from None
+        try:
+            output, errors = process.communicate(readings, self.timeout_s)
+        except subprocess.TimeoutExpired:
+            raise InputError(
+                f"{self._name} did not end within {self.timeout_s:g} s: let it end with its input, or give it more"
+            ) from None
+        except UnicodeDecodeError:
+            raise InputError(f"{self._name} prints what is no text: print {ANSWER} in each line") from None
+        finally:
+            _end(process)
+        if process.returncode:
+            words = shortened(printable(" ".join(errors.split())), _LONGEST_WORDS) or "it says nothing"
+            raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
+        return output
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """End a program and what it started."""
+    with suppress(OSError):
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.kill()
+    process.wait()
+
+
+def _lines(run: Run) -> Iterator[str]:
+    """Readings of a run in the order of their stamps; those of one stamp share a line."""
+    imu, magnetometer = run.imu, run.magnetometer
+    of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
+    of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
+    for stamp in sorted({*of_imu, *of_field}):
+        yield f"{stamp},{of_imu.get(stamp, _NO_IMU)},{of_field.get(stamp, _NO_FIELD)}"
+
+
+def _texts(t_ns: Integers, rows: Array) -> dict[int, str]:
+    """Rows by their stamps, with all digits."""
+    return {stamp: ",".join(map(repr, row)) for stamp, row in zip(t_ns.tolist(), rows.tolist(), strict=True)}
+
+
+def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
+    lines = output.splitlines()
+    first = 1 if lines and lines[0].replace(" ", "") == ANSWER else 0
+    stamps, rows = [], []
+    for number, line in enumerate(lines[first:], first + 1):
+        try:
+            stamp, *numbers = line.split(",")
+            x, y, z, w = map(float, numbers)
+            stamps.append(int(stamp))
+        except ValueError:
+            raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None
+        rows.append((x, y, z, w))
+    if not rows:
+        raise InputError(f"{name} prints no attitude: print {ANSWER} for each reading, and flush at the end")
+    try:
+        return np.array(stamps, dtype=np.int64), np.array(rows, dtype=np.float64)
+    except OverflowError:
+        raise InputError(f"{name} prints a stamp beyond 64 bits: repeat the t_ns of the reading") from None

@@ -1,0 +1,183 @@
+"""The league: its cases, its table, and the verb, with the filters of the reference set and one of its own."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.cli.league import main
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
+from lie_rigid_body.league.cases import readings_hash, run_of
+from lie_rigid_body.league.playing import play_case
+from lie_rigid_body.league.table import CaseResult, rows_of
+from lie_rigid_body.runs.blind import BlindRun
+
+FILTERS = '''
+"""Attitudes of gravity and field alone, in few lines of NumPy, and filters that fail."""
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+
+def axes(first, second):
+    across = np.cross(first, second)
+    columns = np.broadcast_arrays(first, across, np.cross(first, across))
+    return np.stack([column / np.linalg.norm(column, axis=-1, keepdims=True) for column in columns], axis=-1)
+
+
+def triad(run):
+    field = np.array(run.scenario.parameters()["magnetic_field"])
+    last = np.maximum(np.searchsorted(run.magnetometer.t_ns, run.imu.t_ns, side="right") - 1, 0)
+    seen = axes(run.imu.specific_force, run.magnetometer.field[last])
+    return Rotation.from_matrix(axes(np.array([0.0, 0.0, 1.0]), field) @ np.swapaxes(seen, -1, -2)).as_quat()
+
+
+def cheat(run):
+    return run.attitude().at(run.imu.t_ns)
+
+
+def at_times(run):
+    if run.scenario.parameters().get("magnetic_disturbance_interval", 0.0):
+        raise ValueError("a passing field")
+    return triad(run)
+'''
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("league")
+    (made / "league_filters.py").write_text(FILTERS)
+    return made
+
+
+def row(name: str, error: float, **others: float) -> FilterRow:
+    results = {str(case): CaseResult(error, error, error, 0.0) for case in CASES}
+    return FilterRow(name, {**results, **{case: CaseResult(e, e, e) for case, e in others.items()}})
+
+
+def test_every_row_of_the_reference_set_has_every_case():
+    table = reference()
+    assert len(table.rows) > 40
+    assert set(table.readings) == {str(case) for case in CASES}
+    for each in table.rows:
+        assert set(each.results) == set(table.readings)
+    errors = [each.overall_deg for each in table.rows]
+    assert errors == sorted(errors)
+
+
+def test_rows_survive_a_file(tmp_path):
+    mine = replace(row("mine", 1.0, **{"flips mems": 3.0}), version="2", other_readings=("flips mems",))
+    path = tmp_path / "rows.json"
+    path.write_text(json.dumps({"edition": EDITION, "rows": [mine.to_json()]}))
+    assert rows_of(path) == [mine]
+
+
+def test_ranks_are_by_the_geometric_mean_of_grades():
+    table = LeagueTable((), {}, {}).with_rows([row("b", 2.0), row("a", 1.0), row("c", 2.0)])
+    assert [(each.filter, table.rank(each)) for each in table.rows] == [("a", 1), ("b", 2), ("c", 2)]
+    mixed = row("mixed", 1.0, **{str(case): 8.0 for case in CASES if case.grade == "mems" and not case.fault})
+    assert mixed.overall_deg == pytest.approx(2.0)  # the third root of 1 * 1 * 8
+    best, worst = table.with_rows([mixed]).best_and_worst(mixed)
+    assert (best.grade, worst.grade) == ("perfect", "mems")
+
+
+def test_a_hash_sees_more_than_round_off():
+    run = run_of(Case("slow_tumble", "mems"))
+    digest = readings_hash(run)
+    assert digest == readings_hash(run_of(Case("slow_tumble", "mems")))
+
+    class Changed:
+        def __init__(self, by: float) -> None:
+            self.imu, self.magnetometer = run.imu, Magnetometer(run, by)
+
+    class Magnetometer:
+        def __init__(self, run: Any, by: float) -> None:
+            self.t_ns, self.field = run.magnetometer.t_ns, run.magnetometer.field.copy()
+            self.field[1234, 1] += by * np.abs(self.field).max()
+
+    assert readings_hash(Changed(1e-16)) == digest  # type: ignore[arg-type]
+    assert readings_hash(Changed(2e-9)) != digest  # type: ignore[arg-type]
+    assert readings_hash(run_of(Case("slow_tumble", "mems"), 2)) != digest
+
+
+def test_what_a_filter_is_given_tells_no_truth():
+    blind: Any = BlindRun.without_truth(run_of(Case("slow_tumble", "mems")))
+    assert blind.truth is None
+    assert blind.faults == ()
+    assert blind.imu.gyro_bias is None
+    assert blind.imu.accelerometer_bias is None
+    for ask in (blind.attitude, blind.unavoidable_error, lambda: blind.scenario.initial_body_rate):
+        with pytest.raises(InputError):
+            ask()
+
+
+def test_a_filter_that_fails_is_lost_with_the_reason():
+    case = Case("slow_tumble", "perfect")
+    assert play_case(lambda run: run.t_ns, case).total_deg == 180.0
+    assert play_case(lambda run: run.attitude(), case).total_deg == 180.0
+    lost = play_case(lambda run: 1 / 0, case)
+    assert lost.total_deg == 180.0
+    assert "ZeroDivisionError" in lost.failure
+    early = play_case(lambda run: (run.t_ns[:100], np.tile([0.0, 0.0, 0.0, 1.0], (100, 1))), case)
+    assert early.total_deg == 180.0
+
+
+def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypatch, capsys):
+    """ahrs solves the same problem of Wahba by other formulas, which round elsewhere."""
+    monkeypatch.chdir(folder)
+    rows = tmp_path / "rows.json"
+    assert main(["league_filters:triad", "--json"]) == 0
+    rows.write_text(capsys.readouterr().out)
+    (mine,) = rows_of(rows)
+    like = next(each for each in reference().rows if each.name == "ahrs TRIAD")
+    if mine.other_readings:
+        pytest.skip("this machine makes other readings than the reference")
+    for case in CASES:
+        if not case.fault:  # with lost readings the reference's filter holds the last one
+            assert mine.results[str(case)].total_deg == pytest.approx(like.results[str(case)].total_deg, abs=1e-5)
+    report = tmp_path / "league.html"
+    assert main(["--with", str(rows), "--report", str(report)]) == 0
+    out = capsys.readouterr().out
+    assert "> league_filters:triad" in out
+    assert f"number {reference().with_rows([mine]).rank(mine)} of" in " ".join(out.split())
+    assert "league_filters:triad" in report.read_text(encoding="utf-8")
+
+
+def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    assert main(["league_filters:at_times"]) == 0
+    assert "a passing field" in " ".join(capsys.readouterr().out.split())
+    assert main(["league_filters:cheat"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "truth" in line
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "no JSON",
+        "[]",
+        '{"edition": "1999.1", "rows": []}',
+        json.dumps({"edition": EDITION, "rows": []}),
+        json.dumps({"edition": EDITION, "rows": [{"filter": "x", "results": {}}]}),
+        json.dumps({"edition": EDITION, "rows": [{"filter": "x"}]}),
+        json.dumps({"edition": EDITION, "rows": [{**row("x", 1.0).to_json(), "more": 1}]}),
+        json.dumps({"edition": EDITION, "rows": [row("x", float("nan")).to_json()]}),
+    ],
+)
+def test_what_is_no_row_of_this_edition_is_refused(tmp_path, capsys, content):
+    path = tmp_path / "rows.json"
+    path.write_text(content)
+    assert main(["--with", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert str(path.name) in line
+
+
+def test_other_readings_are_told():
+    mine = replace(row("mine", 1.0), other_readings=("flips mems",))
+    assert "flips mems" in standing(reference().with_rows([mine]), mine)

@@ -1,0 +1,236 @@
+"""Lock-step between real processes: simulator, filter, evaluator."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from simulator_process import DEADLINE, SimulatorProcess, assignments, cpu_seconds
+from test_live_evaluate import Process, evaluator
+
+from lie_rigid_body import Run
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.recording.bag_reader import Bag
+from ros_domains import own_domain
+
+if find_spec("rclpy"):
+    from geometry_msgs.msg import PoseStamped, TwistStamped
+    from peer import Peer
+    from rosgraph_msgs.msg import Clock
+    from sensor_msgs.msg import Imu, MagneticField
+
+pytestmark = [pytest.mark.ros, pytest.mark.long]
+
+FILTER = Path(__file__).parents[2] / "examples" / "complementary_filter" / "complementary_filter_node.py"
+BENCH = {
+    "epoch_ns": 1_000_000_000,
+    "imu_rate": 100.0,
+    "magnetometer_rate": 100.0,
+    "gyro_rate": "integrated",
+    "accelerometer_mode": "pivot_gravity",
+    "sensor_grade": "mems",
+    "lockstep_topic": "imu/data",
+    "real_time_factor": 0.0,
+}
+"""A bench in lock-step: as fast as the filter."""
+
+
+@pytest.fixture
+def domain(isolated_ros: None) -> Iterator[int]:
+    with own_domain() as number:
+        yield number
+
+
+@contextmanager
+def busy(count: int) -> Iterator[None]:
+    """So many loops that keep the processors busy."""
+    loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+
+
+def simulator(domain: int, **given: object) -> SimulatorProcess:
+    return SimulatorProcess("--scenario", "tumbling_cubesat", *assignments(**{**BENCH, **given}), domain=domain)
+
+
+def example(domain: int, executor: str = "SingleThreadedExecutor") -> Process:
+    return Process(domain, str(FILTER), "--executor", executor)
+
+
+def score(domain: int, executor: str, loops: int, duration: str = "5", **given: object) -> dict[str, Any]:
+    """The score of the filter of the examples, less what is not of the estimate."""
+    with (
+        busy(loops),
+        simulator(domain, lockstep_nodes="[/judge]", **given) as sim,
+        example(domain, executor),
+        evaluator(domain, "judge", "--json", "--series", "--duration", duration, estimate="/imu/data") as judge,
+    ):
+        assert judge.wait() == 0, judge.complained
+        assert sim.end(signal.SIGINT) == 0
+    found: dict[str, Any] = json.loads("\n".join(judge.said))
+    return found
+
+
+def test_the_score_is_the_same_on_an_idle_and_on_a_busy_machine(domain: int) -> None:
+    scores = [
+        score(domain, executor, loops)
+        for loops in (0, 4)
+        for executor in ("SingleThreadedExecutor", "MultiThreadedExecutor")
+    ]
+    assert scores[0]["samples"] == 501
+    assert scores[0]["total_deg"]["rms"] > 1.0  # of mems sensors: something that could differ
+    assert all(found == scores[0] for found in scores[1:])
+
+
+def test_a_slower_magnetometer_and_faults_stop_nobody_and_the_bag_is_certified(domain: int, tmp_path: Path) -> None:
+    """A filter that pairs two sensors has no answer to a reading without a partner."""
+    bag = tmp_path / "run.mcap"
+    faults = {
+        "imu_dropout_probability": 0.1,
+        "magnetometer_rate": 50.0,
+        "magnetometer_dropout_probability": 0.1,
+        "magnetometer_latency_jitter": 0.03,
+    }
+    found = score(domain, "SingleThreadedExecutor", 0, "10", record_path=bag, lockstep_timeout=5.0, **faults)
+    assert certify(Bag(bag)).passed
+    run = Run.from_bag(bag)
+    assert run.imu is not None
+    assert run.magnetometer is not None
+    paired = set(run.imu.t_ns.tolist()) & set(run.magnetometer.t_ns.tolist())
+    first, last = found["series"]["stamps_ns"][0], found["series"]["stamps_ns"][-1]
+    assert found["series"]["stamps_ns"] == sorted(t for t in paired if first <= t <= last)
+    assert first == min(paired)
+
+
+class Timed:
+    """A node that publishes on a timer, at the stamp that it likes."""
+
+    def __init__(self, peer: Peer) -> None:
+        publisher = peer.node.create_publisher(Imu, "/imu/data", 10)
+        self.readings = peer.listen(Imu, "/imu/data_raw")
+        peer.node.create_timer(0.02, lambda: publisher.publish(Imu()))
+
+
+def test_a_filter_on_a_timer_ends_it_with_status_2_the_stamp_and_what_came(domain: int, tmp_path: Path) -> None:
+    bag = tmp_path / "run.mcap"
+    with simulator(domain, lockstep_timeout=1.0, record_path=bag) as sim, Peer("timed", domain) as peer:
+        timed = Timed(peer)
+        peer.spin_until(lambda: sim.process.poll() is not None, "its end")
+        assert sim.wait() == 2
+        assert len(timed.readings) == 1
+    [line] = [line for line in sim.complained if "error" in line]
+    assert re.search(r"/imu/data: no answer to 1000000000 ns in 1 s; \d+ others came, the last of 0 ns", line)
+    assert certify(Bag(bag)).passed  # it was finished
+
+
+def test_a_topic_of_another_type_is_told_in_one_line(domain: int) -> None:
+    with simulator(domain) as sim, Peer("other", domain) as peer:
+        peer.node.create_publisher(TwistStamped, "/imu/data", 10)
+        peer.spin_until(lambda: sim.process.poll() is not None, "its end")
+        assert sim.wait() == 2
+    assert "lockstep_topic: /imu/data is of TwistStamped: give PoseStamped, " in sim.complained[-1]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"lockstep_topic": "imu data"}, "lockstep_topic"),
+        ({"lockstep_nodes": "[a b]"}, "lockstep_nodes"),
+        ({"lockstep_nodes": "judge"}, "lockstep_nodes: 'judge' is not a list of strings: give for example"),
+        ({"lockstep_timeout": 0.0}, "lockstep_timeout: 0 is outside"),
+        ({"imu_rate": 0.0}, "lockstep_topic: imu/data can answer no reading without an IMU: give imu_rate"),
+    ],
+)
+def test_unusable_values_are_refused_in_one_line(domain: int, given: dict[str, object], said: str) -> None:
+    command = [sys.executable, "-m", "lie_rigid_body", "sim", *assignments(**{**BENCH, **given})]
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=DEADLINE, check=False)
+    assert done.returncode == 2, done.stderr
+    assert said in done.stderr.splitlines()[-1]
+
+
+def test_who_only_listens_is_no_filter_and_who_is_awaited_is_named(domain: int) -> None:
+    """An evaluator, a recorder, RViz: they have no publisher, or hear no sensor."""
+    with simulator(domain, lockstep_nodes="[/judge]") as sim, Peer("recorder", domain) as peer:
+        heard = [peer.listen(kind, topic) for kind, topic in ((Imu, "/imu/data_raw"), (PoseStamped, "/pose"))]
+        peer.listen(Imu, "/imu/data")
+
+        def said(*words: str) -> bool:
+            return any(all(word in line for word in words) for line in sim.complained)
+
+        peer.spin_until(lambda: said("waits for one node that publishes /imu/data", "/judge"), "a word")
+        with example(domain):
+            peer.spin_until(lambda: said("waits for subscriptions of /judge"), "a word about the judge")
+            assert not any(heard)
+            with evaluator(domain, "judge", estimate="/imu/data"):
+                peer.spin_until(lambda: all(len(messages) > 100 for messages in heard), "readings")
+        assert said("lock-step with /complementary_filter, which hears imu, magnetometer")
+        assert sim.end(signal.SIGINT) == 0
+
+
+def test_pause_step_and_reset_work_as_without_and_the_clock_goes_with_it(domain: int) -> None:
+    with simulator(domain, rate=100.0, lockstep_timeout=1.0) as sim, Peer("operator", domain) as peer:
+        readings = peer.listen(Imu, "/imu/data_raw", 10_000)
+        clock = peer.listen(Clock, "/clock", 10_000)
+        with example(domain):
+            peer.spin_until(lambda: readings, "readings")
+            halted = peer.stamp("pause")
+            time.sleep(1.5)  # longer than the timeout
+            assert peer.stamp("step") == halted - halted % 10_000_000 + 10_000_000
+            assert peer.stamp("step") == halted - halted % 10_000_000 + 20_000_000
+            begun = peer.stamp("reset")
+            assert peer.stamp("step") == begun
+            assert peer.call("resume").success
+            seen = len(readings)
+            peer.spin_until(lambda: len(readings) > seen + 100, "readings after a reset")
+        assert sim.wait() == 2  # its filter is gone
+    assert "/imu/data: no answer to " in sim.complained[-1]
+    times = [t.clock.sec * 10**9 + t.clock.nanosec for t in clock]
+    assert times == sorted(set(times))
+
+
+def test_sixty_seconds_with_a_fast_filter_take_less_than_ten(domain: int) -> None:
+    """Those of the processors, as others use this machine as well: simulator and filter take turns."""
+    begun: list[float] = []
+    with simulator(domain, lockstep_nodes="[/judge]") as sim, Peer("fast", domain) as peer:
+        publisher = peer.node.create_publisher(Imu, "/imu/data", 100)
+        waiting: dict[int, Any] = {}
+
+        def hear(message: Any) -> None:
+            stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+            partner = waiting.pop(stamp, None)
+            if partner is None:
+                waiting[stamp] = message
+                return
+            begun.append(time.process_time())
+            while time.process_time() < begun[-1] + 50e-6:
+                pass
+            answer = message if isinstance(message, Imu) else partner
+            answer.orientation_covariance[0] = 0.0
+            publisher.publish(answer)
+
+        peer.node.create_subscription(Imu, "/imu/data_raw", hear, 100)
+        peer.node.create_subscription(MagneticField, "/imu/mag", hear, 100)
+        with evaluator(domain, "judge", "--json", "--duration", "60", estimate="/imu/data") as judge:
+            peer.spin_until(lambda: begun, "a reading")
+            before = cpu_seconds(sim.process.pid)
+            peer.spin_until(lambda: judge.process.poll() is not None, "the score")
+            spent = cpu_seconds(sim.process.pid) - before + begun[6000] - begun[0]
+    assert judge.wait() == 0, judge.complained
+    assert json.loads("\n".join(judge.said))["samples"] == 6001
+    assert spent < 10.0

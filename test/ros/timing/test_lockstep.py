@@ -1,0 +1,223 @@
+"""Lock-step without ROS: a filter that the test is, on a steady clock that the test holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from operator import itemgetter
+from typing import Any
+
+import pytest
+from fake_time import NS, FakeTime, KeepingSink
+
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.messages.batch import Batch
+from lie_rigid_body.ros.timing.live_run import LiveRun
+from lie_rigid_body.ros.timing.lockstep import Lockstep
+from lie_rigid_body.ros.timing.mailbox import Call
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+BENCH = {"motion": "closed_form", "rate": 100.0, "imu_rate": 100.0, "magnetometer_rate": 100.0}
+
+
+class FilteredTime(FakeTime):
+    """A mailbox into which answers come, each so long after the filter could make it."""
+
+    def __init__(self, delay_ns: int) -> None:
+        super().__init__({})
+        self.delay_ns = delay_ns
+        self.answers: list[tuple[int, Callable[[], object]]] = []
+
+    def post(self, function: Callable[[], object]) -> None:
+        self.answers.append((self.now + self.delay_ns, function))
+
+    def wait(self, seconds: float) -> Call[object] | None:
+        self.waits.append(seconds)
+        end = self.now + max(0, round(seconds * NS))
+        self.answers.sort(key=itemgetter(0))
+        if len(self.waits) in self.calls:
+            return self.calls.pop(len(self.waits))
+        if self.answers and self.answers[0][0] <= end:
+            at, function = self.answers.pop(0)
+            self.now = max(self.now, at)
+            return Call(function)
+        self.now = end
+        return None
+
+
+class PairingFilter(KeepingSink):
+    """A filter that answers where it has a reading of each sensor with the same stamp, as the example node does."""
+
+    def __init__(self, interruption: Interruption, enough: int, time: FilteredTime, topics: set[str]) -> None:
+        super().__init__(interruption, enough, time.steady)
+        self.time, self.topics = time, topics
+        self.waiting: dict[str, set[int]] = {topic: set() for topic in topics}
+        self.answered: list[int] = []
+        self.unanswered_when_sent: list[int] = []
+        self.silent_from = 10**9
+        self.lockstep: Lockstep | None = None
+
+    def write(self, batch: Batch) -> None:
+        super().write(batch)
+        for messages in batch.sensors:
+            if messages.topic in self.topics:
+                for payload in messages.payloads:
+                    self.hear(messages.topic, stamp_of(payload))
+
+    def hear(self, topic: str, stamp: int) -> None:
+        self.waiting[topic].add(stamp)
+        if all(stamp in stamps for stamps in self.waiting.values()) and len(self.answered) < self.silent_from:
+            assert self.lockstep is not None
+            self.unanswered_when_sent.append(len(self.time.answers))
+            self.answered.append(stamp)
+            self.time.post(partial(self.lockstep.hear, stamp))
+            self.waiting = {name: {s for s in stamps if s > stamp} for name, stamps in self.waiting.items()}
+
+
+def stamp_of(payload: bytes) -> int:
+    return int.from_bytes(payload[4:8], "little") * NS + int.from_bytes(payload[8:12], "little")
+
+
+TOPICS = {"imu": "imu/data_raw", "magnetometer": "imu/mag"}
+
+
+class Run:
+    def __init__(
+        self,
+        *,
+        heard: tuple[str, ...] = ("imu", "magnetometer"),
+        delay_ns: int = 0,
+        factor: float = 0.0,
+        enough: int = 300,
+        timeout_ns: int = NS,
+        paused: bool = False,
+        ready_at: int = 0,
+        **parameters: object,
+    ) -> None:
+        self.interruption = Interruption()
+        self.time = FilteredTime(delay_ns)
+        self.looks = 0
+
+        def look() -> tuple[str, ...] | None:
+            self.looks += 1
+            return heard if self.looks > ready_at else None
+
+        self.lockstep = Lockstep("/imu/data", look, timeout_ns)
+        self.filter = PairingFilter(self.interruption, enough, self.time, {TOPICS[name] for name in heard})
+        self.filter.lockstep = self.lockstep
+        self.scenario = Scenario.from_parameters({**BENCH, **parameters})
+        self.live = LiveRun(
+            Simulation(self.scenario, NS),
+            [self.filter],
+            self.time,
+            self.interruption,
+            self.time.steady,
+            factor=factor,
+            paused=paused,
+            lockstep=self.lockstep,
+        )
+
+
+def test_each_reading_is_answered_before_the_next_is_sent() -> None:
+    run = Run(delay_ns=3_000_000)
+    run.live.run()
+    assert len(run.filter.answered) == 300
+    assert set(run.filter.unanswered_when_sent) == {0}
+    # as fast as the filter, and no faster
+    assert run.time.now - 5 * NS == pytest.approx(300 * 3_000_000, rel=0.01)
+
+
+@pytest.mark.parametrize(("delay_ns", "period_ns"), [(1_000_000, 5_000_000), (8_000_000, 8_000_000)])
+def test_the_real_time_factor_is_an_upper_limit(delay_ns: int, period_ns: int) -> None:
+    run = Run(delay_ns=delay_ns, factor=2.0)
+    run.live.run()
+    between = [b - a for a, b in zip(run.filter.sent_at, run.filter.sent_at[1:], strict=False)]
+    assert min(between) >= period_ns
+    assert sum(between) == pytest.approx(299 * period_ns, rel=0.01)
+
+
+def test_nothing_is_sent_until_all_are_there_however_long_it_takes() -> None:
+    run = Run(ready_at=500, timeout_ns=NS)
+    run.live.run()
+    assert run.time.now > 50 * NS
+    assert run.filter.stamps[0] == NS
+
+
+@pytest.mark.parametrize(
+    ("parameters", "share"),
+    [
+        ({"magnetometer_rate": 25.0}, 0.25),
+        ({"imu_rate": 25.0}, 0.25),
+        ({"magnetometer_rate": 30.0}, 0.1),
+        ({"imu_dropout_probability": 0.3}, 0.7),
+        ({"magnetometer_dropout_probability": 0.3}, 0.7),
+        ({"magnetometer_latency": 0.02}, 1.0),
+        ({"magnetometer_latency": 0.02, "magnetometer_latency_jitter": 0.05}, 1.0),
+        ({"imu_latency": 0.02, "imu_latency_jitter": 0.05}, 1.0),
+        ({"imu_latency_jitter": 0.05, "magnetometer_latency_jitter": 0.05}, 1.0),
+        ({"imu_clock_offset": 0.001}, 0.0),
+        ({"magnetometer_clock_skew": 1e-3}, 0.0),
+        ({"imu_clock_offset": -0.02, "magnetometer_rate": 50.0}, 0.5),
+    ],
+)
+def test_a_filter_that_pairs_its_sensors_never_waits_for_the_run_that_waits_for_it(
+    parameters: dict[str, Any], share: float
+) -> None:
+    run = Run(enough=400, delay_ns=1_000_000, timeout_ns=NS // 10, **parameters)
+    run.live.run()
+    assert len(run.filter.stamps) == 400
+    assert len(set(run.filter.answered)) / 400 == pytest.approx(share, abs=0.08)
+
+
+def test_a_sensor_that_the_filter_does_not_hear_is_not_waited_for() -> None:
+    run = Run(heard=("imu",), delay_ns=3_000_000, magnetometer_rate=1.0)
+    run.live.run()
+    assert len(run.filter.answered) == 300
+
+
+@pytest.mark.parametrize("others", [0, 3])
+def test_a_filter_that_gives_no_answer_ends_the_run_with_the_stamp_and_what_came_instead(others: int) -> None:
+    run = Run(timeout_ns=2 * NS)
+    run.filter.silent_from = 7
+    for number in range(others):
+        run.time.answers.append((7 * NS, partial(run.lockstep.hear, 5 + number)))
+    with pytest.raises(LieRigidBodyError) as failure:
+        run.live.run()
+    assert str(NS + 7 * 10_000_000) in str(failure.value)
+    assert ("3 others came, the last of 7 ns" if others else "none came") in str(failure.value)
+    assert len(run.filter.stamps) == 8
+    assert 2 * NS <= run.time.now - 5 * NS < 2.5 * NS
+
+
+def test_paused_time_is_left_out_of_the_timeout() -> None:
+    run = Run(timeout_ns=2 * NS)
+    run.filter.silent_from = 7
+    pauses: list[Call[object]] = [Call(run.live.pause), Call(run.live.resume)]
+    run.time.calls = {17: pauses[0]}
+    waited = run.time.wait
+
+    def wait(seconds: float) -> Call[object] | None:
+        if seconds > 100.0:  # paused, with nobody to wake it
+            run.time.now += 1000 * NS
+            return pauses[1]
+        return waited(seconds)
+
+    run.time.wait = wait  # type: ignore[method-assign]
+    with pytest.raises(LieRigidBodyError, match=str(NS + 7 * 10_000_000)):
+        run.live.run()
+    assert 1001.7 * NS <= run.time.now - 5 * NS < 1003 * NS
+
+
+def test_a_reset_with_the_same_sensors_goes_on_and_with_others_looks_anew() -> None:
+    run = Run(delay_ns=1_000_000)
+    run.time.calls = {50: Call(partial(run.live.reset, Scenario.from_parameters({**BENCH, "sensor_seed": 4})))}
+    run.live.run()
+    assert len(run.filter.answered) == 300
+    assert run.looks == 1
+    run = Run(delay_ns=1_000_000)
+    more = Scenario.from_parameters({**BENCH, "sun_sensor_rate": 10.0})
+    run.time.calls = {50: Call(partial(run.live.reset, more))}
+    run.live.run()
+    assert run.looks == 2

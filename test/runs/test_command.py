@@ -1,0 +1,129 @@
+"""Programs as estimators, each a real process."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import attitude_error, diagnose, simulate
+from lie_rigid_body.cli import diagnose as verb
+from lie_rigid_body.cli import league
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.runs.command import HEADER, CommandEstimator
+from lie_rigid_body.testing import command_estimator
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
+AT_REST = [0.0, 0.0, 0.0, 1.0]
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate(
+        "tumbling_cubesat",
+        duration=2.0,
+        imu_rate=100.0,
+        magnetometer_rate=30.0,
+        gyro_rate="integrated",
+        initial_attitude_xyzw=AT_REST,
+    )
+
+
+def python(tmp_path: Path, source: str, timeout_s: float = 30.0) -> CommandEstimator:
+    (tmp_path / "a filter.py").write_text(f"import os, sys, time\n{source}\n")
+    return CommandEstimator(f"{sys.executable} '{tmp_path / 'a filter.py'}'", timeout_s)
+
+
+def test_a_program_is_given_every_reading_to_the_last_bit(run, tmp_path):
+    estimate = python(tmp_path, "open(sys.argv[0] + '.csv', 'w').write(sys.stdin.read())\nprint('1,0,0,0,1')")
+    estimate(run)
+    header, *lines = (tmp_path / "a filter.py.csv").read_text().splitlines()
+    assert header == HEADER
+    rows = [line.split(",") for line in lines]
+    assert {len(row) for row in rows} == {10}
+    assert [int(row[0]) for row in rows] == sorted({*run.imu.t_ns.tolist(), *run.magnetometer.t_ns.tolist()})
+    imu = np.array([row[1:7] for row in rows if row[1]], dtype=float)
+    assert np.array_equal(imu, np.hstack([run.imu.gyro, run.imu.specific_force]))
+    assert np.array_equal(np.array([row[7:] for row in rows if row[7]], dtype=float), run.magnetometer.field)
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
+def test_the_example_in_cpp_is_exact_with_integrated_rates(run, tmp_path):
+    program = tmp_path / "gyro_only"
+    subprocess.run(["g++", "-O2", "-Wall", "-Werror", "-o", program, EXAMPLE], check=True, timeout=120)
+    t_ns, attitude = CommandEstimator(str(program))(run)
+    assert np.array_equal(t_ns, run.imu.t_ns)
+    truth = run.attitude().at(t_ns)
+    assert attitude_error(attitude, truth).total.max() < 1e-9
+
+
+def test_a_line_of_names_is_no_attitude_and_answers_may_be_fewer(run, tmp_path):
+    t_ns, attitude = python(tmp_path, "print('t_ns, x, y, z, w')\nprint('7,0,0,0,1')")(run)
+    assert (t_ns.tolist(), attitude.tolist()) == ([7], [AT_REST])
+
+
+@pytest.mark.parametrize(
+    ("source", "told"),
+    [
+        ("print('1,0,0,0,1')\nprint('2,0,0,zero,1')", ["line 2", "zero"]),
+        ("print('1,0,0,1')", ["line 1"]),
+        ("print('1.5,0,0,0,1')", ["line 1", "1.5"]),
+        ("print('99999999999999999999,0,0,0,1')", ["64 bits"]),
+        ("", ["no attitude"]),
+        ("sys.exit('the gain is missing')", ["status 1", "the gain is missing"]),
+        ("os.abort()", ["status -6"]),
+        ("sys.stdout.buffer.write(bytes([255, 254, 10]))", ["no text"]),
+    ],
+)
+def test_what_a_program_does_wrong_is_told_in_one_line(run, tmp_path, source, told):
+    with pytest.raises(InputError) as error:
+        python(tmp_path, source)(run)
+    line = str(error.value)
+    assert "\n" not in line
+    for words in told:
+        assert words in line
+
+
+def test_a_program_that_hangs_is_ended_with_what_it_started(run, tmp_path):
+    child = "import subprocess\nchild = subprocess.Popen(['sleep', '600'])\n"
+    hanging = python(tmp_path, f"{child}open(sys.argv[0] + '.pid', 'w').write(str(child.pid))\nchild.wait()", 2.0)
+    with pytest.raises(InputError, match="within 2 s"):
+        hanging(run)
+    process = Path("/proc", (tmp_path / "a filter.py.pid").read_text(), "stat")
+    while process.exists() and process.read_text().split()[2] != "Z":
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("command", ["", "/no/such/program"])
+def test_what_is_no_program_is_refused(run, command):
+    with pytest.raises(InputError):
+        CommandEstimator(command)(run)
+
+
+def test_a_program_is_diagnosed_and_ranked_as_a_function_is(tmp_path, monkeypatch, capsys):
+    (tmp_path / "csv_filter.py").write_text(
+        "import sys\n"
+        "print('t_ns,x,y,z,w')\n"
+        "for line in sys.stdin.readlines()[1:]:\n"
+        "    if line.split(',')[1]:\n"
+        "        print(line.split(',')[0] + ',0,0,0,1')\n"
+    )
+    command = f"{sys.executable} {tmp_path / 'csv_filter.py'}"
+    assert league.main(["--command", command, "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert row["filter"] == command
+    assert all(not result["failure"] for result in row["results"].values())
+    found = diagnose(command_estimator(command), max_runs=1, workers=2)
+    assert not found.passed
+    assert [probe.passed for probe in found.probes if probe.code == "follows"] == [False]
+    for main in (league.main, verb.main):
+        assert main(["a:b", "--command", command]) == 2
+    assert verb.main(["--command", "/no/such/program"]) == 2
+    assert verb.main([]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 4
