@@ -73,6 +73,8 @@ EVEN_SPIN: Final = 0.98
 """Squared length of the mean axis of rotation above which a lag is that of a turn earlier as well."""
 FAR: Final = 1.5
 """Ratio of two rates above which no error of a gyro feigns it."""
+LEAST_OFF: Final = 2e-3
+"""Least difference of a rate from 1: a lag with a little of a rate is a lag, as that of a right filter."""
 MOSTLY_SPANNED: Final = 0.8
 """Least share of the truth's times that stamps by another rate fill, where the body turns about one axis."""
 
@@ -288,6 +290,8 @@ def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
             return []
         few = track.part(covered[spread(len(covered), FIT_SAMPLES)])
         clock = fit([few], clock, steps=4)
+    if len(clock) > 1 and abs(rate_of(clock) - 1.0) < LEAST_OFF:
+        return []
     moved, own = undone(few, clock).known(), few.known()
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)

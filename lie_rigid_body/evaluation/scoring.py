@@ -181,9 +181,11 @@ def _diagnosis(
     lost = unlike and (choice is None or not (choice.named.causes or choice.follows))
     everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
     # a motion that nearly repeats has a near lag with a mounting for each far one
-    near = choice is not None and {"lag", "body_mounting"} <= {*choice.named.causes}
+    causes = {*choice.named.causes} if choice is not None else set[str]()
+    near = bool({"world_turned", "body_mounting"} & causes) and unlike
     found = other_clock(everything, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
-    if found is not None and (choice is None or not near or rms(found[1].errors()) <= TIE * choice.named.error):
+    most = np.inf if choice is None or not near else (TIE if "lag" in causes else 0.5) * choice.named.error
+    if found is not None and rms(found[1].errors()) <= most:
         clock, moved = found
         lag = clock_lag(clock, moved)
         return _Diagnosed(lag, (clock_finding(everything.known(), moved, clock),))
