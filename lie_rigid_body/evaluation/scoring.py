@@ -182,7 +182,7 @@ def _diagnosis(
     everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
     # a motion that nearly repeats has a near lag with a mounting for each far one
     causes = {*choice.named.causes} if choice is not None else set[str]()
-    near = bool({"world_turned", "body_mounting"} & causes) and unlike
+    near = bool({"world_turned", "body_mounting", "lag"} & causes) and unlike
     found = other_clock(everything, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
     most = np.inf if choice is None or not near else (TIE if "lag" in causes else 0.5) * choice.named.error
     if found is not None and rms(found[1].errors()) <= most:
