@@ -21,6 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
     topics = console.topic_names(given.topic, TRUE_TOPICS)
-    with progress_bar([path for path in (given.run, given.truth) if path], passes=1) as bar:
-        read = recorded_estimate(given.run, given.estimate, given.truth, topics, bar.update)
-    return answer(given, given.run, read, read.score(limits, given.covariance_axes))
+    bags = [path for path in (given.run, given.truth) if path]
+    with progress_bar(bags, passes=len(given.estimate)) as bar:
+        reads = [recorded_estimate(given.run, topic, given.truth, topics, bar.update) for topic in given.estimate]
+    return answer(given, given.run, [(read, read.score(limits, given.covariance_axes)) for read in reads])

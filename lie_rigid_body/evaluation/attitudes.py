@@ -1,4 +1,4 @@
-"""Attitudes beside each other: the turns from some to others, as vectors and as angles, and their mean."""
+"""Attitudes beside each other: the turns from some to others, as vectors and as angles."""
 
 from __future__ import annotations
 
@@ -28,18 +28,3 @@ def geodesic(start_xyzw: Array, end_xyzw: Array, fraction: Array) -> Array:
     return quaternion.multiply(
         start_xyzw, quaternion.exp(turns(start_xyzw, end_xyzw) * np.asarray(fraction)[..., np.newaxis])
     )
-
-
-def mean(attitude_xyzw: Array) -> Array:
-    """Mean of attitudes of shape (..., N, 4): the eigenvector of the largest eigenvalue of Σ q qᵀ.
-
-    F. L. Markley and others, Averaging Quaternions, J. Guidance, Control, and Dynamics 30 (2007) 1193, eq. 13.
-    """
-    outer = np.einsum("...na,...nb->...ab", attitude_xyzw, attitude_xyzw)
-    return np.asarray(np.linalg.eigh(outer)[1][..., -1])
-
-
-def from_mean(attitude_xyzw: Array) -> float:
-    """Median angle between attitudes, shape (N, 4), and their mean, rad: the error of an estimate that stands still."""
-    cosine = np.abs(attitude_xyzw @ mean(attitude_xyzw))
-    return float(np.median(2.0 * np.arccos(np.minimum(cosine, 1.0))))

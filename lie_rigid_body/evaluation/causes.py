@@ -2,12 +2,17 @@
 
 A cause is a transform of attitudes and their stamps, with constants or without. Undone with the right constants it
 leaves no error. Estimates of several runs share the constants.
+
+Most causes turn the quaternion as a vector of four numbers: the inverse, another order of the components and turns of
+the world and of the body are orthogonal 4 × 4 matrices U, and of a cause with constants U = Σ cᵢ Bᵢ with |c| = 1. With
+true attitudes q and estimates p the mean of cos² of half of the error is (1/N) Σ (qᵀ U p)² = uᵀ T u with the 16 numbers
+u of U and T = (1/N) Σ (q ⊗ p)(q ⊗ p)ᵀ: one matrix of sums judges them all, and the best c is an eigenvector.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 from typing import Final, Literal, get_args
 
@@ -15,23 +20,27 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.evaluation.alignment import ENU_TO_NED, FLU_TO_FRD, UP
 from lie_rigid_body.evaluation.attitude_error import angles
-from lie_rigid_body.evaluation.attitudes import angles_between, mean, turns
-from lie_rigid_body.evaluation.findings import angle_and_axis
+from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import components, short_repr
 
+UP: Final = np.array([0.0, 0.0, 1.0])
+"""Vertical of the world, its z axis."""
+ENU_TO_NED: Final = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
+"""Quaternion that exchanges x and y and negates z: half a turn about (1, 1, 0), its own inverse."""
+FLU_TO_FRD: Final = np.array([1.0, 0.0, 0.0, 0.0])
+"""Half a turn about the body's x axis, its own inverse."""
 LONGEST_LAG: Final = 0.5
 """Largest lag that is looked for, s."""
 LARGEST_CLOCK_RATE: Final = 2.0
 """Largest rate of a clock that is looked for, and the inverse of the smallest."""
 _SCANNED: Final = 40
 """Samples of a track at which starts of a fit are compared."""
-_STEPS: Final = 12
-"""Largest number of steps of Gauss and Newton."""
+_FITTED: Final = 200
+"""Samples of a track by which a constant of time is fitted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +66,11 @@ class Track:
 
     __repr__ = short_repr
 
+    @property
+    def since_s(self) -> Array:
+        """Times since the origin, s, shape (N,)."""
+        return np.asarray((self.stamps_ns - self.origin) / 1e9)
+
     def part(self, chosen: slice | Integers) -> Track:
         """Some of the samples."""
         stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
@@ -70,6 +84,10 @@ class Track:
     def few(self, most: int = _SCANNED) -> Track:
         """About so many of the samples, evenly chosen."""
         return self.part(slice(None, None, max(1, len(self.stamps_ns) // most)))
+
+    def known(self) -> Track:
+        """The samples at whose stamps the truth is known."""
+        return self.part(np.flatnonzero(self.truth.covers(self.stamps_ns)))
 
     def errors(self) -> Array:
         """Total error of each sample, shape (N,), rad."""
@@ -86,9 +104,11 @@ class Track:
 
 
 Tracks = Sequence[Track]
+Slopes = Callable[[Track, Array, Array], Array]
+"""Derivative of the error, undone so far, by the constants, (N, 3, n), from the track, the truth and its body rate."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cause:
     """One cause.
 
@@ -106,6 +126,12 @@ class Cause:
         What is wrong with the estimate, a sentence without a full stop, from the constants.
     deed : callable
         The repair in a few words, as a part of speech before "leaves", from the constants.
+    maps : tuple of ndarray, shape (d, 4, 4) each
+        Matrices of the repair, of several that there may be; of one with constants the base B. None of time.
+    slopes : callable
+        Of a cause with constants: the change of the error by a small change of them.
+    moved : callable
+        The constants after that.
     """
 
     code: str
@@ -114,6 +140,9 @@ class Cause:
     fits: Callable[[Tracks], Sequence[Array]]
     fact: Callable[[Array], str]
     deed: Callable[[Array], str]
+    maps: tuple[Array, ...] = ()
+    slopes: Slopes = field(default=lambda track, truth, rate: np.zeros((len(truth), 3, 0)), repr=False)
+    moved: Callable[[Array, Array], Array] = field(default=np.add, repr=False)
 
     def fitted(self, tracks: Tracks) -> tuple[Array, float]:
         """The best constants, and the RMS of the total error that they leave, rad."""
@@ -127,9 +156,68 @@ class Cause:
         return error_of([self.undo(track, constants) for track in tracks])
 
 
+Part = tuple[Cause, Array]
+"""A cause with its constants."""
+
+
 def error_of(tracks: Tracks) -> float:
     """RMS of the total error over all samples of tracks, rad."""
     return rms(np.concatenate([track.errors() for track in tracks]))
+
+
+def undone(track: Track, parts: Sequence[Part]) -> Track:
+    """The track without some causes, in their order."""
+    for cause, constants in parts:
+        track = cause.undo(track, constants)
+    return track
+
+
+def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
+    """Fit the constants of some causes together, from a start near them.
+
+    Gauss and Newton's steps, with the weights of Geman and McClure: far errors, as while a filter converges, hardly
+    count. What the motion does not tell apart stays where it was.
+    """
+    for _ in range(steps if any(cause.price for cause, _ in parts) else 0):
+        normal, slope = 0.0, 0.0
+        for track in tracks:
+            now = undone(track, parts)
+            truth, rate = now.truth.states(now.stamps_ns)
+            error = turns(truth, now.attitude_xyzw)
+            J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
+            weighted = J * weights(sizes(error))[:, np.newaxis, np.newaxis]
+            normal = normal + np.einsum("nia,nib->ab", weighted, J)
+            slope = slope + np.einsum("nia,ni->a", weighted, error)
+        step = np.clip(np.linalg.lstsq(np.atleast_2d(normal), np.atleast_1d(slope), rcond=1e-10)[0], -0.3, 0.3)
+        ends = np.cumsum([0, *(cause.price for cause, _ in parts)])
+        parts = [
+            (cause, cause.moved(constants, step[begin:end]) if cause.price else constants)
+            for (cause, constants), begin, end in zip(parts, ends[:-1], ends[1:], strict=True)
+        ]
+        if np.all(np.abs(step) < 1e-10):
+            break
+    return list(parts)
+
+
+def weights(norms: Array) -> Array:
+    """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians."""
+    scale = 3.0 * float(np.median(norms)) if norms.size else 0.0
+    return np.asarray(1.0 / (1.0 + (norms / scale) ** 2) ** 2 if scale else np.ones_like(norms))
+
+
+def products(track: Track, stamps_ns: Integers) -> Array:
+    """The 16 numbers q ⊗ p of each sample, of the truth at some stamps and the estimate, shape (..., N, 16)."""
+    q, p = track.truth.at(stamps_ns), track.attitude_xyzw
+    return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
+
+
+def _left(*turns_xyzw: Array) -> Array:
+    """Matrices of the products with quaternions from the left, shape (d, 4, 4)."""
+    return np.stack([quaternion.multiply(turn, np.eye(4)).T for turn in turns_xyzw])
+
+
+def _right(*turns_xyzw: Array) -> Array:
+    return np.stack([quaternion.multiply(np.eye(4), turn).T for turn in turns_xyzw])
 
 
 def _turned(track: Track, left: Array | None = None, right: Array | None = None) -> Track:
@@ -138,12 +226,9 @@ def _turned(track: Track, left: Array | None = None, right: Array | None = None)
     return replace(track, attitude_xyzw=q if right is None else quaternion.multiply(q, right))
 
 
-def _conjugated(track: Track, constants: Array) -> Track:
-    return replace(track, attitude_xyzw=quaternion.conjugate(track.attitude_xyzw))
-
-
-def _scalar_last(track: Track, constants: Array) -> Track:
-    return replace(track, attitude_xyzw=np.roll(track.attitude_xyzw, -1, axis=-1))
+def _by_map(maps: Array) -> Callable[[Track, Array], Track]:
+    """The repair by a matrix without constants."""
+    return lambda track, constants: replace(track, attitude_xyzw=track.attitude_xyzw @ maps[0].T)
 
 
 def _z_up(track: Track, frd_body: Array) -> Track:
@@ -158,25 +243,13 @@ def _reordered(track: Track, orders: Array) -> Track:
     return replace(track, attitude_xyzw=Rotation.from_euler(right, sorted_angles).as_quat())
 
 
-def _heading_undone(track: Track, heading: Array) -> Track:
-    return _turned(track, left=quaternion.exp(-heading[0] * UP))
-
-
-def _world_undone(track: Track, vector: Array) -> Track:
-    return _turned(track, left=quaternion.exp(-vector))
-
-
-def _mounting_undone(track: Track, vector: Array) -> Track:
-    return _turned(track, right=quaternion.exp(-vector))
-
-
 def _moved(track: Track, lag_s: Array) -> Track:
     return replace(track, stamps_ns=track.stamps_ns - np.int64(np.round(lag_s[0] * 1e9)))
 
 
 def _by_clock(track: Track, rate: Array) -> Track:
-    since = np.round((track.stamps_ns - track.origin) * rate[0]).astype(np.int64)
-    return replace(track, stamps_ns=track.origin + since)
+    since_ns = np.round(1e9 * track.since_s * rate[0]).astype(np.int64)
+    return replace(track, stamps_ns=track.origin + since_ns)
 
 
 def _fixed(*values: float) -> Callable[[Tracks], Sequence[Array]]:
@@ -184,64 +257,46 @@ def _fixed(*values: float) -> Callable[[Tracks], Sequence[Array]]:
     return lambda tracks: found
 
 
-def _world_errors(tracks: Tracks) -> Array:
-    """Error quaternions on the axes of the world, shape (N, 4)."""
-    pairs = [(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks]
-    return np.concatenate([quaternion.multiply(q, quaternion.conjugate(truth)) for q, truth in pairs])
+def _turn(maps: Array, constants: Callable[[Array], Array]) -> Callable[[Tracks], Sequence[Array]]:
+    """The best turn of a kind: an eigenvector, see above."""
+
+    def fits(tracks: Tracks) -> Sequence[Array]:
+        each = [products(track, track.stamps_ns) @ maps.reshape(-1, 16).T for track in tracks]
+        return [constants(np.linalg.eigh(sum(one.T @ one for one in each))[1][:, -1])]
+
+    return fits
 
 
-def _heading(tracks: Tracks) -> Sequence[Array]:
-    """The turn about the vertical that is nearest to the errors: an eigenvector as in `attitudes.mean`, of z and w."""
-    zw = _world_errors(tracks)[:, 2:]
-    z, w = np.linalg.eigh(zw.T @ zw)[1][:, -1]
-    return [np.array([2.0 * np.arctan2(z, w)])]
+def heading(c: Array) -> Array:
+    """Heading, rad, shape (1,), of the numbers (w, z) of the turn that undoes it."""
+    angle = -2.0 * np.arctan2(c[1], c[0])
+    return np.array([np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi])
 
 
-def _world(tracks: Tracks) -> Sequence[Array]:
-    return [quaternion.log(mean(_world_errors(tracks)))]
-
-
-def _mounting(tracks: Tracks) -> Sequence[Array]:
-    pairs = [(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks]
-    return [quaternion.log(mean(np.concatenate([quaternion.multiply(quaternion.conjugate(t), q) for q, t in pairs])))]
+def vector(c: Array) -> Array:
+    """Rotation vector, rad, of the numbers (w, x, y, z) of the turn that undoes it."""
+    return -quaternion.log(np.roll(c, -1))
 
 
 def _best_of_scan(tracks: Tracks, undo: Callable[[Track, Array], Track], values: Array) -> float:
     """The value that leaves the least, of a constant in whose fit there are several valleys."""
-    few = [track.few() for track in tracks]
     left = np.zeros(len(values))
-    for track in few:
+    for track in (track.few() for track in tracks):
         stamps = np.stack([undo(track, np.array([value])).stamps_ns for value in values])
-        truth = track.truth.at(stamps)
-        left += np.sum(angles(quaternion.multiply(track.attitude_xyzw, quaternion.conjugate(truth))).total ** 2, axis=1)
+        cosine = np.einsum("lni,ni->ln", track.truth.at(stamps), track.attitude_xyzw)
+        left += np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1)
     return float(values[np.argmin(left)])
 
 
-def _by_time(
-    tracks: Tracks,
-    undo: Callable[[Track, Array], Track],
-    start: float,
-    slopes: Callable[[Track], Array],
-) -> Array:
-    """Gauss and Newton's fit of a constant that changes stamps; `slopes` is the change of each stamp with it, s."""
-    value, few = start, [track.few(200) for track in tracks]
-    for _ in range(_STEPS):
-        normal = slope = 0.0
-        for track in few:
-            truth, rate = track.truth.states(undo(track, np.array([value])).stamps_ns)
-            J = rate * slopes(track)[:, np.newaxis]
-            normal += float(np.sum(J * J))
-            slope += float(np.sum(J * turns(truth, track.attitude_xyzw)))
-        step = slope / normal if normal else 0.0
-        value += float(np.clip(step, -0.1, 0.1))
-        if abs(step) < 1e-10:
-            break
-    return np.array([value])
+def _of_time(code: int, values: Array) -> Callable[[Tracks], Sequence[Array]]:
+    """A constant that changes stamps, fitted from the best of some values."""
 
+    def fits(tracks: Tracks) -> Sequence[Array]:
+        cause = CAUSES[code]
+        start = np.array([_best_of_scan(tracks, cause.undo, values)])
+        return [fit([track.few(_FITTED) for track in tracks], [(cause, start)])[0][1]]
 
-def _lag(tracks: Tracks) -> Sequence[Array]:
-    start = _best_of_scan(tracks, _moved, np.linspace(-LONGEST_LAG, LONGEST_LAG, 41))
-    return [_by_time(tracks, _moved, start, lambda track: -np.ones(len(track.stamps_ns)))]
+    return fits
 
 
 def _lag_of(sign: float) -> Callable[[Tracks], Sequence[Array]]:
@@ -255,21 +310,29 @@ def _lag_of(sign: float) -> Callable[[Tracks], Sequence[Array]]:
     return fits
 
 
-def _clock_rate(tracks: Tracks) -> Sequence[Array]:
-    rates = np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)
-    start = _best_of_scan(tracks, _by_clock, rates)
-    return [_by_time(tracks, _by_clock, start, lambda track: (track.stamps_ns - track.origin) / 1e9)]
-
-
 def _euler(tracks: Tracks) -> Sequence[Array]:
     """Every two orders of axes that differ."""
     return [np.array(pair, dtype=np.float64) for pair in permutations(range(len(_ORDERS)), 2)]
+
+
+def angle_and_axis(rotation: Array) -> str:
+    """Angle and axis of a rotation, shape (4,), in words."""
+    turn = quaternion.log(rotation)
+    angle = float(np.sqrt(turn @ turn))
+    return f"{np.degrees(angle):.4g}° about ({components(turn / angle if angle else turn, 3)})"
 
 
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
 _ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _NONE: Final = _fixed(0.0)
+_I, _J, _K, _ONE = np.eye(4)
+_INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])[np.newaxis]
+_SHIFT: Final = np.roll(np.eye(4), -1, axis=0)[np.newaxis]
+_ABOUT_UP: Final = _left(_ONE, _K)
+_OF_WORLD: Final = _left(_ONE, _I, _J, _K)
+_OF_BODY: Final = _right(_ONE, _I, _J, _K)
+_lag: Final = _of_time(6, np.linspace(-LONGEST_LAG, LONGEST_LAG, 41))
 
 
 def _said(text: str) -> Callable[[Array], str]:
@@ -280,18 +343,20 @@ CAUSES: Final = (
     Cause(
         "inverted",
         0,
-        _conjugated,
+        _by_map(_INVERSE),
         _NONE,
         _said("The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"),
         _said("Conjugated it"),
+        (_INVERSE,),
     ),
     Cause(
         "scalar_first",
         0,
-        _scalar_last,
+        _by_map(_SHIFT),
         _NONE,
         _said("The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"),
         _said("With the scalar last it"),
+        (_SHIFT,),
     ),
     Cause(
         "ned_world",
@@ -300,6 +365,7 @@ CAUSES: Final = (
         _fixed(0.0, 1.0),
         lambda c: f"The world of the estimate is north-east-down{' and its body forward-right-down' if c[0] else ''}",
         lambda c: f"Turned to z up from the left{', and half a turn about x from the right' if c[0] else ''}, it",
+        (_left(ENU_TO_NED), _left(ENU_TO_NED) @ _right(FLU_TO_FRD)),
     ),
     Cause(
         "euler_order",
@@ -312,21 +378,26 @@ CAUSES: Final = (
     Cause(
         "heading_offset",
         1,
-        _heading_undone,
-        _heading,
+        lambda track, angle: _turned(track, left=quaternion.exp(-angle[0] * UP)),
+        _turn(_ABOUT_UP, heading),
         lambda c: (
             f"The world of the estimate is turned by {np.degrees(c[0]):+.4g}° about the vertical: tell the filter its "
             "magnetic declination or what its x axis is"
         ),
         lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° from the left the estimate",
+        (_ABOUT_UP,),
+        lambda track, truth, rate: quaternion.rotate(quaternion.conjugate(truth), UP)[..., np.newaxis],
     ),
     Cause(
         "world_turned",
         3,
-        _world_undone,
-        _world,
+        lambda track, turn: _turned(track, left=quaternion.exp(-turn)),
+        _turn(_OF_WORLD, vector),
         lambda c: f"The world of the estimate is turned by {angle_and_axis(quaternion.exp(c))} of the world",
         _said("Turned back from the left the estimate"),
+        (_OF_WORLD,),
+        lambda track, truth, rate: np.swapaxes(quaternion.to_matrix(truth), 1, 2),
+        lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(turn), quaternion.exp(step))),
     ),
     Cause(
         "lagging",
@@ -335,6 +406,7 @@ CAUSES: Final = (
         _lag_of(1.0),
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
         _said("With these stamps it"),
+        slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
         "leading",
@@ -343,25 +415,31 @@ CAUSES: Final = (
         _lag_of(-1.0),
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
         _said("With these stamps it"),
+        slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
         "clock_rate",
         1,
         _by_clock,
-        _clock_rate,
+        _of_time(8, np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)),
         lambda c: f"The clock of the estimate's stamps runs {1.0 / c[0]:.5g} times as fast as that of the readings",
         _said("Stamped with the time of the readings it"),
+        slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
     ),
     Cause(
         "body_mounting",
         3,
-        _mounting_undone,
-        _mounting,
+        lambda track, turn: _turned(track, right=quaternion.exp(-turn)),
+        _turn(_OF_BODY, vector),
         lambda c: f"The body axes of the estimate are turned by {angle_and_axis(quaternion.exp(c))} of the body",
         _said("Turned back from the right the estimate"),
+        (_OF_BODY,),
+        lambda track, truth, rate: np.broadcast_to(np.eye(3), (len(truth), 3, 3)),
+        lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(step), quaternion.exp(turn))),
     ),
 )
 """The causes, in the order in which they are named where several do as well and cost as much."""
+BY_CODE: Final = {cause.code: cause for cause in CAUSES}
 
 
 def _order(number: float) -> str:

@@ -1,320 +1,307 @@
-"""Another clock: stamps of an estimate that run faster or slower than those of the truth, or are off by far.
+"""The clock of an estimate's stamps: its lag with a standard error, a far lag, or another rate.
 
-The true time of a sample is anchor + rate · (stamp − anchor) − lag. One grid has all lags at the rate 1, others all
-rates with the clocks alike at the first estimate, the first truth, or 0, as where a unit is mistaken. The best point
-is refined by the lags of both halves. Conventions and misalignments are none: with them, another motion would do.
+A lag is told where it is one and not what slow errors feign. Another clock, as by a mistaken unit or by the time of day
+beside a replay, is looked for where nothing else explains a large error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import ceil
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.evaluation.alignment import LAG, Misalignment, RunComparison, fit, lag_standard_error
-from lie_rigid_body.evaluation.attitudes import from_mean, sizes
-from lie_rigid_body.evaluation.estimate import FARTHEST_NS
-from lie_rigid_body.evaluation.explanation import NEGLIGIBLE
-from lie_rigid_body.evaluation.gyro_errors import left_by_gyro_errors
-from lie_rigid_body.evaluation.lag import LAG_SAMPLES
-from lie_rigid_body.evaluation.search import spread
-from lie_rigid_body.evaluation.statistics import FEWEST_SAMPLES, worst_quarter
-from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.attitudes import sizes, turns
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
+from lie_rigid_body.evaluation.naming import (
+    BOTH,
+    FEWEST,
+    LEAD,
+    LEAST_LATE,
+    NEGLIGIBLE,
+    SHARE,
+    SPIN,
+    UNLIKE,
+    Explanation,
+    quarters,
+    spins,
+    spread,
+    still,
+)
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
+SAMPLES: Final = 4000
+"""Largest number of samples that the lag is fitted to."""
+SIGNIFICANT: Final = 3.0
+"""Largest lag, in standard errors, that counts as none."""
+SURE: Final = 8.0
+"""Least lag, in standard errors, that is told and named also where other errors are larger."""
+UNSTEADY: Final = 0.25
+"""Largest relative difference between the lag of each half of a run and that of the whole; a drift makes a half."""
+LARGEST_INFLATION: Final = 10.0
+"""Largest variance inflation factor at which a lag counts as told apart from turns."""
+SLOWEST_RATE: Final = 1e-6
+"""Least body rate that tells something about time, rad/s."""
+LOST: Final = float(np.radians(20.0))
+"""Median error above which an estimate follows the truth too little to tell a lag, rad."""
+FINEST_S: Final = 1e-9
+"""Least standard error of a lag, s: stamps are whole nanoseconds."""
+FULL: Final = 0.999
+"""Share of the longest lag from which on a lag is at the limit of the search."""
+
 LARGEST_LEFT: Final = float(np.radians(5.0))
-"""Largest median angle that is left by a clock that is named, rad."""
-LARGEST_SHARE: Final = 0.25
-"""Largest median angle that is left by a clock that is named, as a share of the error and of `from_mean`."""
-AS_GOOD: Final = 1.25
-"""Ratio of the median angles left by errors of a gyro and by another rate, up to which the gyro is taken."""
-LEAST_COVERED: Final = 0.25
-"""Least share of the samples that a clock of rate 1 puts within the truth's times."""
-MOSTLY_COVERED: Final = 0.9
-"""Least share of the samples that a clock of another rate puts within the truth's times."""
+"""Largest error, root mean square in a quarter, that is left by another clock, rad: any clock fits a little."""
+LEAST_COVERED: Final = {True: 0.25, False: 0.9}
+"""Least share of the samples within the truth's times by another lag, and by another rate."""
 MOST_STRAY: Final = 0.05
 """Largest share of the samples at either end that may be stamped far from all others, and are then left out."""
-UNEVEN: Final = 3.0
-"""Largest ratio of the median angle in a quarter of the run, from the second on, to that of the whole run."""
-
-TABLE_TURN: Final = 0.1
-"""Turn of the body between points of the table of the truth, rad."""
-GRID_STEP: Final = 2.0
-"""Distance between neighbouring points of a grid, in points of the table."""
-MOST_POINTS: Final = 20_000
-"""Largest number of points of the table of the truth; of a longer run the first part tells the clock."""
-MOST_CLOCKS: Final = 50_000
-"""Largest number of points of a grid; a larger grid is not searched."""
+GRID_TURN: Final = 0.2
+"""Turn of the body from one clock that is tried to the next, rad."""
+MOST_CLOCKS: Final = 5000
+"""Largest number of clocks that are tried of one kind; where it would take more, none is."""
 LEAST_TURN: Final = 0.1
 """Least turn of the body in the whole run that tells a clock, rad."""
+GRID_SAMPLES: Final = 60
+FIT_SAMPLES: Final = 300
+"""Largest number of samples by which clocks are tried, and fitted."""
 MOST_REFINED: Final = 5
-"""Largest number of points of a grid that are refined."""
-GRID_SAMPLES: Final = 80
-"""Number of samples by which a point of a grid is judged."""
-FIT_SAMPLES: Final = 200
-"""Largest number of samples by which a clock is refined."""
-ROUNDS: Final = 12
-"""Largest number of rounds of a refinement."""
-SPIN: Final = 0.98
-"""Squared length of the mean axis of rotation above which a body counts as turning about one axis."""
+EVEN_SPIN: Final = 0.98
+"""Squared length of the mean axis of rotation above which a lag is that of a turn earlier as well."""
 FAR: Final = 1.5
-"""Ratio of two clock rates above which no error of a gyro feigns it."""
+"""Ratio of two rates above which no error of a gyro feigns it."""
+LEAST_OFF: Final = 2e-3
+"""Least difference of a rate from 1: a lag with a little of a rate is a lag, as that of a right filter."""
 MOSTLY_SPANNED: Final = 0.8
-"""Least share of the truth's times that samples span which are said to fill them."""
-ONLY_LAG: Final = frozenset({LAG})
-FINE: Final = 1e-8
-"""Lag below which a refinement ends, s."""
+"""Least share of the truth's times that stamps by another rate fill, where the body turns about one axis."""
+
+Clock = list[Part]
+"""A rate, and a lag, by which stamps are those of the truth; of a lag alone only that."""
 
 
 @dataclass(frozen=True)
-class StampClock:
-    """Clock of an estimate's stamps, relative to that of the truth.
+class Lag:
+    """A lag that is told.
 
     Attributes
     ----------
-    rate : float
-        Seconds of the truth in a second of the estimate's stamps.
-    anchor_ns : int
-    lag_s : float
-        The true time of a stamp is anchor + rate · (stamp − anchor) − lag.
-    median : float
-        Of the angles that are left, rad; infinite if it is not known, or the clock explains nothing.
+    lag_s, standard_error_s : float or None
+        None where the motion and the errors do not tell it.
+    sure : bool
+        Whether it is a cause beside errors as large.
     """
 
-    rate: float
-    anchor_ns: int
-    lag_s: float = 0.0
-    median: float = np.inf
+    lag_s: float | None = None
+    standard_error_s: float | None = None
+    sure: bool = False
 
     __repr__ = short_repr
 
-    def true_stamps(self, stamps_ns: Integers) -> Integers:
-        """True times of stamps, ns."""
-        since = self.rate * (stamps_ns - self.anchor_ns) - 1e9 * self.lag_s
-        return np.asarray(self.anchor_ns + np.clip(np.round(since), -FARTHEST_NS, FARTHEST_NS).astype(np.int64))
 
-    @property
-    def cost(self) -> float:
-        """Cost as `Explanation.cost`: one cause, less simple than a heading; another rate beside a lag is two."""
-        return 1.06 + 1.0 * (self.rate != 1.0) + float(np.log2(self.median))
+def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
+    """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
 
-    def moved(self, early: tuple[float, float], late: tuple[float, float]) -> StampClock:
-        """Clock without the lags, s, that it has at two true times, s after the anchor."""
-        (t, lag), (later, other) = early, late
-        drift = (other - lag) / (later - t) if later != t else 0.0
-        return StampClock(self.rate * (1.0 - drift), self.anchor_ns, self.lag_s * (1.0 - drift) + lag - drift * t)
+    Where it does not, the lag is fitted beside the turns that are named. It is told where it is named, where it is
+    sure, and where it is none, to an error that is small beside a lag that would turn the body by what is left.
+    """
+    parts = [part for part in named.parts if part[0].code in BOTH]
+    given = track.part(spread(len(track.stamps_ns), SAMPLES))
+    track = undone(given, [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    lag = (BY_CODE["lagging"], np.array([named.lag_s or 0.0]))
+    both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
+    for turned in ([*parts, *both], parts):
+        if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
+            fitted = fit([track], [*turned, lag])
+            if abs(fitted[-1][1][0]) > FULL * longest_lag_s:
+                return Lag()
+            if named.lag_s is not None:
+                return Lag(float(fitted[-1][1][0]), standard_error(track, fitted))
+            found = _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
+            return found if turned is not parts or len(parts) == len(BOTH) else replace(found, sure=False)
+    return Lag()
 
 
-def other_clock(comparison: RunComparison, error: float) -> StampClock | None:
+def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], period_s: float) -> Lag:
+    """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be."""
+    lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
+    left, before, raw = (float(np.median(undone(track, parts).errors())) for parts in (fitted, without, ()))
+    turn = rms(sizes(track.truth.states(track.stamps_ns)[1]))
+    if left > LOST:
+        return Lag()
+    clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
+    if clear and abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and _is_steady(track, fitted):
+        lead = -LEAD * period_s <= lag_s <= 0.0
+        return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, LEAST_LATE * period_s) and not lead)
+    error = max(standard_error(track, without), FINEST_S)
+    told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * turn <= max(before, NEGLIGIBLE)
+    return Lag(lag_s, error) if told else Lag()
+
+
+def _is_steady(track: Track, fitted: Sequence[Part]) -> bool:
+    """Whether each half of a run alone tells about the same lag; what drifts feign hardly does."""
+    lag_s = fitted[-1][1][0]
+    halves = np.array_split(np.arange(len(track.stamps_ns)), 2)
+    alone = np.array([fit([track.part(half)], fitted)[-1][1][0] for half in halves])
+    return bool(np.all(np.abs(alone - lag_s) <= UNSTEADY * abs(lag_s)))
+
+
+def _derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
+    """Derivative by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
+    now = undone(track, parts)
+    truth, rate = now.truth.states(now.stamps_ns)
+    J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
+    return J, turns(truth, now.attitude_xyzw), truth
+
+
+def _separable(track: Track, parts: Sequence[Part]) -> bool:
+    """Whether the motion tells the lag, the last of some constants, from the others, and turns at all.
+
+    The variance of a lag that is fitted alone grows by a factor when others are fitted with it.
+    """
+    J = _derivative(track, parts)[0]
+    normal = np.einsum("nia,nib->ab", J, J)
+    alone = float(normal[-1, -1])
+    shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
+    return bool(alone > SLOWEST_RATE**2 * len(J) and alone <= LARGEST_INFLATION * (alone - shared))
+
+
+def standard_error(track: Track, parts: Sequence[Part]) -> float:
+    """Standard error of the lag, the last of fitted constants, s.
+
+    The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
+    circle, is what errors of that spectrum make of a lag where there is none: its root mean square over all shifts
+    counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
+    those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
+    tell nothing: errors that are independent are counted as well. The largest value counts.
+    """
+    J, error, truth = _derivative(track, parts)
+    weight = weights(sizes(error))[:, np.newaxis]
+    normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
+    G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
+    independent = float(np.sqrt(np.sum(G**2) * np.mean(psi**2)))
+    on_world = [quaternion.rotate(truth, vectors) for vectors in (G, psi)]
+    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world), independent)
+
+
+def _rms_over_shifts(G: Array, errors: Array) -> float:
+    """Root mean square of Σ G · errors over all circular shifts of the errors, both of shape (N, 3)."""
+    spectra = np.conj(np.fft.rfft(G, axis=0)) * np.fft.rfft(errors, axis=0)
+    return rms(np.fft.irfft(spectra.sum(axis=1), n=len(G)))
+
+
+def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | None:
     """Search for another clock by which an estimate follows the truth.
 
     Parameters
     ----------
-    comparison : RunComparison
-        Of all samples, also those outside of the truth's times.
-    error : float
-        Median error by the stamps as they are, rad.
+    track : Track
+        All samples, also those outside of the truth's times.
+    beyond_s : float
+        Lags up to this were judged before, s.
 
     Returns
     -------
-    StampClock or None
+    tuple of Clock and Track, or None
+        The clock, and the samples that it puts within the truth's times.
     """
-    table, comparison = _Table.of(comparison.truth), _without_strays(comparison)
-    if table is None or len(comparison.stamps_ns) < FEWEST_SAMPLES:
+    truth, track = track.truth, _without_strays(track)
+    some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
+    fastest = float(sizes(truth.states(some[truth.covers(some)])[1]).max(initial=0.0))
+    if fastest * (truth.last_ns - truth.first_ns) < 1e9 * LEAST_TURN or len(track.stamps_ns) < FEWEST:
         return None
     found = []
-    for grid in _grids(comparison, table):
-        for k in _lowest(table.costs(grid, comparison)):
-            clock = _refined(grid.clock(k), comparison, table.step_ns / 1e9)
-            found.append(replace(clock, median=_left(clock, comparison)))
-    best = min(found, key=lambda clock: clock.cost, default=None)
-    if best is None or best.median > min(LARGEST_LEFT, LARGEST_SHARE * error) or _is_of_a_gyro(best, comparison):
-        return None
-    return best
+    for rates, lags in _grids(track, GRID_TURN / fastest):
+        for k in _lowest(_costs(track, rates, lags)):
+            lag = (BY_CODE["lagging"], np.array([lags[k]]))
+            clock = [lag] if rates[k] == 1.0 else [(BY_CODE["clock_rate"], np.array([rates[k]])), lag]
+            found += [one for one in _refined(track, clock) if len(clock) > 1 or abs(one[0][0][1][0]) > beyond_s]
+    # as good as each other: one constant before two
+    return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].errors())), default=None)
 
 
-def _without_strays(comparison: RunComparison) -> RunComparison:
-    """Comparison without the few samples that are farther from all others than these span, as by one wrong stamp."""
-    stamps, few = comparison.stamps_ns, round(MOST_STRAY * len(comparison.stamps_ns))
+def rate_of(clock: Clock) -> float:
+    """Seconds of the truth in a second of the stamps."""
+    return float(clock[0][1][0]) if len(clock) > 1 else 1.0
+
+
+def clock_lag(clock: Clock, track: Track) -> Lag:
+    """Lag of a clock and its standard error by the samples that it covers; none of a clock of another rate."""
+    (cause, lag_s), *rate = clock[::-1]
+    return Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [(cause, np.zeros(1))]))
+
+
+def _without_strays(track: Track) -> Track:
+    """The track without the few samples that are farther from all others than these span, as by one wrong stamp."""
+    stamps, few = track.stamps_ns, round(MOST_STRAY * len(track.stamps_ns))
     first, last = int(stamps[few]), int(stamps[-1 - few])
-    span = last - first
-    return comparison.part(np.flatnonzero((stamps >= first - span) & (stamps <= last + span)))
+    kept = np.flatnonzero((stamps >= 2 * first - last) & (stamps <= 2 * last - first))
+    return replace(track.part(kept), origin_ns=None)  # a rate is about the first of these
 
 
-def _is_of_a_gyro(clock: StampClock, comparison: RunComparison) -> bool:
-    """Whether errors of a gyro explain as much as another clock rate that does not fill the truth's times."""
-    known = comparison.part(np.flatnonzero(comparison.truth.covers(comparison.stamps_ns)))
-    if clock.rate == 1.0 or len(known.stamps_ns) < FEWEST_SAMPLES or _spans(clock, by_clock(comparison, clock)):
-        return False
-    return left_by_gyro_errors(known) <= AS_GOOD * clock.median
+def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
+    """Rates and lags, s, that are tried: all lags, then all rates by which the last sample is within the truth."""
+    truth, first, last = track.truth, int(track.stamps_ns[0]), int(track.stamps_ns[-1])
+    begin, end = (first - truth.last_ns) / 1e9, (last - truth.first_ns) / 1e9
+    if end - begin <= MOST_CLOCKS * step_s:
+        lags = np.arange(begin, end, step_s)
+        yield np.ones(len(lags)), lags
+    for anchor in {first, truth.first_ns, 0}:
+        span = (truth.last_ns - anchor) / 1e9
+        if truth.first_ns <= anchor < last and step_s <= span <= MOST_CLOCKS * step_s:
+            rates = np.arange(step_s, span + step_s, step_s) * 1e9 / (last - anchor)
+            yield rates, (anchor - first) / 1e9 * (rates - 1.0)
+
+
+def _costs(track: Track, rates: Array, lags_s: Array) -> Array:
+    """Mean sine of half of the error by each clock; infinite where it leaves too few samples within the truth."""
+    few, truth = track.part(spread(len(track.stamps_ns), GRID_SAMPLES)), track.truth
+    since = (few.stamps_ns - track.stamps_ns[0]) / 1e9
+    found = []
+    for part in np.array_split(np.arange(len(rates)), len(rates) // 500 + 1):
+        true_s = rates[part, np.newaxis] * since - lags_s[part, np.newaxis]
+        stamps = track.stamps_ns[0] + np.round(1e9 * true_s).astype(np.int64)
+        known, at = truth.covers(stamps), truth.at(np.clip(stamps, truth.first_ns, truth.last_ns))
+        sine = np.sqrt(np.maximum(1.0 - np.einsum("gni,ni->gn", at, few.attitude_xyzw) ** 2, 0.0))
+        cost = np.sum(sine, axis=1, where=known) / np.maximum(known.sum(axis=1), 1)
+        found.append(np.where(known.mean(axis=1) >= LEAST_COVERED[bool(np.all(rates == 1.0))], cost, np.inf))
+    return np.concatenate(found)
 
 
 def _lowest(costs: Array) -> list[int]:
-    """Indices of the minima that are as low as the grid can tell, the lowest first."""
-    padded = np.concatenate([[np.inf], costs, [np.inf]])
-    minima = np.flatnonzero(np.isfinite(costs) & (costs <= padded[:-2]) & (costs <= padded[2:]))
-    near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + TABLE_TURN / 2.0]
+    """Numbers of the minima that are as low as a grid can tell, the lowest first."""
+    around = np.concatenate([[np.inf], costs, [np.inf]])
+    minima = np.flatnonzero(np.isfinite(costs) & (costs <= around[:-2]) & (costs <= around[2:]))
+    near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + 0.25 * GRID_TURN]
     return [int(k) for k in near[np.argsort(costs[near])][:MOST_REFINED]]
 
 
-def by_clock(comparison: RunComparison, clock: StampClock) -> RunComparison:
-    """Comparison of the samples that a clock puts within the truth's times, at their true times."""
-    true = clock.true_stamps(comparison.stamps_ns)
-    return replace(comparison, stamps_ns=true).part(np.flatnonzero(comparison.truth.covers(true)))
+def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
+    """The clock fitted to the samples that it covers, and these; none where it explains little.
 
-
-def clock_lag(comparison: RunComparison, clock: StampClock) -> tuple[float, float] | tuple[None, None]:
-    """Lag of a clock and its standard error, s; none of a clock of another rate."""
-    if clock.rate != 1.0:
-        return None, None
-    true = by_clock(comparison, clock)
-    some = true.part(spread(len(true.stamps_ns), LAG_SAMPLES))
-    return clock.lag_s, lag_standard_error(some, ONLY_LAG, Misalignment())
-
-
-@dataclass(frozen=True)
-class _ClockGrid:
-    """Grid of clocks with one anchor."""
-
-    anchor_ns: int
-    rates: Array
-    lags_s: Array
-
-    def clock(self, k: int) -> StampClock:
-        return StampClock(float(self.rates[k]), self.anchor_ns, float(self.lags_s[k]))
-
-    @property
-    def least_covered(self) -> float:
-        return LEAST_COVERED if np.all(self.rates == 1.0) else MOSTLY_COVERED
-
-
-def _grids(comparison: RunComparison, table: _Table) -> Iterator[_ClockGrid]:
-    """Grids of all lags, and of all rates by which the last sample is within the truth's times."""
-    truth, step = comparison.truth, GRID_STEP * table.step_ns
-    first, last = int(comparison.stamps_ns[0]), int(comparison.stamps_ns[-1])
-    begin, end = ceil((first - table.last_ns) / step), ceil((last - truth.first_ns) / step)
-    if end - begin <= MOST_CLOCKS:
-        lags = np.arange(begin, end, dtype=np.float64) * step / 1e9
-        yield _ClockGrid(first, np.ones(len(lags)), lags)
-    for anchor in {first, truth.first_ns, 0}:
-        count = int((truth.last_ns - anchor) / step) + 1
-        if truth.first_ns <= anchor < last and 0 < count <= MOST_CLOCKS:
-            rates = np.arange(1, count + 1) * step / (last - anchor)
-            yield _ClockGrid(anchor, rates, np.zeros(count))
-
-
-@dataclass(frozen=True)
-class _Table:
-    """Table of the truth at even times, the share of the run that they span, and where the truth is known."""
-
-    first_ns: int
-    step_ns: float
-    share: float
-    attitude_xyzw: Array
-    known: Booleans
-
-    @classmethod
-    def of(cls, truth: Truth) -> _Table | None:
-        """Tabulate the truth as finely as the motion asks for; None if the body hardly turns."""
-        some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
-        some = some[truth.covers(some)]
-        rate = truth.states(some)[1] if some.size else np.zeros((1, 3))
-        fastest = float(sizes(rate).max())
-        duration = truth.last_ns - truth.first_ns
-        if fastest * duration < 1e9 * LEAST_TURN:
-            return None
-        step = 1e9 * TABLE_TURN / fastest
-        count = min(int(duration / step) + 1, MOST_POINTS)
-        stamps = truth.first_ns + np.round(step * np.arange(count)).astype(np.int64)
-        return cls(truth.first_ns, step, step * (count - 1) / duration, truth.at(stamps), truth.covers(stamps))
-
-    @property
-    def last_ns(self) -> int:
-        return self.first_ns + round(self.step_ns * (len(self.known) - 1))
-
-    def costs(self, grid: _ClockGrid, comparison: RunComparison) -> Array:
-        """Mean sine of half of the angles by each clock; infinite where it leaves too few samples within the table."""
-        stamps, estimate = comparison.stamps_ns, comparison.estimate_xyzw
-        fewest = max(FEWEST_SAMPLES, grid.least_covered * self.share * len(stamps))
-        since = (stamps - grid.anchor_ns).astype(np.float64)
-        found = []
-        for part in np.array_split(np.arange(len(grid.rates)), len(grid.rates) // 1000 + 1):
-            rate, lag = grid.rates[part], 1e9 * grid.lags_s[part]
-            begin = np.searchsorted(since, (self.first_ns - grid.anchor_ns + lag) / rate)
-            end = np.searchsorted(since, (self.last_ns - grid.anchor_ns + lag) / rate, side="right")
-            fraction = np.linspace(0.0, 1.0, GRID_SAMPLES)
-            chosen = begin[:, np.newaxis] + (np.maximum(end - begin - 1, 0)[:, np.newaxis] * fraction).astype(np.int64)
-            chosen = np.minimum(chosen, len(stamps) - 1)
-            true = rate[:, np.newaxis] * since[chosen] - lag[:, np.newaxis] + (grid.anchor_ns - self.first_ns)
-            place = np.clip(np.round(true / self.step_ns), 0, len(self.known) - 1).astype(np.int64)
-            cosine = np.einsum("ijk,ijk->ij", self.attitude_xyzw[place], estimate[chosen])
-            sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
-            cost = np.sum(sine, axis=1, where=self.known[place]) / np.maximum(np.sum(self.known[place], axis=1), 1)
-            found.append(np.where(end - begin >= fewest, cost, np.inf))
-        return np.concatenate(found)
-
-
-def _refined(clock: StampClock, comparison: RunComparison, step_s: float) -> StampClock:
-    """Refine the lag of a clock, and its rate if that is not 1, until the estimate follows the truth best."""
-    for _ in range(ROUNDS):
-        true = by_clock(comparison, clock)
-        if len(true.stamps_ns) < FEWEST_SAMPLES:
-            return clock
-        few = replace(true, longest_lag_s=5.0 * step_s).part(spread(len(true.stamps_ns), FIT_SAMPLES))
-        whole = np.arange(len(few.stamps_ns))
-        parts = [few.part(part) for part in np.array_split(whole, 1 if clock.rate == 1.0 else 2)]
-        lags = [(float(np.mean(part.stamps_ns - clock.anchor_ns)) / 1e9, _lag(part)) for part in parts]
-        clock = clock.moved(lags[0], lags[-1])
-        if max(abs(lag) for _, lag in lags) < FINE:
-            break
-    return clock
-
-
-def _lag(comparison: RunComparison) -> float:
-    return fit(comparison, ONLY_LAG, Misalignment(), steps=3, smallest_step=FINE).lag_s
-
-
-def _left(clock: StampClock, comparison: RunComparison) -> float:
-    """Median angle that a clock leaves, rad; infinite if the estimate does not follow the body all along by it."""
-    true = by_clock(comparison, clock)
-    share = LEAST_COVERED if clock.rate == 1.0 else MOSTLY_COVERED
-    if len(true.stamps_ns) < max(FEWEST_SAMPLES, share * len(comparison.stamps_ns)):
-        return np.inf
-    angles, few = true.angles(Misalignment()), true.part(spread(len(true.stamps_ns), FIT_SAMPLES))
-    left, (attitude, rate) = max(float(np.median(angles)), NEGLIGIBLE), few.true_states(0.0)
-    uneven = worst_quarter(angles) > UNEVEN * left
-    unlike = left > LARGEST_SHARE * min(from_mean(attitude), _as_stamped(clock, comparison))
-    feigned = _is_spin(rate) and not (_spans(clock, true) if clock.rate != 1.0 else _is_within_half_a_turn(clock, rate))
-    return np.inf if uneven or unlike or feigned else left
-
-
-def _as_stamped(clock: StampClock, comparison: RunComparison) -> float:
-    """Median angle by the stamps as they are, rad, of the samples that a clock puts within the truth's times.
-
-    Only these are compared: else a lag would win by leaving the samples that err without a truth.
+    It must leave little in every quarter of the run but the first, beside the error by the stamps as they are and
+    beside the turn of the body.
     """
-    compared = comparison.truth.covers(clock.true_stamps(comparison.stamps_ns))
-    angles = comparison.part(np.flatnonzero(compared)).angles(Misalignment())
-    return float(np.median(angles)) if len(angles) >= FEWEST_SAMPLES else np.inf
-
-
-def _is_spin(rate: Array) -> bool:
-    """Whether a body turns about one axis, so that an error of the gyro's scale or bias turns the estimate alike."""
-    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
-    return bool(np.sum(np.mean(axes, axis=0) ** 2) > SPIN)
-
-
-def _is_within_half_a_turn(clock: StampClock, rate: Array) -> bool:
-    """Whether a lag is so short that the attitude is not that of a turn earlier or later as well."""
-    return abs(clock.lag_s) * float(sizes(rate).max()) < np.pi
-
-
-def _spans(clock: StampClock, true: RunComparison) -> bool:
-    """Whether a clock of a far other rate makes an estimate fill the truth's times, as no error of a gyro does."""
-    truth = true.truth
-    span = float(true.stamps_ns[-1] - true.stamps_ns[0])
-    return max(clock.rate, 1.0 / clock.rate) > FAR and span > MOSTLY_SPANNED * (truth.last_ns - truth.first_ns)
+    for _ in range(3):
+        covered = np.flatnonzero(track.truth.covers(undone(track, clock).stamps_ns))
+        if len(covered) < max(FEWEST, LEAST_COVERED[len(clock) == 1] * len(track.stamps_ns)):
+            return []
+        few = track.part(covered[spread(len(covered), FIT_SAMPLES)])
+        clock = fit([few], clock, steps=4)
+    if len(clock) > 1 and abs(rate_of(clock) - 1.0) < LEAST_OFF:
+        return []
+    moved, own = undone(few, clock).known(), few.known()
+    truth, rate = moved.truth.states(moved.stamps_ns)
+    before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
+    most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
+    if np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
+        return []
+    if spins(rate, EVEN_SPIN if len(clock) == 1 else SPIN):
+        span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
+        times = max(rate_of(clock), 1.0 / rate_of(clock))
+        near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
+        if not (near if len(clock) == 1 else times > FAR and span > MOSTLY_SPANNED * whole):
+            return []
+    return [(clock, undone(track, clock).known())]

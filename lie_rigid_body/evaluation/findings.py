@@ -1,33 +1,27 @@
-"""Findings: each cause of a diagnosis in one sentence, with numbers and what to do."""
+"""Findings: each cause in one sentence, with numbers and what to do."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, MOUNTING, Misalignment, RunComparison, fit
-from lie_rigid_body.evaluation.clock import StampClock, by_clock
-from lie_rigid_body.evaluation.diagnosis import Diagnosis
-from lie_rigid_body.evaluation.estimate import period_ns
-from lie_rigid_body.evaluation.explanation import Explanation
-from lie_rigid_body.evaluation.search import spread, written
+from lie_rigid_body.evaluation.causes import Part, Track, fit, undone
+from lie_rigid_body.evaluation.clock import Clock, rate_of
+from lie_rigid_body.evaluation.estimate import FEIGNED, period_ns
+from lie_rigid_body.evaluation.naming import Naming, spread
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.turning import named
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import components, short_repr
 
-FITTED = 2000
+FITTED: Final = 2000
 """Largest number of samples that the numbers in a finding are fitted to."""
-
-SAME_AXES_DEG = 5.0
+SAME_AXES_DEG: Final = 5.0
 """Largest angle between a mounting and axes that only change places and signs, to be told in those words, degrees."""
-
-OF_SENSORS: Final = float(np.radians(20.0))
-"""Largest turn of the body's axes that errors of the sensors feign, rad: they keep to the body as a mounting does."""
 
 
 @dataclass(frozen=True)
@@ -56,56 +50,58 @@ class Finding:
         return asdict(self)
 
 
-def findings(comparison: RunComparison, diagnosis: Diagnosis) -> tuple[Finding, ...]:
-    """Put the causes of a diagnosis into words, in the order in which they are undone.
+def findings(track: Track, choice: Naming) -> tuple[Finding, ...]:
+    """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
     Parameters
     ----------
-    comparison : RunComparison
-        Of all samples.
-    diagnosis : Diagnosis
+    track : Track
+        All samples within the truth's times.
+    choice : Naming
 
     Returns
     -------
     tuple of Finding
         Empty if the errors grow when all causes are undone, as where most of them are of something else.
     """
+    parts, later = choice.named.parts, track.part(slice(len(track.stamps_ns) // 4, None))
+    few = later.part(spread(len(later.stamps_ns), FITTED))
+    rest = fit([few.part(np.flatnonzero(few.truth.covers(undone(few, parts).stamps_ns)))], parts)
     found: list[Finding] = []
-    before = given = np.degrees(comparison.angles(Misalignment()))
-    fitted = _fitted(comparison, diagnosis.explanation)
-    for cause, partial in _undone(diagnosis.explanation):
+    before = given = _errors(track, [])
+    done: list[Part] = []
+    while rest:
         # all constants are those of one fit: they hold together, and the last finding tells what they leave
-        after = np.degrees(written(comparison, partial.convention).angles(fitted.only(partial.free)))
-        sentence, doubt = _sentence(cause, comparison, diagnosis, fitted), _doubt(diagnosis, cause)
-        found.append(Finding(_code(cause, fitted), f"{sentence} ({gain(before, after)}){doubt}.", rms(after)))
+        fixed = [part for part in rest if not part[0].price]
+        nearest = min(fixed[:1] or rest, key=lambda part: rms(_errors(track, [*done, part])))
+        rest = [part for part in rest if part is not nearest]
+        done.append(nearest)
+        after = _errors(track, done)
+        code, sentence = nearest[0].code, _sentence(nearest, track)
+        doubt = _doubt(choice, "lag" if code in {"lagging", "leading"} else code)
+        found.append(Finding(code, f"{sentence} ({gain(before, after)}){doubt}.", rms(after)))
         before = after
     return tuple(found) if rms(before) <= rms(given) else ()
 
 
-def clock_finding(comparison: RunComparison, clock: StampClock) -> Finding:
-    """Put another clock into words.
-
-    Parameters
-    ----------
-    comparison : RunComparison
-        Of all samples, also those outside of the truth's times.
-    clock : StampClock
-    """
-    before = np.degrees(comparison.angles(Misalignment()))
-    after = np.degrees(by_clock(comparison, clock).angles(Misalignment()))
-    if clock.rate == 1.0:
-        code, sentence = ("lagging" if clock.lag_s > 0.0 else "leading"), _lag(comparison, clock.lag_s)
+def clock_finding(whole: Track, track: Track, clock: Clock) -> Finding:
+    """Put another clock into words, of all samples and of those that it puts within the truth's times."""
+    before, after = _errors(whole, []), np.degrees(track.errors())
+    rate = rate_of(clock)
+    if rate == 1.0:
+        [(_, constants)] = clock
+        code = "lagging" if constants[0] > 0.0 else "leading"
+        sentence = _lag(float(constants[0]), whole)
     else:
-        code, sentence = "clock_rate", _rate(clock)
+        times = f"{max(rate, 1.0 / rate):.5g} times as {'slow' if rate > 1.0 else 'fast'}"
+        code, sentence = (
+            "clock_rate",
+            (
+                f"The clock of the estimate's stamps runs {times} as that of the truth: stamp it with the time of the "
+                "readings it is made of, in their unit and with their period, not by another clock beside a replay"
+            ),
+        )
     return Finding(code, f"{sentence} ({gain(before, after)}).", rms(after))
-
-
-def _rate(clock: StampClock) -> str:
-    times = f"{max(clock.rate, 1.0 / clock.rate):.5g} times as {'slow' if clock.rate > 1.0 else 'fast'}"
-    return (
-        f"The clock of the estimate's stamps runs {times} as that of the truth: stamp it with the time of the readings "
-        "it is made of, in their unit and with their period, not by another clock beside a replay"
-    )
 
 
 def gain(before: Array, after: Array) -> str:
@@ -118,79 +114,49 @@ def gain(before: Array, after: Array) -> str:
     )
 
 
-def _undone(best: Explanation) -> Iterator[tuple[str, Explanation]]:
-    """Causes in their order, each with the explanation by it and those before it."""
-    causes = best.causes
-    for k, cause in enumerate(causes, 1):
-        partial = best
-        for later in causes[k:]:
-            free, convention = partial.without(later)
-            partial = Explanation(convention, free, best.misalignment, best.median)
-        yield cause, partial
+def _errors(track: Track, parts: Sequence[Part]) -> Array:
+    """Errors without some causes where the truth is known, degrees."""
+    return np.asarray(np.degrees(undone(track, parts).known().errors()))
 
 
-def _fitted(comparison: RunComparison, explanation: Explanation) -> Misalignment:
-    """All constants of an explanation, fitted together to up to `FITTED` samples."""
-    ours = written(comparison, explanation.convention)
-    few = ours.inner()
-    return fit(few.part(spread(len(few.stamps_ns), FITTED)), explanation.free, explanation.misalignment)
-
-
-def _code(cause: str, fitted: Misalignment) -> str:
-    if cause == LAG:
-        return "lagging" if fitted.lag_s > 0.0 else "leading"
-    return cause
-
-
-def _sentence(cause: str, comparison: RunComparison, diagnosis: Diagnosis, fitted: Misalignment) -> str:
-    if cause == "scalar_first":
-        return "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"
-    if cause == "inverted":
-        return "The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"
-    if cause == "ned_world":
-        body = " and its body forward-right-down" if diagnosis.explanation.convention.frd_body else ""
+def _sentence(part: Part, track: Track) -> str:
+    cause, constants = part
+    fact = cause.fact(constants).partition(":")[0]
+    if cause.code == "ned_world":
+        body = ", and by (1, 0, 0, 0) from the right" if constants[0] else ""
         return (
-            f"The world of the estimate is north-east-down{body}: turn it to z up by (√½, √½, 0, 0) from the left"
-            f"{', and by (1, 0, 0, 0) from the right' if body else ''}; if it should not be, see whether the sign of "
-            "the accelerometer turns it upside down"
+            f"{fact}: turn it to z up by (√½, √½, 0, 0) from the left{body}; if it should not be, see whether the sign "
+            "of the accelerometer turns it upside down"
         )
-    if cause == HEADING:
-        return _heading(fitted)
-    if cause == MOUNTING:
-        return _mounting(fitted)
-    return _lag(comparison, diagnosis.lag_s if diagnosis.lag_s is not None else fitted.lag_s)
+    if cause.code == "heading_offset":
+        return (
+            f"{fact}: turn the estimate by {-np.degrees(constants[0]):+.6g}° from the left, or tell the filter its "
+            f"magnetic declination or what its x axis is; hard iron and a bias of the gyro turn it too, and {FEIGNED}"
+        )
+    if cause.code == "world_turned":
+        return (
+            f"{fact}: see whether nothing corrects a wrong first attitude, or the accelerometer, the magnetometer or "
+            f"what they are held against has the wrong sign or other axes; {FEIGNED}"
+        )
+    if cause.code == "body_mounting":
+        inverse = components(quaternion.exp(-constants), 6)
+        return (
+            f"{fact}: tell the filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the "
+            f"right{places(quaternion.exp(constants))}; biases of the sensors turn them as well, and {FEIGNED}"
+        )
+    return _lag(float(constants[0]), track) if cause.price else cause.fact(constants)
 
 
-def _heading(fitted: Misalignment) -> str:
-    angle = float(np.degrees(np.remainder(fitted.heading + np.pi, 2.0 * np.pi) - np.pi))
+def _lag(lag_s: float, track: Track) -> str:
+    remedy = "the time of the readings it is made of" if lag_s > 0.0 else "the end of the last gyro step it contains"
+    samples = abs(lag_s) / (period_ns(track.stamps_ns) / 1e9)
     return (
-        f"The world of the estimate is turned by {angle:+.4g}° about the vertical: turn the estimate by {-angle:+.6g}° "
-        "from the left, or tell the filter its magnetic declination or what its x axis is; hard iron and a bias of the "
-        "gyro turn it as well"
+        f"The estimate is {'late' if lag_s > 0.0 else 'ahead'} by {abs(lag_s):.4g} s, {samples:.3g} of its samples: "
+        f"stamp it with {remedy}"
     )
 
 
-def _mounting(fitted: Misalignment) -> str:
-    mounting = np.array(fitted.mounting) * (1.0 if fitted.mounting[3] >= 0.0 else -1.0)
-    inverse = components(quaternion.conjugate(mounting), 6)
-    doubt = (
-        "; biases, hard iron and axes of the sensors turn them as well" if fitted.mounting_angle < OF_SENSORS else ""
-    )
-    return (
-        f"The body axes of the estimate are turned by {angle_and_axis(mounting)} of the body: tell the "
-        f"filter how the sensor is mounted, or multiply the estimate by ({inverse}) from the right{_places(mounting)}"
-        f"{doubt}"
-    )
-
-
-def angle_and_axis(rotation: Array) -> str:
-    """Angle and axis of a rotation, shape (4,), in words."""
-    vector = quaternion.log(rotation)
-    angle = float(np.sqrt(vector @ vector))
-    return f"{np.degrees(angle):.4g}° about ({components(vector / angle if angle else vector, 3)})"
-
-
-def _places(mounting: Array) -> str:
+def places(mounting: Array) -> str:
     """Body axes of an estimate named by those of the body, where they only change places and signs; else empty."""
     axes = quaternion.rotate(mounting, np.eye(3))  # row by row, on the axes of the body
     nearest = np.round(axes)
@@ -202,22 +168,8 @@ def _places(mounting: Array) -> str:
     return f"; its x, y, z are {name} of the body{meaning}" + (f", but for {left:.2g}°" if left >= 0.01 else "")
 
 
-def _lag(comparison: RunComparison, lag_s: float) -> str:
-    period = period_ns(comparison.stamps_ns) / 1e9
-    late = lag_s > 0.0
-    remedy = (
-        "stamp it with the time of the readings it is made of"
-        if late
-        else "stamp it with the end of the last gyro step it contains"
-    )
-    return (
-        f"The estimate is {'late' if late else 'ahead'} by {abs(lag_s):.4g} s, {abs(lag_s) / period:.3g} of its "
-        f"samples: {remedy}"
-    )
-
-
-def _doubt(diagnosis: Diagnosis, cause: str) -> str:
-    others = [name.replace("_", " ") for name in diagnosis.instead_of(cause)]
-    if others and cause == LAG:
+def _doubt(choice: Naming, cause: str) -> str:
+    others = [name.replace("_", " ") for name in choice.instead_of(cause)]
+    if others and cause == "lag":
         others.append("an error of the gyro's scale or bias")
     return f"; this motion does not tell it from {' or '.join(others)}" if others else ""

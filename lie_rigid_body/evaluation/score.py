@@ -61,6 +61,8 @@ class Score:
         What the sensors' noise leaves at best, where it is known.
     limits : Limits
         Those that it was held against.
+    of_sensors_deg : float or None
+        Where a constant turn was found that is no mistake: the largest that these sensors leave to a right filter.
     """
 
     stamps_ns: Integers
@@ -80,6 +82,7 @@ class Score:
     gyro_bias_rad_s: Statistics | None = None
     best: BestPossible | None = None
     limits: Limits = field(default_factory=Limits)
+    of_sensors_deg: float | None = None
 
     __repr__ = short_repr
 
@@ -181,6 +184,11 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
         yield "lag", "not told by this motion and these errors"
     else:
         yield "lag", f"{score.lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+    if score.of_sensors_deg is not None:
+        yield (
+            "sensors",
+            f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°",
+        )
     if score.truth_uncertainty_deg > SMALLEST_LIMIT:
         yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
     consistency = score.consistency

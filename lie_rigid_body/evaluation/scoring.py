@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -9,24 +10,21 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.alignment import HEADING, LAG, RunComparison
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
 from lie_rigid_body.evaluation.attitude_error import attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
-from lie_rigid_body.evaluation.clock import StampClock, clock_lag, other_clock
+from lie_rigid_body.evaluation.causes import Track
+from lie_rigid_body.evaluation.clock import Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
-from lie_rigid_body.evaluation.diagnosis import Diagnosis, diagnose, follows
 from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
-from lie_rigid_body.evaluation.explanation import TIE_FACTOR, Explanation
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
-from lie_rigid_body.evaluation.lag import told_lag
 from lie_rigid_body.evaluation.limits import Limits
+from lie_rigid_body.evaluation.naming import TIE, choose
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import Truth
-from lie_rigid_body.evaluation.turning import mixed, stuck, turning
+from lie_rigid_body.evaluation.turning import Turns
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
-from lie_rigid_body.evaluation.world import world_turned
 from lie_rigid_body.wording import shown
 
 LONGEST_LAG_S: Final = 1.0
@@ -34,6 +32,8 @@ LONGEST_LAG_S: Final = 1.0
 ABSENT: Final = 0.05
 """Largest share of the truth's times by which a filter may begin late or end early without a remark."""
 
+MOST_NAMED: Final = 2
+"""Number of causes, one if the world is turned, above which it is asked whether the turns have a simpler name."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
@@ -50,6 +50,7 @@ def evaluate(
     longest_lag_s: float | None = None,
     diagnosed: bool = True,
     bound: UnavoidableError | None = None,
+    sensors: float = 0.0,
     left_out: int = 0,
     due_ns: int | None = None,
 ) -> Score:
@@ -76,6 +77,9 @@ def evaluate(
         Whether lag and mistaken conventions are looked for, which takes most of the time.
     bound : UnavoidableError, optional
         What the sensors' noise leaves at best, on the same clock.
+    sensors : float
+        Largest constant turn that the declared errors of the sensors leave to a right filter, rad: none as small is a
+        mistake.
     left_out : int
         Further estimates that were given, and left out before: limits are broken where most were.
     due_ns : int, optional
@@ -110,12 +114,12 @@ def evaluate(
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
     statistics = Statistics.of(total)
     given, due_s = np.size(stamps_ns) + left_out, 0.0 if due_ns is None else (due_ns - int(estimate.stamps_ns[0])) / 1e9
-    (lag_s, lag_standard_error_s), found, turns = (
-        _diagnosis(estimate, whole, truth, true, longest_lag_s, statistics) if diagnosed else ((None, None), (), ())
-    )
+    diagnosis = _Diagnosed()
+    if diagnosed:
+        diagnosis = _diagnosis(estimate, whole, truth, true, longest_lag_s, sensors)
     remarks = (
+        *diagnosis.turns,
         *estimate.remarks,
-        *turns,
         *_absence(estimate.stamps_ns, len(known), truth),
         *_interpolation(uncertainty, statistics),
     )
@@ -131,86 +135,69 @@ def evaluate(
         inclination_deg=Statistics.of(inclination),
         time_to_converge_s=time_to_converge(t_s, total, limit),
         converged_deg=limit,
-        lag_s=lag_s,
-        lag_standard_error_s=lag_standard_error_s,
-        findings=(*(Finding(r.code, r.message, statistics.rms) for r in remarks), *found),
+        lag_s=diagnosis.lag.lag_s,
+        lag_standard_error_s=diagnosis.lag.standard_error_s,
+        findings=(*diagnosis.found, *(Finding(r.code, r.message, statistics.rms) for r in remarks)),
         broken=(*limits.broken(t_s, total), *limits.too_little(len(t_s), given, float(t_s[-1]), due_s)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=consistency,
         best=None if bound is None else BestPossible.of(bound, estimate.stamps_ns, statistics.rms),
         limits=limits,
+        of_sensors_deg=float(np.degrees(sensors)) if diagnosis.of_sensors else None,
     )
 
 
+@dataclass(frozen=True)
+class _Diagnosed:
+    """What is found about an estimate beside its errors: the lag, mistakes, and remarks on how it turns."""
+
+    lag: Lag = field(default_factory=Lag)
+    found: tuple[Finding, ...] = ()
+    turns: tuple[Remark, ...] = ()
+    of_sensors: bool = False
+
+
 def _diagnosis(
-    estimate: Estimate,
-    whole: Estimate,
-    truth: Truth,
-    true_xyzw: Array,
-    longest_lag_s: float | None,
-    total_deg: Statistics,
-) -> tuple[tuple[float | None, float | None], tuple[Finding, ...], tuple[Remark, ...]]:
-    """Find the lag with its standard error, s, the mistakes, and what is wrong about the turns where nothing else is.
+    estimate: Estimate, whole: Estimate, truth: Truth, true_xyzw: Array, longest_lag_s: float | None, sensors: float
+) -> _Diagnosed:
+    """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 
     `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
     """
-    stamps, unlike = estimate.stamps_ns, total_deg.median > UNLIKE_DEG
-    turned = stamps, estimate.attitude_xyzw, true_xyzw
-    sure: tuple[Remark, ...] = ()
-    if total_deg.rms > UNLIKE_DEG:
-        sure = stuck(*turned) or (turning(*turned, surely=True) if unlike else ()) or mixed(*turned)
-    if sure:
-        return (None, None), (), sure
+    stamps, track = estimate.stamps_ns, Track(estimate.stamps_ns, estimate.attitude_xyzw, truth)
+    turned, error = Turns(stamps, estimate.attitude_xyzw, true_xyzw), np.degrees(track.errors())
+    unlike = float(np.median(error)) > UNLIKE_DEG
+    if rms(error) > UNLIKE_DEG:
+        sure = turned.stuck() or turned.mixed()
+        if sure:  # of fast turns every sample jumps
+            return _Diagnosed(turns=turned.other() or sure if sure[0].code == "mixed" else sure)
     quarter = float(stamps[-1] - stamps[0]) / 4e9
-    longest = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
-    comparison, diagnosis = _within(estimate, truth, longest)
-    if longest_lag_s is None and longest < quarter and diagnosis is not None and diagnosis.lag_at_limit:
-        wider, other = _within(estimate, truth, quarter, diagnosis.tried)
-        if other is not None and LAG in other.explanation.free:
-            comparison, diagnosis = wider, other
-    world = world_turned(*turned[1:]) if unlike else None
-    if longest_lag_s is None and unlike and not (diagnosis and _is_simple(diagnosis)):
-        everything = RunComparison(whole.stamps_ns, whole.attitude_xyzw, truth, 0.0)
-        clock = other_clock(everything, float(np.radians(total_deg.median)))
-        if (
-            clock is not None
-            and (diagnosis is None or _is_better(clock, diagnosis))
-            and (world is None or clock.cost <= world.cost)
-        ):
-            return clock_lag(everything, clock), (clock_finding(everything, clock),), ()
-    found = findings(comparison, diagnosis) if diagnosis else ()
-    if world is not None and not (found and diagnosis and not world.is_better_than(diagnosis, period_ns(stamps) / 1e9)):
-        return told_lag(*world.beside(comparison)), (world.finding,), ()
-    lag = (diagnosis.lag_s, diagnosis.lag_standard_error_s) if diagnosis else (None, None)
-    if not unlike or found:
-        return lag, found, ()
-    return lag, (), () if diagnosis and follows(comparison, diagnosis) else turning(*turned)
-
-
-def _is_simple(diagnosis: Diagnosis) -> bool:
-    """Whether a single cause was found that no other clock feigns."""
-    return len(diagnosis.explanation.causes) == 1 and not diagnosis.explanation.free - {HEADING}
-
-
-def _is_better(clock: StampClock, diagnosis: Diagnosis) -> bool:
-    """Whether another clock explains more than a diagnosis, and a far lag more than twice what a near one alone does.
-
-    A motion that nearly repeats has many lags about as good. Beside further constants, as a mounting has three, a near
-    lag is only preferred if it leaves less by more than a tie: of an even top a mounting makes a far lag a near one.
-    """
-    near = [e for e in diagnosis.tried if LAG in e.free and len(e.causes) <= 2]
-    as_good = any(clock.median >= e.median * (0.5 if e.free == {LAG} else TIE_FACTOR) for e in near)
-    return clock.cost < diagnosis.explanation.cost and not (clock.rate == 1.0 and as_good)
-
-
-def _within(
-    estimate: Estimate, truth: Truth, longest_lag_s: float, nearer: tuple[Explanation, ...] = ()
-) -> tuple[RunComparison, Diagnosis | None]:
-    """Comparison with a limit to the lag, and its diagnosis if there are samples for one."""
-    comparison = RunComparison(estimate.stamps_ns, estimate.attitude_xyzw, truth, longest_lag_s)
-    inner = comparison.inner()
-    return comparison, diagnose(inner, nearer) if len(inner.stamps_ns) else None
+    longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
+    margin = round(longest_s * 1e9)
+    inner = track.part(np.flatnonzero(truth.covers(stamps - margin) & truth.covers(stamps + margin)))
+    choice = choose(inner, longest_s, sensors)
+    at_limit = choice is not None and choice.at_limit
+    lost = unlike and (choice is None or not (choice.named.causes or choice.follows))
+    everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
+    # a motion that nearly repeats has a near lag with a mounting for each far one
+    causes = {*choice.named.causes} if choice is not None else set[str]()
+    near = bool({"world_turned", "body_mounting", "lag"} & causes) and unlike
+    found = other_clock(everything, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
+    most = np.inf if choice is None or not near else (TIE if "lag" in causes else 0.5) * choice.named.error
+    if found is not None and rms(found[1].errors()) <= most:
+        clock, moved = found
+        lag = clock_lag(clock, moved)
+        return _Diagnosed(lag, (clock_finding(everything.known(), moved, clock),))
+    if choice is None:
+        return _Diagnosed()
+    lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
+    choice = choice.with_lag(lag.lag_s if lag.sure else None)
+    named = findings(track, choice) if choice.named.causes else ()
+    # a gyro on other axes is the same map as three conventions and a turned world
+    many = len(named) > (1 if "world_turned" in choice.named.turned else MOST_NAMED)
+    other = turned.other() if (lost and not named) or many else ()
+    return _Diagnosed(lag, () if other else named, other, choice.of_sensors)
 
 
 def _apart(stamps: Integers, given: int, truth: Truth) -> str:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.wording import short_repr
-
-FEWEST_SAMPLES: Final = 20
-"""Least number of samples whose quarters tell anything."""
 
 
 @dataclass(frozen=True)
@@ -50,16 +46,6 @@ def rms(errors: Array) -> float:
     """Root mean square; scaled by the largest value, so that tiny errors do not underflow."""
     largest = float(np.abs(errors).max(initial=0.0))
     return largest * float(np.sqrt(np.mean((errors / largest) ** 2))) if largest else 0.0
-
-
-def later_quarters(count: int) -> list[Integers]:
-    """Indices of so many samples in each quarter of a run but the first, in which a filter may converge."""
-    return np.array_split(np.arange(count), 4)[1:]
-
-
-def worst_quarter(errors: Array) -> float:
-    """Largest median of an error in a quarter of a run, the first left out."""
-    return max(float(np.median(errors[quarter])) for quarter in later_quarters(len(errors)))
 
 
 def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:

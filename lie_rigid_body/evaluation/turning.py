@@ -15,8 +15,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers, runs_of
 from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
 from lie_rigid_body.evaluation.clock import FAR
-from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
-from lie_rigid_body.evaluation.search import ALONE, CONVENTIONS, spread
+from lie_rigid_body.evaluation.estimate import FEIGNED, GAP, Remark, period_ns
+from lie_rigid_body.evaluation.naming import FORMS, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -50,114 +50,108 @@ SCALES: Final = {
     0.5: "the rate of a quaternion is ½ q ω, once, or its time step is half that of the gyro",
 }
 """Ratios of the turns of an estimate to those of the body, each with its cause."""
-BY_A_CLOCK: Final = (2.0, 0.5)
-"""Ratios of turns that another clock of an evenly turning body makes as well."""
-WRITTEN: Final = tuple(convention for convention in CONVENTIONS if not convention.ned_world)
-"""Conventions that change the turns; another world changes none, other body axes are a mounting."""
-OTHERWISE_WRITTEN: Final = tuple(convention for convention in ALONE if convention.scalar_first or convention.inverted)
-"""Conventions that may feign other turns without a mounting."""
+OTHERWISE_WRITTEN: Final = tuple(form for form in FORMS if {"scalar_first", "inverted"} & set(form.codes))
+"""Conventions that may feign other turns."""
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
 """Matrices that change places and signs of axes, the first of which changes none: shape (48, 3, 3)."""
 
 
-def stuck(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
-    """Remark that an estimate does not turn, in all or for long, while the body does; arguments as in `turning`."""
-    whole = _whole(stamps_ns)
-    ours, true = (sizes(_steps(q, whole)) for q in (estimate_xyzw, true_xyzw))
-    turned, turn, when = float(ours.sum()), float(true.sum()), "in all"
-    if turned >= STUCK * turn:
-        begins, ends = runs_of(0, ours < STUCK * true)
-        if not len(begins):
-            return ()
-        k = int(np.argmax(ends - begins))
-        longest = slice(begins[k], ends[k] + 1)
-        whole, turned, turn = whole[longest], float(ours[longest].sum()), float(true[longest].sum())
-        since, until = ((stamps_ns[k] - stamps_ns[0]) / 1e9 for k in (whole[0], whole[-1] + 1))
-        when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
-        duration = (stamps_ns[-1] - stamps_ns[0]) / 1e9
-        if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
-            return ()
-    if len(whole) < FEWEST_STEPS or turn < LEAST_TURN:
-        return ()
-    turned, turn = (round(float(np.degrees(angle)), 6) for angle in (turned, turn))
-    message = (
-        f"The estimate turns by {turned:.3g}° {when}, the body by {turn:.4g}°: "
-        "see whether the filter gets its readings, and publishes what it makes of them."
-    )
-    return (Remark("stuck", message),)
-
-
-def mixed(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> tuple[Remark, ...]:
-    """Remark that the samples of an estimate belong to two attitudes in turns; arguments as in `turning`.
-
-    Each sample is of that attitude, of the two that came last, which is nearer.
-    """
-    whole = _whole(stamps_ns)
-    ours, true = (sizes(_steps(q, whole)) for q in (estimate_xyzw, true_xyzw))
-    jumps = ours > np.maximum(LEAST_TURN, JUMP * true)
-    if np.count_nonzero(jumps) < max(FEWEST_STEPS, LEAST_MIXED * len(whole)):
-        return ()
-    first = int(whole[np.argmax(jumps)])
-    tracks = [first], [first + 1]
-    for k in range(first + 2, min(first + MOST_SORTED, len(stamps_ns))):
-        near = [abs(float(estimate_xyzw[k] @ estimate_xyzw[track[-1]])) for track in tracks]
-        tracks[near[1] > near[0]].append(k)
-    switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))
-    jump = float(np.median(ours[jumps]))
-    if min(switches, *map(len, tracks)) < FEWEST_STEPS:
-        return ()
-    if any(JUMP * np.percentile(angles_between(q[:-1], q[1:]), 90) > jump for q in (estimate_xyzw[t] for t in tracks)):
-        return ()
-    message = (
-        f"The estimate jumps by {np.degrees(jump):.3g}° and back, {np.count_nonzero(jumps)} times: its samples are of "
-        "two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one."
-    )
-    return (Remark("mixed", message),)
-
-
-def turning(stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array, *, surely: bool = False) -> tuple[Remark, ...]:
-    """Remark on turns of an estimate that are not those of the body.
+class Turns:
+    """Turns of an estimate and of the body from each sample to the next, those across gaps left out.
 
     Parameters
     ----------
     stamps_ns : ndarray of int64, shape (N,)
     estimate_xyzw, true_xyzw : ndarray, shape (N, 4)
-    surely : bool
-        Only what neither a convention nor a constant rotation nor another clock may feign.
-
-    Returns
-    -------
-    tuple of Remark
     """
-    whole = _whole(stamps_ns)
-    few = whole[spread(len(whole), STEPS)]
-    ours, true = (_steps(q, few) for q in (estimate_xyzw, true_xyzw))
-    if len(whole) < FEWEST_STEPS or sizes(_steps(true_xyzw, whole)).sum() < LEAST_TURN:
-        return ()
-    missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
-    most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
-    if missed.min() > LARGEST_MISS:
-        return () if surely else _other_rate(ours, true)
-    fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
-    if len({scale for scale, _ in fitting}) != 1 or (surely and fitting[0][0] in BY_A_CLOCK):
-        return ()
-    if _missed_by_conventions(estimate_xyzw, true_xyzw, few, mounted=surely) <= most:
-        return ()
-    scale, axes = fitting[0]
-    times = _times(scale)
-    if axes == 0:  # also where the motion does not tell it from others
-        return () if scale == 1.0 else (Remark("turn_rate", f"The estimate turns {times}: {SCALES[scale]}."),)
-    if len(fitting) > 1:
-        return ()
-    mirrored = np.linalg.det(AXES[axes]) < 0.0
-    message = (
-        f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
-        f"{f', {times}' if scale != 1.0 else ''}: give the filter its gyro on the axes of the body"
-        f"{', which are right-handed; these are not' if mirrored else ''}."
-    )
-    return (Remark("turn_axes", message),)
+
+    def __init__(self, stamps_ns: Integers, estimate_xyzw: Array, true_xyzw: Array) -> None:
+        self.first = np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
+        self.stamps_ns, self.estimate_xyzw = stamps_ns, estimate_xyzw
+        self.ours, self.true = (turns(q[self.first], q[self.first + 1]) for q in (estimate_xyzw, true_xyzw))
+        self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
+
+    def stuck(self) -> tuple[Remark, ...]:
+        """Remark that the estimate does not turn, in all or for long, while the body does."""
+        stamps, every, when = self.stamps_ns, slice(None), "in all"
+        if self.ours_rad.sum() >= STUCK * self.true_rad.sum():
+            begins, ends = runs_of(0, self.ours_rad < STUCK * self.true_rad)
+            if not len(begins):
+                return ()
+            k = int(np.argmax(ends - begins))
+            every = slice(begins[k], ends[k] + 1)
+            since, until = ((stamps[j] - stamps[0]) / 1e9 for j in (self.first[begins[k]], self.first[ends[k]] + 1))
+            when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
+            duration = (stamps[-1] - stamps[0]) / 1e9
+            if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
+                return ()
+        turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
+        if len(self.first[every]) < FEWEST_STEPS or turn < np.degrees(LEAST_TURN):
+            return ()
+        message = (
+            f"The estimate turns by {turned:.3g}° {when}, the body by {turn:.4g}°: "
+            "see whether the filter gets its readings, and publishes what it makes of them."
+        )
+        return (Remark("stuck", message),)
+
+    def mixed(self) -> tuple[Remark, ...]:
+        """Remark that the samples of the estimate belong to two attitudes in turns.
+
+        Each sample is of that attitude, of the two that came last, which is nearer.
+        """
+        q, jumps = self.estimate_xyzw, self.ours_rad > np.maximum(LEAST_TURN, JUMP * self.true_rad)
+        if np.count_nonzero(jumps) < max(FEWEST_STEPS, LEAST_MIXED * len(jumps)):
+            return ()
+        first = int(self.first[np.argmax(jumps)])
+        tracks = [first], [first + 1]
+        for k in range(first + 2, min(first + MOST_SORTED, len(q))):
+            near = [abs(float(q[k] @ q[track[-1]])) for track in tracks]
+            tracks[near[1] > near[0]].append(k)
+        switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))
+        jump = float(np.median(self.ours_rad[jumps]))
+        within = [angles_between(q[track[:-1]], q[track[1:]]) for track in tracks]
+        if min(switches, *map(len, tracks)) < FEWEST_STEPS or max(np.percentile(a, 90) for a in within) * JUMP > jump:
+            return ()
+        message = (
+            f"The estimate jumps by {np.degrees(jump):.3g}° and back, {np.count_nonzero(jumps)} times: its samples are "
+            "of two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one."
+        )
+        return (Remark("mixed", message),)
+
+    def other(self) -> tuple[Remark, ...]:
+        """Remark that the turns are those of the body at another rate, or about other axes."""
+        few = spread(len(self.first), STEPS)
+        ours, true = self.ours[few], self.true[few]
+        if len(self.first) < FEWEST_STEPS or self.true_rad.sum() < LEAST_TURN:
+            return ()
+        missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
+        most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
+        if missed.min() > LARGEST_MISS:
+            return _other_rate(ours, true)
+        fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
+        if len({scale for scale, _ in fitting}) != 1 or self._missed_by_conventions(few, true) <= most:
+            return ()
+        scale, axes = fitting[0]
+        if axes == 0:  # also where the motion does not tell it from others
+            message = f"The estimate turns {_times(scale)}: {SCALES[scale]}; {FEIGNED}."
+            return () if scale == 1.0 else (Remark("turn_rate", message),)
+        if len(fitting) > 1:
+            return ()
+        mirrored = ", which are right-handed; these are not" if np.linalg.det(AXES[axes]) < 0.0 else ""
+        message = (
+            f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
+            f"{f', {_times(scale)}' if scale != 1.0 else ''}: give the filter its gyro on the "
+            f"axes of the body{mirrored}; {FEIGNED}."
+        )
+        return (Remark("turn_axes", message),)
+
+    def _missed_by_conventions(self, few: Integers, true: Array) -> float:
+        """Least miss of the turns by a convention."""
+        first, q = self.first[few], self.estimate_xyzw
+        written = [q @ form.matrix.T for form in OTHERWISE_WRITTEN]
+        return min(float(_missed(turns(p[first], p[first + 1]), true)) for p in written)
 
 
 def named(axes: Array) -> str:
@@ -170,37 +164,14 @@ def _other_rate(ours: Array, true: Array) -> tuple[Remark, ...]:
     scale = float(np.sum(ours * true) / np.sum(true**2))
     if not max(scale, 1.0 / max(scale, 1e-300)) > FAR or _missed(ours, scale * true) > LARGEST_MISS:
         return ()
-    message = f"The estimate turns {_times(scale)}: see the time step of the filter, and the unit of its gyro."
+    message = (
+        f"The estimate turns {_times(scale)}: see the time step of the filter, and the unit of its gyro; {FEIGNED}."
+    )
     return (Remark("turn_rate", message),)
 
 
 def _times(scale: float) -> str:
     return f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
-
-
-def _steps(attitude_xyzw: Array, first: Integers) -> Array:
-    """Turns from some samples to the next, on the body's axes, shape (n, 3), rad."""
-    return turns(attitude_xyzw[first], attitude_xyzw[first + 1])
-
-
-def _whole(stamps_ns: Integers) -> Integers:
-    """Indices of the first samples of the steps that are no gaps."""
-    return np.flatnonzero(np.diff(stamps_ns) <= GAP * period_ns(stamps_ns))
-
-
-def _missed_by_conventions(estimate_xyzw: Array, true_xyzw: Array, few: Integers, *, mounted: bool) -> float:
-    """Least miss of the turns by a convention, alone or with the mounting that suits it best."""
-    true, least = _steps(true_xyzw, few), np.inf
-    for convention in WRITTEN if mounted else OTHERWISE_WRITTEN:
-        ours = _steps(convention.undo(estimate_xyzw), few)
-        if not mounted:
-            least = min(least, float(_missed(ours, true)))
-            continue
-        # W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Cryst. A 32 (1976) 922
-        U, _, V = np.linalg.svd(ours.T @ true)
-        mounting = U @ np.diag([1.0, 1.0, np.linalg.det(U @ V)]) @ V
-        least = min(least, float(_missed(ours, true @ mounting.T)))
-    return least
 
 
 def _missed(ours: Array, predicted: Array) -> Array:

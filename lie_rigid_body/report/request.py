@@ -53,6 +53,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
         _parser().error("the following arguments are required: --estimate")
+    if given.estimate and len(set(given.estimate)) < len(given.estimate):
+        raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
     if given.max_rms and len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
     given.max_rms = given.max_rms[0] if given.max_rms else None
@@ -75,7 +77,9 @@ def _parser() -> console.Parser:
         console.argument(
             "--estimate",
             metavar="TOPIC",
-            help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage",
+            action="append",
+            help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
+            "several are compared",
         ),
         console.argument(
             "--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"
@@ -140,7 +144,7 @@ def require_room(given: argparse.Namespace) -> None:
         output_file.require_other(given.report, [given.plot], "output")
 
 
-def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score: Score) -> int:
+def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
     """Write and print what is asked for.
 
     Parameters
@@ -148,30 +152,39 @@ def answer(given: argparse.Namespace, source: str, read: RecordedEstimate, score
     given : argparse.Namespace
         As `parse` gives it.
     source : str
-        Of the estimate: a bag, or empty for topics.
-    read : RecordedEstimate
-    score : Score
+        Of the estimates: a bag, or empty for topics.
+    scored : sequence of (RecordedEstimate, Score)
 
     Returns
     -------
     int
         The exit status.
     """
-    from lie_rigid_body.report import drawing, score_picture, scores
+    from lie_rigid_body.report import comparison, drawing, score_picture, scores
 
-    title = f"{source}: {read.track.topic}" if source else read.track.topic
     files: dict[str, bytes] = {}
-    if given.plot is not None:
-        files[given.plot] = drawing.png(score_picture.draw(title, score))
-    if given.report is not None:
-        files[given.report] = scores.page(title, read, score)
-    if given.json:
-        content = scores.as_json(source or None, read, score, series=given.series)
-        text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    else:
+    content: dict[str, object]
+    if len(scored) == 1:
+        ((read, score),) = scored
+        title = f"{source}: {read.track.topic}" if source else read.track.topic
+        if given.plot is not None:
+            files[given.plot] = drawing.png(score_picture.draw(title, score))
+        if given.report is not None:
+            files[given.report] = scores.page(title, read, score)
+        content = scores.as_json(source or None, read, score, series=given.series) if given.json else {}
         text = scores.as_table(title, read, score)
+    else:
+        several = [comparison.Scored(*each) for each in scored]
+        if given.plot is not None:
+            files[given.plot] = drawing.png(comparison.draw(source, several))
+        if given.report is not None:
+            files[given.report] = comparison.page(source, several)
+        content = comparison.to_json(source, several, series=given.series) if given.json else {}
+        text = comparison.as_table(source, several)
+    if given.json:
+        text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     drawing.answer(text, files, overwrite=given.force, named=not given.json)
-    return console.SUCCESS if score.passed else console.BROKEN
+    return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
 
 
 def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:

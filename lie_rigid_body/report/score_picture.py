@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -57,6 +58,30 @@ def draw(title: str, score: Score) -> Figure:
     # the names of a file and a topic may hold anything, and ``$`` is no formula
     rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
     figure.suptitle(f"{shortened(printable(title), _LONGEST_LINE)}\n{rms}", fontsize=11, parse_math=False)
+    return figure
+
+
+def curves(title: str, scores: Sequence[tuple[str, Score]]) -> Figure:
+    """Figure of the total errors of several estimates, under their names."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10.0, 4.6), dpi=120, layout="constrained")
+    axes = figure.subplots()
+    first_ns = min(int(score.stamps_ns[0]) for _, score in scores)
+    for number, (name, score) in enumerate(scores):
+        t_s, degrees = (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total)
+        label = f"{shortened(printable(name), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
+        axes.plot(*_thinned(t_s, degrees), label=label, color=f"C{number % 10}", **curve_style(len(degrees), 1.0))
+    errors = np.concatenate([score.error.total for _, score in scores])
+    if np.median(errors) > 0.0 and errors.max() > _WIDE_SPAN * np.median(errors):
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(bottom=0.0)
+    axes.set(xlabel="time since the first estimate [s]", ylabel="total error [deg]")
+    axes.grid(alpha=0.3, lw=0.6)
+    axes.margins(x=0.0)
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False, borderaxespad=0.1)
+    figure.suptitle(shortened(printable(title), _LONGEST_LINE), fontsize=11, parse_math=False)
     return figure
 
 

@@ -146,7 +146,7 @@ def _score(given: argparse.Namespace, following: Following, missing: str, comple
         raise InputError(missing)
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
-    status = answer(given, "", read, score)
+    status = answer(given, "", [(read, score)])
     if live.estimate.unusable:
         console.complain(console.program("evaluate"), f"estimate: {live.estimate.fault()}")
         return console.UNUSABLE

@@ -26,7 +26,7 @@ from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
 from lie_rigid_body.runs.kept_estimate import KeptEstimate
 from lie_rigid_body.runs.truth import ScenarioTruth
-from lie_rigid_body.runs.unavoidable import bound_of
+from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed, short_repr, shown
 
@@ -85,6 +85,7 @@ class RecordedEstimate:
             covariance=self.covariance,
             covariance_axes=covariance_axes,
             bound=bound_of(self.segments, self.truth, self.track.stamps_ns) if bounded else None,
+            sensors=left_by_errors_of(self.segments),
             left_out=self.left_out,
             due_ns=self.truth.last_ns if due_ns is None else due_ns,
         )

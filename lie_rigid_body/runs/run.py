@@ -28,7 +28,7 @@ from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import FaultMessages
 from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
-from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
+from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.simulation import Samples, Segment, Taken
@@ -271,6 +271,7 @@ class Run:
             longest_lag_s=longest_lag_s,
             diagnosed=diagnosed,
             bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
+            sensors=left_by_errors_of(self.segments),
         )
         if gyro_bias is None:
             return score

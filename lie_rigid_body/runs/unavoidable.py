@@ -18,6 +18,7 @@ from lie_rigid_body.evaluation.unavoidable import (
     VectorReadings,
     unavoidable_error,
 )
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
 from lie_rigid_body.simulation import Segment
@@ -28,6 +29,10 @@ THINNED: Final = 40_000
 
 Measured over an hour: within 1.5 % of the bound of all (rms, median, 95 % and last) up to 3 rad/s, at 20 rad/s 12 %.
 """
+SETTLES_S: Final = 1.0
+"""Time in which a right filter corrects what its gyro errs by, s."""
+LEFT: Final = 1.5
+"""Ratio of the largest to the expected turn that errors of the sensors leave."""
 FEWEST: Final = 100
 """Least number of such readings in a segment. The segments share the other readings by their durations."""
 
@@ -81,6 +86,32 @@ def bound_of(segments: Sequence[Segment], truth: Truth, stamps_ns: Integers) -> 
     except (InputError, np.linalg.LinAlgError):
         return None
     return bound if bound is not None and np.isfinite([bound.filtered, bound.smoothed]).all() else None
+
+
+def left_by_errors_of(segments: Sequence[Segment]) -> float:
+    """Largest constant turn, rad, that the declared errors of a run's sensors leave to a right filter; 0 if perfect.
+
+    A vector that is read with an error e leaves e over the sine of the angle between two vectors, so hard iron turns
+    the heading by e / cos dip; a gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
+    independent.
+    """
+    return max((_left_by_errors(segment.scenario) for segment in segments), default=0.0)
+
+
+def _left_by_errors(scenario: Scenario) -> float:
+    imu, sensors = scenario.sensors.imu, scenario.sensors.on.values()
+    aids = [aid for model in sensors for aid in model.aids if isinstance(aid, VectorAid)]
+    if imu is None:
+        return 0.0
+    references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
+    lengths = np.linalg.norm(references, axis=-1)
+    directions = references / lengths[:, np.newaxis]
+    across = np.linalg.norm(np.cross(directions[:, np.newaxis], directions), axis=-1).max(initial=0.0) or 1.0
+    told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths
+    vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
+    scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
+    rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * np.linalg.norm(scenario.initial_body_rate)
+    return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
 
 
 def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int | None) -> UnavoidableError:

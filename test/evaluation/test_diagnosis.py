@@ -11,7 +11,8 @@ from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.alignment import KEPT_STATES, Convention, RunComparison
+from lie_rigid_body.evaluation.causes import Track, undone
+from lie_rigid_body.evaluation.naming import FORMS
 from lie_rigid_body.lie import quaternion
 
 NOISE_DEG = 1.0
@@ -19,7 +20,7 @@ MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
 NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
 FRD = [1.0, 0.0, 0.0, 0.0]
 motions = pytest.mark.parametrize("motion", MOTIONS)
-SAMPLES_LATE = [-1.0, -0.3, 0.123, 30.0]
+SAMPLES_LATE = [-1.0, -3.0, 0.123, 30.0]
 two_motions = pytest.mark.parametrize("motion", ["dzhanibekov", pytest.param("slow_tumble", marks=pytest.mark.slow)])
 
 FAULTS = {
@@ -62,11 +63,11 @@ def test_a_fault_is_named_with_what_is_left(motion, fault):
         (("heading_offset", "inverted"), ["inverted", "heading_offset"]),
         (("body_mounting", "scalar_first"), ["scalar_first", "body_mounting"]),
         (("inverted", "scalar_first"), ["scalar_first", "inverted"]),
-        (("heading_offset", "body_mounting"), ["heading_offset", "body_mounting"]),
+        (("heading_offset", "body_mounting"), ["body_mounting", "heading_offset"]),
         (("heading_offset", "ned_world"), ["ned_world", "heading_offset"]),
     ],
 )
-def test_two_faults_at_once_are_both_named_in_the_order_of_undoing(motion, faults, named):
+def test_two_faults_at_once_are_both_named_the_larger_first(motion, faults, named):
     estimate = noisy(motion)
     for fault in faults:
         estimate = FAULTS[fault](estimate)
@@ -98,14 +99,15 @@ def test_the_declination_is_measured_beside_the_convergence_of_a_filter(motion):
 def test_a_lag_is_measured_to_a_fraction_of_a_sample(motion, samples_late):
     lag_s = samples_late * PERIOD_NS / 1e9
     rate = np.sqrt(np.mean(np.sum(MOTIONS[motion].at(STAMPS).body_rate ** 2, axis=-1)))
-    size_deg = np.degrees(0.15 * abs(lag_s) * rate)
+    size_deg = min(np.degrees(0.15 * abs(lag_s) * rate), 10.0)
     score = evaluate(STAMPS, noisy(motion, lag_s, size_deg), truth_of(motion))
-    assert codes(score) == ["lagging" if lag_s > 0 else "leading"]
+    # a right filter is ahead by up to a sample: that is told as a number, and is no mistake
+    assert codes(score) == (["lagging"] if lag_s > 0 else ["leading"] if samples_late < -1.0 else [])
     # of N samples with noise of 0.15 lag on each axis; at most √10 times more by what is fitted beside it
     assert score.lag_s == pytest.approx(lag_s, abs=4 * np.sqrt(10) * 0.15 * abs(lag_s) / np.sqrt(len(STAMPS)))
 
 
-@pytest.mark.parametrize("samples_late", [1, pytest.param(-1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("samples_late", [1, pytest.param(-2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("motion", ["dzhanibekov", pytest.param("fast_tumble", marks=pytest.mark.slow)])
 def test_a_lag_beside_errors_as_large_is_named_if_it_is_sure(motion, samples_late):
     """As that of a filter with tactical sensors, which converges in seconds and then errs by a sample's turn."""
@@ -138,25 +140,6 @@ def test_a_lag_is_measured_beside_a_misalignment_in_samples_of_the_truth(motion)
     assert score.lag_s == pytest.approx(0.033, abs=1e-3)
 
 
-def test_the_truth_of_the_same_times_is_asked_for_once():
-    asked = []
-
-    def exact(t_ns):
-        asked.append(t_ns)
-        return MOTIONS["dzhanibekov"].at(t_ns).attitude_xyzw
-
-    whole = RunComparison(STAMPS, attitude("dzhanibekov"), ExactTruth(exact, 0, int(STAMPS[-1])), 1.0)
-    parts = [whole.part(slice(100, 110)), whole.part(np.arange(100, 110))]
-    first, again = (part.true_states(0.1) for part in parts)
-    assert len(asked) == 1
-    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True))
-    for k in range(2 * KEPT_STATES):
-        expected = whole.truth.states(parts[0].stamps_ns - k * PERIOD_NS)
-        found = parts[0].true_states(k * PERIOD_NS / 1e9)
-        assert all(np.array_equal(a, b) for a, b in zip(found, expected, strict=True))
-    assert "_states" not in repr(whole)
-
-
 def test_a_mounting_by_half_a_right_angle_is_not_told_as_other_axes():
     few = STAMPS[::10]
     estimate = quaternion.multiply(attitude("dzhanibekov")[::10], quaternion.exp([0.15, -0.2, -0.68]))
@@ -165,11 +148,16 @@ def test_a_mounting_by_half_a_right_angle_is_not_told_as_other_axes():
     assert "; its x, y, z are" not in finding.message
 
 
-@motions
-def test_what_is_undone_is_the_truth_again(motion):
-    q = attitude(motion)
-    for convention in (Convention(scalar_first=True, inverted=True), Convention(ned_world=True, frd_body=True)):
-        back = convention.undo(convention.apply(q))
+@pytest.mark.parametrize("form", FORMS, ids=lambda form: " ".join(form.codes) + " frd" * form.frd_body)
+def test_what_is_undone_is_the_truth_again(form):
+    """Of every chain of conventions, by its causes one after the other, and by its one matrix."""
+    q = written = attitude("dzhanibekov")
+    for code in reversed(form.codes):
+        written = FAULTS[code](
+            written if code != "ned_world" or not form.frd_body else quaternion.multiply(written, FRD)
+        )
+    one_by_one = undone(Track(STAMPS, written, truth_of("dzhanibekov")), form.parts).attitude_xyzw
+    for back in (one_by_one, written @ form.matrix.T):
         np.testing.assert_allclose(np.abs(np.sum(back * q, axis=-1)), 1.0, atol=1e-15)
 
 
@@ -267,8 +255,9 @@ def test_following_the_findings_to_the_letter_leaves_what_the_last_one_tells(see
     heading, mounting = rng.uniform(-180.0, 180.0), quaternion.exp(rng.normal(size=3))
     truth = truth_of("dzhanibekov")
     q = quaternion.multiply(quaternion.multiply(about_up(heading), truth.at(few)), mounting)
-    convention = Convention(inverted=bool(seed & 1), scalar_first=bool(seed & 2))
-    estimate = convention.apply(quaternion.multiply(q, turns(0.01, seed, len(few))))
+    estimate = quaternion.multiply(q, turns(0.01, seed, len(few)))
+    estimate = quaternion.conjugate(estimate) if seed & 1 else estimate
+    estimate = np.roll(estimate, 1, axis=-1) if seed & 2 else estimate
     found = evaluate(few, estimate, truth).findings
     assert {"heading_offset", "body_mounting"} <= {finding.code for finding in found}
     left = evaluate(few, followed(estimate, found), truth, diagnosed=False)

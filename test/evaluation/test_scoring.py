@@ -11,15 +11,8 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 from lie_rigid_body import simulate
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
-from lie_rigid_body.evaluation.alignment import (
-    HEADING,
-    LAG,
-    MOUNTING,
-    Misalignment,
-    RunComparison,
-    fit,
-    lag_standard_error,
-)
+from lie_rigid_body.evaluation.causes import BY_CODE, Track, fit
+from lie_rigid_body.evaluation.clock import standard_error
 from lie_rigid_body.lie import quaternion
 
 MOTION = "slow_tumble"
@@ -64,14 +57,15 @@ def correlated(seed: int, memory: float) -> np.ndarray:
 @pytest.mark.parametrize("memory", [0.0, 0.95])
 def test_the_standard_error_of_the_lag_is_its_spread(memory):
     """Also of errors that last for a second, far above the time between samples."""
-    true, inner, free = attitude(MOTION, 0.03), slice(20, -20), frozenset({HEADING, MOUNTING, LAG})
+    true, inner = attitude(MOTION, 0.03), slice(20, -20)
+    causes = [BY_CODE[code] for code in ("heading_offset", "body_mounting", "lagging")]
     off, claimed = [], []
     for seed in range(24):
         estimate = quaternion.multiply(true, correlated(seed, memory))
-        comparison = RunComparison(STAMPS[inner], estimate[inner], truth_of(MOTION), 0.3)
-        fitted = fit(comparison, free, Misalignment(), smallest_step=1e-6)
-        off.append(fitted.lag_s - 0.03)
-        claimed.append(lag_standard_error(comparison, free, fitted))
+        track = Track(STAMPS[inner], estimate[inner], truth_of(MOTION))
+        fitted = fit([track], [(cause, np.zeros(cause.price)) for cause in causes])
+        off.append(fitted[-1][1][0] - 0.03)
+        claimed.append(standard_error(track, fitted))
     assert 0.6 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(claimed))) < 1.5
 
 

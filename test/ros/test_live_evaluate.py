@@ -224,12 +224,12 @@ def test_a_small_offset_is_found_twice_before_it_is_told() -> None:
     run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], motion="closed_form")
     scores = {
         size: run.score(quaternion.multiply(quaternion.exp(np.radians([0.0, 0.0, size])), run.truth.attitude_xyzw))
-        for size in (0.0, 0.1, 5.0)
+        for size in (0.0, 0.5, 5.0)
     }
     confirmed = Confirmed()
     told = {
         span: [finding.code for finding in confirmed.findings(scores[size], span)]
-        for span, size in {5: 0.1, 7: 0.1, 10: 0.1, 12: 5.0, 20: 0.0, 21: 0.1, 40: 0.1, 81: 0.1}.items()
+        for span, size in {5: 0.5, 7: 0.5, 10: 0.5, 12: 5.0, 20: 0.0, 21: 0.5, 40: 0.5, 81: 0.5}.items()
     }
     assert [span for span, codes in told.items() if codes == ["heading_offset"]] == [10, 12, 21, 81]
     assert [span for span, codes in told.items() if not codes] == [5, 7, 20, 40]

@@ -1,0 +1,101 @@
+"""``evaluate`` of several estimates: a row each, the difference of each pair, a picture, a page."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from estimates import beside
+from evaluating import HOW, IMU, POSE, refused, scored
+from scipy.spatial.transform import Rotation
+
+from lie_rigid_body import attitude_error, simulate
+from lie_rigid_body.cli.evaluate import main
+
+WORSE = 3.0
+
+
+@pytest.fixture(scope="module")
+def several(tmp_path_factory):
+    """A bag with three estimates: one with white noise, one with three times as much, and one like the first."""
+    folder = tmp_path_factory.mktemp("several")
+    run = simulate("tumbling_cubesat", duration=20.0)
+    run.to_bag(folder / "run.mcap")
+    t = np.arange(0, 20 * 10**9, 20_000_000)
+    truth, draws = Rotation.from_quat(run.attitude().at(t)), np.random.default_rng(3)
+    made = {
+        name: (Rotation.from_rotvec(np.radians(size) * draws.normal(size=(len(t), 3))) * truth).as_quat()
+        for name, size in (("/good", 0.5), ("/poor", WORSE * 0.5), ("/alike", 0.5))
+    }
+    topics = [(POSE, HOW[POSE], name, t, attitude) for name, attitude in made.items()]
+    late = (IMU, HOW[IMU], "/elsewhere", t[:-1] + 7, made["/good"][:-1])
+    bag = beside(folder / "run.mcap", folder / "several.mcap", *topics, late)
+    errors = {name: np.degrees(attitude_error(attitude, truth.as_quat()).total) for name, attitude in made.items()}
+    return bag, errors
+
+
+def rms(errors):
+    return float(np.sqrt(np.mean(errors**2)))
+
+
+def test_each_has_its_score_and_each_pair_its_difference(several, capsys):
+    bag, errors = several
+    content = scored(capsys, bag, *(word for name in errors for word in ("--estimate", name)))
+    assert [each["topic"] for each in content["estimates"]] == list(errors)
+    assert [each["total_deg"]["rms"] for each in content["estimates"]] == pytest.approx([*map(rms, errors.values())])
+    assert [(pair["first"], pair["second"]) for pair in content["differences"]] == [
+        ("/good", "/poor"),
+        ("/good", "/alike"),
+        ("/poor", "/alike"),
+    ]
+    assert content["passed"] is True
+    worse, alike, better = content["differences"]
+    assert worse["value_deg"] == pytest.approx(rms(errors["/good"]) - rms(errors["/poor"]))
+    assert worse["low_deg"] < worse["value_deg"] < worse["high_deg"] < 0.0
+    # of white errors, by the delta method: the variances of the two mean squares over the squares of twice their roots
+    spread = np.sqrt(sum(np.var(e**2) / len(e) / (4 * np.mean(e**2)) for e in (errors["/good"], errors["/poor"])))
+    assert worse["high_deg"] - worse["low_deg"] == pytest.approx(2 * 1.96 * spread, rel=0.25)
+    assert alike["low_deg"] < 0.0 < alike["high_deg"]
+    assert better["low_deg"] > 0.0
+
+
+def test_a_limit_is_held_by_each(several, capsys):
+    bag, errors = several
+    both = ["--estimate", "/good", "--estimate", "/poor"]
+    content = scored(capsys, bag, *both, "--max-rms", "1.5deg", status=1)
+    assert [each["passed"] for each in content["estimates"]] == [True, False]
+    assert content["passed"] is False
+    assert main([str(bag), *both, "--max-rms", "1.5deg"]) == 1
+    lines = capsys.readouterr().out
+    assert f"{rms(errors['/poor']):.4g}°" in lines
+    assert "/good is better than /poor" in " ".join(lines.split())
+
+
+def test_estimates_without_a_common_stamp_have_no_interval(several, capsys):
+    content = scored(capsys, several[0], "--estimate", "/good", "--estimate", "/elsewhere")
+    (pair,) = content["differences"]
+    assert (pair["low_deg"], pair["high_deg"]) == (None, None)
+
+
+def test_they_share_a_picture_and_a_page(several, tmp_path, capsys):
+    picture, page = tmp_path / "a.png", tmp_path / "a.html"
+    given = [
+        str(several[0]),
+        "--estimate",
+        "/good",
+        "--estimate",
+        "/poor",
+        "--plot",
+        str(picture),
+        "--report",
+        str(page),
+    ]
+    assert main(given) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    content = page.read_text(encoding="utf-8")
+    assert content.count("<svg") == 1
+    assert "/good is better than /poor" in content
+    assert "</html>" in content
+
+
+def test_a_topic_that_is_given_twice_is_refused(several, capsys):
+    assert "/good" in refused(capsys, several[0], "--estimate", "/good", "--estimate", "/good")
