@@ -43,6 +43,7 @@ class Interruption:
         self.requested = False
         self._allowed = False
         self._count, self._first_s = 0, math.inf
+        self._hook = sys.unraisablehook
 
     @classmethod
     def current(cls) -> Interruption:
@@ -66,7 +67,7 @@ class Interruption:
             yield cls.current()
             return
         interruption = cls._current = cls()
-        former, hook = {number: signal.getsignal(number) for number in ENDING}, sys.unraisablehook
+        former = {number: signal.getsignal(number) for number in ENDING}
         defaults = (signal.SIG_DFL, signal.default_int_handler)
         taken = [n for n, f in former.items() if f in defaults or (f == signal.SIG_IGN and n.name != "SIGHUP")]
         sys.unraisablehook = interruption._raise_again
@@ -83,7 +84,7 @@ class Interruption:
             if not to_the_end:
                 for number in taken:
                     signal.signal(number, former[number])
-                sys.unraisablehook = hook
+                sys.unraisablehook = interruption._hook
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
@@ -127,7 +128,7 @@ class Interruption:
     def _raise_again(self, lost: UnraisableHookArgs) -> None:
         """Raise a KeyboardInterrupt in a moment again, where a finaliser or a callback from C would lose it."""
         if not issubclass(lost.exc_type, KeyboardInterrupt):
-            sys.__unraisablehook__(lost)
+            self._hook(lost)
             return
         self._count, self.requested = 0, False
         threading.Timer(_AGAIN_S, interrupt_main, [self._number]).start()
