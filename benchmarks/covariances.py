@@ -71,7 +71,7 @@ def judged(kind: str, wrong: str, number: int) -> Honesty:
     """The verdict of one campaign."""
     draws = np.random.default_rng((KINDS.index(kind), number))
     errors, covariance = drawn(kind, draws)
-    attitude = Rotation.random(RUNS * len(TIMES), rng=draws)
+    attitude = Rotation.from_quat(draws.normal(size=(RUNS * len(TIMES), 4)))  # of any direction alike
     R = attitude.as_matrix().reshape(RUNS, len(TIMES), 3, 3)
     return honesty(TIMES, errors, GIVEN[wrong](covariance, R), attitude.as_quat().reshape(RUNS, len(TIMES), 4))
 

@@ -6,9 +6,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from lie_rigid_body.campaign import Campaign
+    from lie_rigid_body.certificate import certify
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
-    from lie_rigid_body.evaluation import attitude_error
+    from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
     from lie_rigid_body.runs import Run, simulate
@@ -18,35 +20,45 @@ __version__ = "0.1.0"
 
 __all__ = [
     "BagError",
+    "Campaign",
     "ClosedForm",
     "InputError",
     "LieRigidBodyError",
+    "Limits",
     "MovingChart",
     "ParameterError",
     "RigidBody",
     "Run",
+    "SampledTruth",
     "Scenario",
     "State",
     "__version__",
     "attitude_error",
+    "certify",
     "diagnose",
+    "evaluate",
     "simulate",
 ]
 
 # Loaded at first use (PEP 562), so that `lie-rigid-body --help` does not wait for NumPy and SciPy.
 _HOMES = {
     "BagError": "lie_rigid_body.errors",
+    "Campaign": "lie_rigid_body.campaign",
     "ClosedForm": "lie_rigid_body.motion",
     "InputError": "lie_rigid_body.errors",
     "LieRigidBodyError": "lie_rigid_body.errors",
+    "Limits": "lie_rigid_body.evaluation",
     "MovingChart": "lie_rigid_body.motion",
     "ParameterError": "lie_rigid_body.errors",
     "RigidBody": "lie_rigid_body.mechanics",
     "Run": "lie_rigid_body.runs",
+    "SampledTruth": "lie_rigid_body.evaluation",
     "Scenario": "lie_rigid_body.scenario",
     "State": "lie_rigid_body.mechanics",
     "attitude_error": "lie_rigid_body.evaluation",
+    "certify": "lie_rigid_body.certificate",
     "diagnose": "lie_rigid_body.diagnosis",
+    "evaluate": "lie_rigid_body.evaluation",
     "simulate": "lie_rigid_body.runs",
 }
 

@@ -28,6 +28,7 @@ from lie_rigid_body import (
     State,
     evaluation,
     groups,
+    league,
     mechanics,
     messages,
     simulate,
@@ -89,7 +90,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
         describe(BODY, START),
     ]
     found += [mechanics.box(1.0, [0.1, 0.2, 0.3]), KINDS[0].work, LOOP, *errors()]
-    found += [*of_a_run(tmp_path_factory.mktemp("bags") / "run.mcap"), *of_a_score(), *of_a_group()]
+    found += [*of_a_run(tmp_path_factory.mktemp("bags") / "run.mcap"), *of_a_score(), *of_the_league(), *of_a_group()]
     if find_spec("flint"):
         from lie_rigid_body.proof import FlintMissingError, enclose
 
@@ -157,6 +158,11 @@ def of_a_score() -> list[Any]:
     bound = evaluation.unavoidable_error(TIMES, truth, gyro_noise=0.1, gyro_bias=bias, vectors=[up])
     found = [score, score.consistency, score.total_deg, *score.findings, score.error, score_limits, sampled, exact]
     return [*found, bias, up, evaluation.AttitudeReadings(TIMES, np.eye(3)), bound]
+
+
+def of_the_league() -> list[Any]:
+    table = league.reference()
+    return [table, table.rows[0], league.CASES[-1]]
 
 
 def exact_attitudes(t_ns: np.ndarray) -> np.ndarray:

@@ -55,7 +55,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "league", "console"},
     "cli": EDGE | {"campaign", "diagnosis", "league", "system"},
     "ros": EDGE,
-    "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis"},
+    "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},
     "__main__": {"console", "report"},
 }
 FOR_ALL = {"wording", "errors", "arrays"}

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -153,14 +154,17 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'s' * (count != 1)}"
 
 
-def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch: Watch | None = None) -> Certificate:
+def certify(
+    bag: Bag | Recording | str | Path, inertia: Sequence[float] | None = None, watch: Watch | None = None
+) -> Certificate:
     """Hold every law against every segment of a bag.
 
     It is read once, if it is whole: its survey, on which limits depend, is then foreseen. Otherwise it is read again.
 
     Parameters
     ----------
-    bag : Bag or Recording
+    bag : Bag, Recording, str or Path
+        A bag, or the name of its file or folder.
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
     watch : Watch, optional
@@ -175,6 +179,8 @@ def certify(bag: Bag | Recording, inertia: Sequence[float] | None = None, watch:
     BagError
         If the bag does not explain itself, or has no sample.
     """
+    if not isinstance(bag, Bag | Recording):
+        bag = Bag(bag)
     try:
         surveyor = Surveyor(bag, inertia)
         foreseen = surveyor.foreseen() if watch is None else None  # which is to be told of a residual once

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
+from lie_rigid_body.errors import InputError
 
 
 @console.run
@@ -18,6 +19,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.cli import explanation_text
     from lie_rigid_body.motion.description import describe
 
+    if given.name is not None and given.scenario is not None:
+        raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
+    given.scenario = given.scenario or given.name
     scenario = console.scenario(given)
     description = describe(scenario.body(), scenario.start())
     if given.json:
@@ -42,6 +46,7 @@ def _parser() -> console.Parser:
     parser = console.Parser(
         "explain",
         "Tell what the mathematics says about a scenario, without running it.",
+        console.argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
         console.argument(
             "--json", action="store_true", help="print it for programs; infinite and absent numbers are null"
         ),

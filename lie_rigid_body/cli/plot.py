@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
@@ -15,6 +16,8 @@ from lie_rigid_body.wording import printable
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = _parser().parse_args(argv)
+    if given.out is None:
+        given.out = str(Path(given.bag).with_suffix(".png"))
     console.require_suffix("-o", given.out, ".png")
 
     from lie_rigid_body.recording.bag_files import files_of
@@ -49,7 +52,11 @@ def _parser() -> console.Parser:
         ),
         console.TOPIC,
         console.argument(
-            "-o", "--out", metavar="OUT.png", type=console.path, required=True, help="the picture to write"
+            "-o",
+            "--out",
+            metavar="OUT.png",
+            type=console.path,
+            help="by default BAG's name with .png",
         ),
         console.argument("--force", action="store_true", help="replace OUT.png if it exists"),
     )

@@ -22,7 +22,7 @@ from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.naming import TIE, choose
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, rms, settling_limit, time_to_converge
-from lie_rigid_body.evaluation.truth import Truth
+from lie_rigid_body.evaluation.truth import HasTruth, Truth
 from lie_rigid_body.evaluation.turning import Turns
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
@@ -41,7 +41,7 @@ UNLIKE_DEG: Final = 5.0
 def evaluate(
     stamps_ns: ArrayLike,
     attitude_xyzw: ArrayLike,
-    truth: Truth,
+    truth: Truth | HasTruth,
     *,
     limits: Limits | None = None,
     covariance: ArrayLike | None = None,
@@ -62,7 +62,8 @@ def evaluate(
         Stamps of the estimate, ns, on the clock of the truth, never decreasing.
     attitude_xyzw : array_like, shape (N, 4)
         The estimate, taken to be world-from-body, scalar last.
-    truth : Truth
+    truth : Truth or HasTruth
+        A `Run`, an `ExactTruth` or a `SampledTruth`.
     limits : Limits, optional
     covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
         The estimator's own; see `attitude_nees`. A single one is that of every sample.
@@ -101,6 +102,9 @@ def evaluate(
         quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
     if not isinstance(limits, Limits | None):
         raise InputError(f"limits: {shown(limits)} is none: give for example Limits.parse('1deg', '10s:2deg')")
+    truth = truth.attitude() if isinstance(truth, HasTruth) else truth
+    if not isinstance(truth, Truth):
+        raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
     whole, limits = Estimate.read(stamps_ns, attitude_xyzw), limits or Limits()
     known = truth.covers(whole.stamps_ns)
     if not known.any():

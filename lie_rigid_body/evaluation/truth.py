@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +15,15 @@ from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.attitudes import angles_between, geodesic, turns
 from lie_rigid_body.evaluation.estimate import FARTHEST_NS, GAP, period_ns, read_stamps
 from lie_rigid_body.wording import shown
+
+
+@runtime_checkable
+class HasTruth(Protocol):
+    """Something that has a true attitude at any time, as a run has."""
+
+    def attitude(self) -> Truth:
+        """The true attitude."""
+        ...
 
 
 class Truth(ABC):

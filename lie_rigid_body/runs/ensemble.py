@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, require_memory
@@ -41,7 +41,8 @@ _RUN_BYTES: Final = 2**16
 
 @overload
 def simulate(
-    scenario: str | Path | Scenario | None = None,
+    scenario: str | Path | Scenario | RigidBody | None = None,
+    start: State | None = None,
     *,
     duration: float,
     seeds: None = None,
@@ -52,7 +53,8 @@ def simulate(
 
 @overload
 def simulate(
-    scenario: str | Path | Scenario | None = None,
+    scenario: str | Path | Scenario | RigidBody | None = None,
+    start: State | None = None,
     *,
     duration: float,
     seeds: Iterable[int],
@@ -62,7 +64,8 @@ def simulate(
 
 
 def simulate(
-    scenario: str | Path | Scenario | None = None,
+    scenario: str | Path | Scenario | RigidBody | None = None,
+    start: State | None = None,
     *,
     duration: float,
     seeds: Iterable[int] | None = None,
@@ -73,8 +76,10 @@ def simulate(
 
     Parameters
     ----------
-    scenario : str, Path or Scenario, optional
+    scenario : str, Path, Scenario or RigidBody, optional
         A str is the name of a scenario of the package, a Path that of a ROS 2 parameter file. None: the defaults.
+    start : State, optional
+        Attitude and body rate at the start, over those of the scenario.
     duration : float
         Every sample before this time after the first is simulated, s.
     seeds : iterable of int, optional
@@ -104,6 +109,7 @@ def simulate(
     if parameters.get("record_path"):
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
+    parameters = {**_start(start), **parameters}
     given, chosen = _given(scenario, parameters), list[dict[str, object]]([{}])
     if seeds is not None:
         if "sensor_seed" in parameters:
@@ -130,7 +136,16 @@ def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str,
     return Scenario.from_parameters(_given(scenario, parameters))
 
 
-def _given(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> dict[str, object]:
+def _start(start: State | None) -> dict[str, object]:
+    """Parameters of a start."""
+    if start is None:
+        return {}
+    if not isinstance(start, State) or start.body_rate.shape != (3,):
+        raise InputError(f"start {shown(start)} is no State of one instant: give State(attitude_xyzw, body_rate)")
+    return {"initial_attitude_xyzw": start.attitude_xyzw.tolist(), "initial_body_rate": start.body_rate.tolist()}
+
+
+def _given(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
     return {**_parameters(scenario), **{name: plain(value) for name, value in parameters.items()}}
 
 
@@ -165,7 +180,11 @@ def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], C
     return Run.of(taken, simulation.segment)
 
 
-def _parameters(scenario: str | Path | Scenario | None) -> dict[str, object]:
+def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str, object]:
+    if isinstance(scenario, RigidBody):
+        if scenario.batch_shape:
+            raise InputError(f"{scenario!r} is of many bodies: give one, as bodies[0]")
+        return {"inertia": scenario.inertia[np.triu_indices(3)].tolist()}
     if isinstance(scenario, Scenario):
         return dict(scenario.parameters())
     if isinstance(scenario, Path):

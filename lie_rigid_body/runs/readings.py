@@ -60,6 +60,11 @@ class SensorArrays:
         everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
         vars(self).update({name: read_only(array) for name, array in everything.items()})
 
+    @property
+    def t_s(self) -> Array:
+        """Stamps, s, shape (M,): doubles, in which times of day are known to 0.2 µs."""
+        return self.t_ns / 1e9
+
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"the readings of a run are read only: make other ones to change {name}")
 

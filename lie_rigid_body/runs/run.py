@@ -71,6 +71,11 @@ class Run:
         for name, value in vars(self).items():
             object.__setattr__(self, name, read_only(value))  # an estimate is scored by the stamps that it got
 
+    @property
+    def t_s(self) -> Array:
+        """Stamps of the truth, s, shape (N,): doubles, in which times of day are known to 0.2 µs."""
+        return self.t_ns / 1e9
+
     def __repr__(self) -> str:
         return call_repr(self, {"t_ns": self.t_ns, **self.sensors, "segments": len(self.segments)})
 

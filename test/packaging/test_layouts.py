@@ -30,7 +30,19 @@ NOT_SOURCES = shutil.ignore_patterns(
 )
 CONFIGURATION = {str(file.relative_to(ROOT / "config")) for file in (ROOT / "config").rglob("*.*") if file.is_file()}
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
-VERBS = {"sim", "record", "check", "evaluate", "recover", "plot", "explain", "scenarios", "campaign", "diagnose"}
+VERBS = {
+    "sim",
+    "record",
+    "check",
+    "evaluate",
+    "recover",
+    "plot",
+    "explain",
+    "scenarios",
+    "campaign",
+    "diagnose",
+    "league",
+}
 
 
 @dataclass(frozen=True)

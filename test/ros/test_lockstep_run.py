@@ -104,7 +104,6 @@ def test_a_slower_magnetometer_and_faults_stop_nobody_and_the_bag_is_certified(d
         "imu_dropout_probability": 0.1,
         "magnetometer_rate": 50.0,
         "magnetometer_dropout_probability": 0.1,
-        "magnetometer_latency_jitter": 0.03,
     }
     found = score(domain, "SingleThreadedExecutor", 0, "10", record_path=bag, lockstep_timeout=5.0, **faults)
     assert certify(Bag(bag)).passed
