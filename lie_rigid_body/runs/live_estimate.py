@@ -85,11 +85,6 @@ class HeardTruth:
         """Stamp of the last pose, ns."""
         return self._poses.last_ns if self._poses.count else None
 
-    @property
-    def frames(self) -> Frames | None:
-        """Names of the world's and the body's frame, if a scenario tells them."""
-        return self.of_scenarios().frames
-
     def of_scenarios(self) -> TrueMotion:
         """The motion that the scenarios alone tell."""
         return TrueMotion(tuple(sorted(self._segments.values(), key=lambda segment: segment.start_ns)), None)
@@ -205,7 +200,7 @@ class LiveEstimate:
         """
         if not self.truth.is_known:
             return None
-        read = self._read(self.truth.frames)
+        read = self._read(self.truth.of_scenarios().frames)
         new = self.estimate.add(read, self.truth.begin_ns, self.truth.last_pose_ns)
         ready, self._waiting = self._waiting, [] if new is None else [new]
         if not ready:
@@ -280,7 +275,7 @@ class LiveEstimate:
             return "" if usable else f"topic {self._topic}: {self.estimate.fault()}"
         if self._message_type == TF_MESSAGE and self._pairs:
             pairs = listed([f"{frame} to {child}" for frame, child in self._pairs])
-            wanted = " to ".join(self.truth.frames or ())
+            wanted = " to ".join(self.truth.of_scenarios().frames or ())
             return f"topic {self._topic} tells of {pairs}, none of which is {wanted}: name the frames so"
         return f"topic {self._topic} {NO_ORIENTATION}"
 
