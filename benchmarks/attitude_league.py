@@ -4,7 +4,7 @@ Every filter of ``league/filters`` runs over every case of ``config/league``, at
 of the grid that its file declares. Settings are chosen on runs with other noise than those that are scored.
 
     make league                   prints the table, half an hour on two cores
-    make league ARGS=--save       also writes docs/estimators.md, its picture, and the reference rows of the verb league
+    make league ARGS=--save       also writes docs/reference/league.md, picture, and rows of the verb league
 """
 
 from __future__ import annotations
@@ -39,8 +39,10 @@ def main() -> None:
     if save:
         page.heat_map(rows, bounds).savefig(ROOT / "docs" / "images" / "league.png")
         REFERENCE.write_text(f"{json.dumps(table.to_json(), indent=0)}\n", encoding="utf-8")
-        estimators = ROOT / "docs" / "estimators.md"
-        estimators.write_text(page.replaced(estimators.read_text(encoding="utf-8"), rows, bounds), encoding="utf-8")
+        reference_page = ROOT / "docs" / "reference" / "league.md"
+        reference_page.write_text(
+            page.replaced(reference_page.read_text(encoding="utf-8"), rows, bounds), encoding="utf-8"
+        )
 
 
 if __name__ == "__main__":

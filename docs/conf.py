@@ -50,7 +50,8 @@ def with_pages_above(app: Any, page: str, source: list[str]) -> None:
             if page == name and above.is_file():
                 text = above.read_text(encoding="utf-8")
                 source[0] = re.sub(r"\]\((?!https?:|#)(docs/)?([^)#]+)", link_from_above, text)
-        source[0] = source[0].replace(f"](../{file}", f"]({name}.md")
+        up = "../" * page.count("/")
+        source[0] = source[0].replace(f"]({up}../{file}", f"]({up}{name}.md")
 
 
 def link_from_above(found: re.Match[str]) -> str:

@@ -10,20 +10,24 @@ import pytest
 import rooms
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = sorted(DOCS.glob("*.md"))
+PAGES = sorted(DOCS.rglob("*.md"))
 
 
 def blocks(page: Path) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
 
 
-# of paper.md each section is a program: test_paper.py
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p) and p.name != "paper.md"], ids=lambda p: p.name)
+# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py
+@pytest.mark.parametrize(
+    "page",
+    [p for p in PAGES if blocks(p) and p.name not in ("paper.md", "python.md")],
+    ids=lambda p: p.relative_to(DOCS).as_posix(),
+)
 def test_code_blocks_of_a_page_run_as_one_program(page):
     exec(compile("\n".join(blocks(page)), page.name, "exec"), {})
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
 def test_pictures_pages_and_tests_it_names_exist(page):
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", text):

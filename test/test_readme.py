@@ -1,10 +1,10 @@
-"""What the README shows works: its commands and its Python run, and what it says of ROS is what the node offers."""
+"""What the README and the first pages show works: commands and Python run, and what they print is what they say."""
 
 from __future__ import annotations
 
 import re
 import shlex
-from contextlib import redirect_stderr
+from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 
@@ -16,7 +16,11 @@ from lie_rigid_body.sensors import GRADE, SENSORS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-ROS_PAGE, SENSORS_PAGE = ((ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("ros.md", "sensors.md"))
+NAMES = ("ros.md", "sensors.md", "reference/commands.md", "reference/parameters.md", "reference/python.md")
+ROS_PAGE, SENSORS_PAGE, COMMANDS_PAGE, PARAMETERS_PAGE, PYTHON_PAGE = (
+    (ROOT / "docs" / name).read_text(encoding="utf-8") for name in NAMES
+)
+ROS2_PAGE = (ROOT / "docs" / "how-to" / "ros2.md").read_text(encoding="utf-8")
 
 
 def blocks(language: str, text: str = README) -> list[str]:
@@ -34,7 +38,7 @@ def worked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[l
     folder, runs = tmp_path_factory.mktemp("readme"), []
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        for _, *arguments in commands("bash", "lie-rigid-body"):
+        for _, *arguments in commands("bash", "lie-rigid-body", COMMANDS_PAGE):
             with redirect_stderr(StringIO()) as complained:
                 status = main(arguments)
             runs.append((arguments, status, complained.getvalue()))
@@ -48,10 +52,37 @@ def test_headless_commands_run_in_their_order(worked):
     assert (folder / "flips.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("code", blocks("python"))
+@pytest.mark.parametrize("code", blocks("python", PYTHON_PAGE))
 def test_python_runs(code, worked, monkeypatch):
     monkeypatch.chdir(worked[0])
-    exec(compile(code, "README.md", "exec"), {})
+    exec(compile(code, "python.md", "exec"), {})
+
+
+def test_the_first_screen_prints_the_score_that_it_shows():
+    [code], [score, _] = blocks("python"), blocks("text")
+    with redirect_stdout(StringIO()) as printed:
+        exec(compile(code, "README.md", "exec"), {"__name__": "__main__"})
+    rows = [line.rsplit(maxsplit=5) for line in printed.getvalue().splitlines()]
+    for name, *numbers in [line.rsplit(maxsplit=5) for line in score.splitlines()[1:]]:
+        found = next(row[1:] for row in rows if row and row[0] == name)
+        assert list(map(float, found)) == pytest.approx(list(map(float, numbers)), rel=2e-3), name
+
+
+@pytest.mark.slow
+def test_the_first_screen_shows_what_diagnose_says(tmp_path, monkeypatch):
+    [code], [_, said] = blocks("python"), blocks("text")
+    [[_, *arguments]] = commands("bash", "lie-rigid-body")
+    (tmp_path / "my_filter.py").write_text(code, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    with redirect_stdout(StringIO()) as printed:
+        assert main(arguments) == 1
+    assert printed.getvalue().split()[: len(said.split())] == said.split()
+
+
+def test_the_readme_is_short_and_begins_with_the_two_commands():
+    lines = README.splitlines()
+    assert len(lines) <= 150
+    assert next(i for i, line in enumerate(lines) if line.startswith("make test")) < 40
 
 
 def test_make_targets_exist():
@@ -61,18 +92,20 @@ def test_make_targets_exist():
     assert {*shown, "test-oldest"} <= set(targets)
 
 
-@pytest.mark.parametrize("text", [README, ROS_PAGE], ids=["README.md", "docs/ros.md"])
+@pytest.mark.parametrize("text", [ROS2_PAGE, ROS_PAGE], ids=["ros2.md", "ros.md"])
 def test_every_launch_file_is_shown(text):
     launched = commands("console", "ros2 launch", text)
     assert {words[3] for words in launched} == {file.name for file in (ROOT / "launch").glob("*.launch.py")}
 
 
 def test_parameter_tables_name_every_parameter_with_its_default():
-    pages = (README, ROS_PAGE, SENSORS_PAGE)
+    pages = (PARAMETERS_PAGE, ROS_PAGE, SENSORS_PAGE)
     rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in pages}
     for parameter in PARAMETERS:
         own_page = parameter.name in SENSORS.quiet and parameter.name != GRADE
-        rows = rows_of[SENSORS_PAGE if own_page else ROS_PAGE if parameter.name in SENSORS.parameters else README]
+        rows = rows_of[
+            SENSORS_PAGE if own_page else ROS_PAGE if parameter.name in SENSORS.parameters else PARAMETERS_PAGE
+        ]
         row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
         default = parameter.default
         if isinstance(default, tuple):

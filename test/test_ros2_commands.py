@@ -20,7 +20,7 @@ from lie_rigid_body.scenario.parameter_file import gather
 ROOT = Path(__file__).parent.parent
 LIST = ROOT / "test" / "data" / "ros2_commands.txt"
 COMMANDS = [line for line in LIST.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PARSERS: dict[str, Callable[[list[str]], object]] = {
     "check": check._parser().parse_args,
     "record": record._parser().parse_args,

@@ -118,7 +118,7 @@ class Client:
         """Print the value of a parameter of another node."""
         values = self._answer(self._parameters(remote).get_parameters([name]), remote).values
         if not values:
-            raise InputError(f"--get {name}: {remote} has no such parameter; the README lists them")
+            raise InputError(f"--get {name}: {remote} has no such parameter; docs/reference/parameters.md lists them")
         console.say(str(parameter_value_to_python(values[0])))
 
     def set_parameter(self, remote: str, assignment: str) -> None:
