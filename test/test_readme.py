@@ -16,10 +16,11 @@ from lie_rigid_body.sensors import GRADE, SENSORS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-NAMES = ("ros.md", "sensors.md", "reference/commands.md", "reference/parameters.md", "reference/python.md")
-ROS_PAGE, SENSORS_PAGE, COMMANDS_PAGE, PARAMETERS_PAGE, PYTHON_PAGE = (
+NAMES = ("reference/imu.md", "sensors.md", "reference/commands.md", "reference/parameters.md", "reference/python.md")
+IMU_PAGE, SENSORS_PAGE, COMMANDS_PAGE, PARAMETERS_PAGE, PYTHON_PAGE = (
     (ROOT / "docs" / name).read_text(encoding="utf-8") for name in NAMES
 )
+LAUNCH_PAGE = (ROOT / "docs" / "reference" / "launch.md").read_text(encoding="utf-8")
 ROS2_PAGE = (ROOT / "docs" / "how-to" / "ros2.md").read_text(encoding="utf-8")
 
 
@@ -92,19 +93,19 @@ def test_make_targets_exist():
     assert {*shown, "test-oldest"} <= set(targets)
 
 
-@pytest.mark.parametrize("text", [ROS2_PAGE, ROS_PAGE], ids=["ros2.md", "ros.md"])
+@pytest.mark.parametrize("text", [ROS2_PAGE, LAUNCH_PAGE], ids=["ros2.md", "launch.md"])
 def test_every_launch_file_is_shown(text):
     launched = commands("console", "ros2 launch", text)
     assert {words[3] for words in launched} == {file.name for file in (ROOT / "launch").glob("*.launch.py")}
 
 
 def test_parameter_tables_name_every_parameter_with_its_default():
-    pages = (PARAMETERS_PAGE, ROS_PAGE, SENSORS_PAGE)
+    pages = (PARAMETERS_PAGE, IMU_PAGE, SENSORS_PAGE)
     rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in pages}
     for parameter in PARAMETERS:
         own_page = parameter.name in SENSORS.quiet and parameter.name != GRADE
         rows = rows_of[
-            SENSORS_PAGE if own_page else ROS_PAGE if parameter.name in SENSORS.parameters else PARAMETERS_PAGE
+            SENSORS_PAGE if own_page else IMU_PAGE if parameter.name in SENSORS.parameters else PARAMETERS_PAGE
         ]
         row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
         default = parameter.default

@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "estimators.py"
-PAGE = ROOT / "docs" / "estimators.md"
+PAGE = ROOT / "docs" / "explanation" / "three_estimators.md"
 
 Table = dict[str, list[float]]
 FIRST, RMS, LARGEST, FINAL, LATER, INVERSE = range(6)
