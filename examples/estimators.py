@@ -1,7 +1,8 @@
 """Close the loop with estimators from elsewhere: Madgwick, Mahony and the EKF of ``ahrs`` on a recorded bag.
 
 Nothing of lie_rigid_body is imported here. The bag is read by ``mcap_ros2``, the attitude is estimated by ``ahrs``, and
-the angle to the recorded truth is measured by ``scipy``. Conventions, and those of ``ahrs``: docs/estimators.md.
+the angle to the recorded truth is measured by ``scipy``. Conventions, and those of ``ahrs``:
+docs/explanation/three_estimators.md.
 
     python examples/estimators.py            # records a bag without errors of the sensors and one with, and uses both
     python examples/estimators.py run.mcap   # uses a bag with /pose, /imu/data_raw and /imu/mag of one rate

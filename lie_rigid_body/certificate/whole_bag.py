@@ -102,7 +102,7 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFinding
         *_unshown(surveyed),
         *uncovered(bag, surveyed, sensors),
         *_unread(bag),
-        "and the fields that docs/certificate.md says are not",
+        "and the fields that docs/reference/fields.md says are not",
     )
 
 

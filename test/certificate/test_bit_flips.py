@@ -34,7 +34,7 @@ FLIPS = 1000
 WITHIN = 1e-14
 """By how much, relative to its vector, a number may differ in bags that are both certified: some limits of the laws."""
 UNCERTIFIED = {"software", "motion", "method", "max_step", "gravity"}
-"""Names of the scenario that docs/certificate.md says are not certified, or that no reading of this one shows."""
+"""Names of the scenario that docs/reference/fields.md says are not certified, or that no reading of this one shows."""
 OUTCOMES = {"refused", "a law is broken", "nothing that is certified changes"}
 Content = dict[str, list[list[Any]]]
 
