@@ -150,7 +150,7 @@ REFUSED = {
     "explain -p 'inertia:=[1.0, 2.0]'": "give 3 or 6 finite numbers",
     "explain -p 'intertia:=[1.0, 2.0, 3.0]'": "did you mean inertia?",
     "explain --params-file absent.yaml": "does not exist",
-    "explain dzhanibekov": "unrecognized arguments",
+    "explain dzhanibekov --scenario flat_plate": "two scenarios, dzhanibekov and --scenario flat_plate",
     "scenarios all": "unrecognized arguments: all; 'lie-rigid-body scenarios --help' explains the arguments",
     "recover cut.mcap -o page.html": "exists and is kept: give another name, or --force",
     "recover . -o fixed.mcap": "is not the folder of one bag: recover the MCAP files in it one by one",
