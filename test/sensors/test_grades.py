@@ -18,7 +18,7 @@ from lie_rigid_body.sensors import GRADES, SENSORS, Sensors
 ON = {"imu_rate": 100.0, "magnetometer_rate": 50.0}
 DEFAULTS = {parameter.name: parameter.default for parameter in SENSORS.parameters.values()}
 ERRORS = [name for name in DEFAULTS if re.search("noise|bias|scale|misalignment|iron|resolution|_range", name)]
-PAGE = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "imu.md").read_text(encoding="utf-8")
 
 
 def size(name: str, value: Any) -> float:
