@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import select
 import stat
@@ -24,6 +25,25 @@ SILENT_WAIT: Final = 1.0
 """Wait, s, after which a line on stderr says what is waited for."""
 MOST_NESTED: Final = 20
 """Largest depth of brackets and braces in YAML. PyYAML looks at all that are open for each token."""
+LONGEST_NUMBER: Final = 1000
+"""Largest length of a number in YAML, characters: of parts with colons between them it is computed part by part."""
+LARGEST_CHUNK: Final = 256 * 2**20
+"""Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
+LARGEST_ATTACHMENT: Final = LARGEST_CHUNK
+"""Largest size of an attachment of a bag, bytes."""
+LONGEST_NAME: Final = 4096
+"""Largest length of a name in a bag, such as that of a topic, a type, a frame or a library, characters."""
+LARGEST_DEFINITION: Final = 2**20
+"""Largest size of the definition of a message type, bytes."""
+LARGEST_METADATA: Final = 2**20
+"""Largest size of a metadata.yaml, and of the metadata of a channel or of a record, bytes."""
+LARGEST_DECLARATIONS: Final = 64 * 2**20
+"""Largest size of all names, definitions and metadata of a file, bytes."""
+LONGEST_STRING: Final = 2**20
+"""Largest size of a text in a message, bytes."""
+LONGEST_ROW: Final = 2**20
+"""Largest size of a line in the journal of a campaign, bytes."""
+_NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _UNREADABLE: Final[dict[type[Exception], str]] = {
     FileNotFoundError: "does not exist: give the path of a YAML file",
     IsADirectoryError: "is a folder: give a file in it",
@@ -137,6 +157,29 @@ class BoundedLoader(yaml.SafeLoader):
             problem = f"brackets are nested deeper than {MOST_NESTED} levels"
             raise yaml.MarkedYAMLError(None, None, problem, self.get_mark())
         super().fetch_flow_collection_start(token)
+
+    def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
+        """Refuse a number without end."""
+        if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
+            problem = f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read"
+            raise yaml.MarkedYAMLError(None, None, problem, node.start_mark)
+        return str(super().construct_scalar(node))
+
+
+def load_json(text: str | bytes, source: str) -> Any:
+    """The content of a JSON text.
+
+    Raises
+    ------
+    InputError
+        If it is not readable, or nested too deeply.
+    """
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise InputError(f"{source}: not readable as JSON: it is nested too deeply") from None
+    except ValueError as error:
+        raise InputError(f"{source}: not readable as JSON: {error}") from None
 
 
 def load_yaml(text: str, source: str, loader: type[BoundedLoader] = BoundedLoader) -> Any:

@@ -34,6 +34,16 @@ DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 _ROS_BEGIN: Final = "--ros-args"
 _ROS_END: Final = "--"
 _STANDARD_STREAMS: Final = 3
+_OUT_OF_MEMORY: Final = (
+    "failed to map segment",
+    "annot allocate memory",
+    "can't start new thread",
+    "exception set",
+    "setting an exception",
+)
+"""Words of errors of the system and of Python that are made where memory is lacking, besides `MemoryError`."""
+_LEAST_MEMORY: Final = 400_000_000
+"""Least memory that the libraries may need, bytes. With less some of them end the process in words of their own."""
 _PIP_NAMES: Final = {"yaml": "PyYAML"}
 
 Main = Callable[[Sequence[str] | None], int]
@@ -238,6 +248,17 @@ def _open_standard_streams() -> None:
     sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
 
 
+def _require_memory() -> None:
+    """Refuse a limit of memory, as by ``ulimit -v``, within which the libraries cannot work."""
+    try:
+        import resource
+    except ImportError:
+        return
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if resource.RLIM_INFINITY != limit < _LEAST_MEMORY:
+        raise InputError(f"memory is limited to {size(limit)} (ulimit -v): allow {size(_LEAST_MEMORY)} at least")
+
+
 def seconds(stamp_ns: int) -> str:
     """A stamp in seconds, to the nanosecond."""
     return f"{stamp_ns // NS}.{stamp_ns % NS:09d}"
@@ -363,6 +384,7 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
     with Interruption.heeded(to_the_end=to_the_end):
         try:
             _open_standard_streams()
+            _require_memory()
             return action()
         except SystemExit as request:
             if not isinstance(request.code, str):
@@ -382,7 +404,7 @@ def explanation(error: Exception) -> str:
     """One line about an exception for the user."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) or any(words in str(error) for words in _OUT_OF_MEMORY):
         return "there is not enough memory: give less at once, or free some"
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""

@@ -66,12 +66,25 @@ def is_private(folder: Path) -> bool:
     if not hasattr(os, "getuid"):
         return os.access(folder, os.W_OK)
     above = [parent.stat() for parent in folder.resolve().parents]
-    open_to_all = any(state.st_mode & stat.S_IWOTH and not state.st_mode & stat.S_ISVTX for state in above)
+    open_to_others = any(_others_write(state) and not state.st_mode & stat.S_ISVTX for state in above)
     own = folder.stat()
     return (
         own.st_uid == os.getuid()
-        and not own.st_mode & stat.S_IWOTH
+        and not _others_write(own)
         and os.access(folder, os.W_OK)
-        and not open_to_all
+        and not open_to_others
         and all(state.st_uid in (0, os.getuid()) for state in above)
     )
+
+
+def _others_write(state: os.stat_result) -> bool:
+    """Whether others may write to a folder: all, or a group that is not that of this user alone."""
+    if not state.st_mode & stat.S_IWGRP:
+        return bool(state.st_mode & stat.S_IWOTH)
+    import grp  # where users have numbers, groups have members
+
+    try:
+        members = {*grp.getgrgid(state.st_gid).gr_mem} - {getpass.getuser()}
+    except (KeyError, OSError):  # a group or a user without a name
+        members = set()
+    return bool(state.st_mode & stat.S_IWOTH or state.st_gid not in (0, os.getgid()) or members)

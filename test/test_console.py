@@ -49,6 +49,32 @@ def run(command: str, bag: Path, folder: Path, redirection: str) -> subprocess.C
     return subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60, check=False)
 
 
+@pytest.mark.parametrize("command", ["check {bag}", "record {new} --duration 0.1", "plot {bag} -o {new}.png"])
+@pytest.mark.parametrize("kilobytes", [30_000, 100_000, 180_000, 380_000])
+def test_too_little_memory_is_told_in_one_line(command: str, kilobytes: int, bag: Path, tmp_path: Path) -> None:
+    arguments = command.format(bag=bag, new=tmp_path / "new")
+    line = f"ulimit -v {kilobytes}; exec {sys.executable} -m lie_rigid_body {arguments}"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    [complaint] = done.stderr.splitlines()
+    assert "memory is limited to" in complaint
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ImportError("libx.so: failed to map segment from shared object"),
+        OSError(12, "Cannot allocate memory"),
+        RuntimeError("can't start new thread"),
+        SystemError("error return without exception set"),
+        MemoryError(),
+    ],
+)
+def test_whatever_tells_of_lacking_memory_is_no_bug(error: Exception) -> None:
+    assert "not enough memory" in console.explanation(error)
+
+
 @pytest.mark.parametrize("command", [*ANSWERS, *WRITERS])
 def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, ">/dev/full")

@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
+from lie_rigid_body.bounded_input import LONGEST_ROW, load_json
 from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, Row
 from lie_rigid_body.errors import BagError, InputError
@@ -75,13 +76,13 @@ class Journal(AbstractContextManager["Journal"]):
         """Whether a folder holds runs of this campaign, whose scenarios were then found to be possible."""
         try:
             with (folder / JOURNAL).open("rb") as file:
-                return _equal(file.readline(), _heading(campaign))
+                return _equal(file.readline(LONGEST_ROW), _heading(campaign))
         except OSError:
             return False
 
     def _read(self) -> None:
         self._file.seek(0)
-        first = self._file.readline()
+        first = self._file.readline(LONGEST_ROW)
         if first and not _equal(first, self._heading):
             if not self._is_bare(first):
                 raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
@@ -92,8 +93,8 @@ class Journal(AbstractContextManager["Journal"]):
             return
         self._heading = first  # as it was written, so that the table has the same bytes whoever ends it
         place = len(first)
-        for line in self._file:
-            if not line.endswith(b"\n"):  # the end of the process cut it off: that run is done anew
+        while line := self._file.readline(LONGEST_ROW):
+            if not line.endswith(b"\n") and len(line) < LONGEST_ROW:  # its process ended in it: that run is done anew
                 self._file.truncate(place)
                 break
             self._places[self._row(line, place).run] = place
@@ -102,14 +103,14 @@ class Journal(AbstractContextManager["Journal"]):
     def _is_bare(self, first: bytes) -> bool:
         """Whether a campaign was begun here, and ended before it had a run, as where there was no scheduler."""
         try:
-            begun = {"campaign", "software"} == {*json.loads(first)}
-        except (TypeError, ValueError, RecursionError):
+            begun = {"campaign", "software"} == {*load_json(first, JOURNAL)}
+        except (TypeError, ValueError):
             return False
         return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _row(self, line: bytes, place: int) -> Row:
         try:
-            row = Row(**json.loads(line))
+            row = Row(**load_json(line, JOURNAL))
             if 0 <= row.run < len(self._places):
                 return row
         except (TypeError, ValueError):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -13,7 +14,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
-from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
@@ -108,6 +109,8 @@ class SegmentTally:
     ----------
     stamps : dict of str to StampTally
         Those of pose and twist.
+    logged_ns : int
+        The earliest time at which one of its samples was logged, ns.
     """
 
     def __init__(self, segment: Segment) -> None:
@@ -117,6 +120,7 @@ class SegmentTally:
         self._first_ns = self._last_ns = 0
         self._fastest = segment.scenario.rate_bound()
         self._longest = self._followed = 0.0
+        self.logged_ns = MAX_EPOCH_NS
 
     @property
     def is_empty(self) -> bool:
@@ -184,11 +188,14 @@ class Counts:
         Messages that were not logged at their stamps, scenarios at their starts.
     first_ns : int
         The least stamp, ns.
+    contradicted_ns : list of int
+        Starts of segments, ns, that had samples for a second when another scenario was declared of the same start.
     """
 
     def __init__(self) -> None:
         self.messages = [0, 0]
         self.foreign_frames = set[str]()
+        self.contradicted_ns = list[int]()
         self.moved = self.logged_otherwise = 0
         self.first_ns = int(np.iinfo(np.int64).max)
 
@@ -290,6 +297,7 @@ class Surveyor:
             for name, topic in zip(self._tallies[0].stamps, topics, strict=False):
                 for i, rows in segment_parts(self._segments, topic.stamps_ns):
                     self._tallies[i].stamps[name].add(topic.stamps_ns[rows])
+                    self._tallies[i].logged_ns = int(topic.log_times_ns[rows].min(initial=self._tallies[i].logged_ns))
                     scenario = self._segments[i].scenario
                     declared = scenario.world_frame if name == "pose" else scenario.body_frame
                     self._counts.foreign_frames.update(topic[rows].frame_ids - {declared})
@@ -305,9 +313,20 @@ class Surveyor:
 
     def result(self) -> Survey:
         """What was found, after all samples."""
+        self._counts.contradicted_ns = sorted({*self._contradicted()})
         found = tuple(self._surveyed())
         require_samples(self._bag.name, self._segments, self._counts.first_ns, sum(segment.count for segment in found))
         return Survey(found, self._segments, self._own, self._counts)
+
+    def _contradicted(self) -> Iterator[int]:
+        """Starts of segments of which another scenario came too late to be that of a second reset at once, ns."""
+        logged = {tally.segment.start_ns: tally.logged_ns for tally in self._tallies}
+        latest = {text: time for time, text in self._bag.scenario_texts}
+        declared = declared_segments(latest, self._bag.name)
+        texts = Counter(segment.start_ns for segment in {s.to_json(): s for s in declared.values()}.values())
+        for text, segment in declared.items():
+            if texts[segment.start_ns] > 1 and latest[text] > logged[segment.start_ns] + NS:
+                yield segment.start_ns
 
     def _surveyed(self) -> Iterator[SurveyedSegment]:
         bag, own, late_start = self._bag, self._own, not self._own

@@ -24,7 +24,8 @@ def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tup
     sensors : SensorFindings
         Of the same bag.
     """
-    counts, faults = surveyed.counts, [*_clock_faults(surveyed), *_twist_faults(bag, surveyed)]
+    counts = surveyed.counts
+    faults = [*_clock_faults(surveyed), *_twist_faults(bag, surveyed), *_contradictions(surveyed)]
     laws = [
         _frames(surveyed),
         _flag(
@@ -73,6 +74,11 @@ def _twist_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
         yield f"a scenario declares stamped_twist {str(not stamped).lower()}, the twists are otherwise"
 
 
+def _contradictions(surveyed: Survey) -> Iterator[str]:
+    for start_ns in surveyed.counts.contradicted_ns:
+        yield f"a scenario that starts at {start_ns} ns contradicts the one whose samples came before it"
+
+
 def _flag(name: str, faults: int, message: str) -> LawResult:
     """The result of a law of the bag as a whole, which holds where there are no faults."""
     return LawResult(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")
@@ -112,9 +118,14 @@ def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -
     Topics that no scenario determines, those that the scenarios have and the bag has not, and the like. See
     `not_certified` for the parameters.
     """
-    followed = {found.segment.start_ns for found in surveyed.segments}
-    unused = sum(segment.start_ns not in followed for segment in surveyed.declared)
-    return (*([f"scenarios without a sample: {unused}"] if unused else []), *sensors.not_certified, *bag.others)
+    unused = len(surveyed.declared) - len({found.segment.start_ns for found in surveyed.segments})
+    repeated = len(bag.scenario_texts) - len(surveyed.declared)
+    return (
+        *([f"scenarios without a sample: {unused}"] if unused else []),
+        *([f"scenario messages that repeat another one: {repeated}"] if repeated else []),
+        *sensors.not_certified,
+        *bag.others,
+    )
 
 
 def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:

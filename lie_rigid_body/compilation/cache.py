@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from lie_rigid_body.system import is_private, user
+from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
 
 _HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
 """Variables of the environment that may name the folder of caches."""
@@ -23,16 +24,30 @@ _HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
 def cache_folder(function: Callable[..., None]) -> Path | None:
     """Folder for the compiled form of a function, made if need be; None if there is no place for it.
 
-    Only this user can write to it, as code that is loaded has to be safe.
+    Only this user can write to it, as code that is loaded has to be safe. A folder that others can write to is left
+    out, and a line on stderr says so.
     """
     named = [os.environ[name] for name in _HOMES if os.environ.get(name)]
     for home in (*named, os.path.expanduser("~/.cache"), f"{tempfile.gettempdir()}/cache-{user()}"):
         folder = Path(home, "lie_rigid_body", _digest(function))
         with suppress(OSError):
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            folder.mkdir(mode=0o700, exist_ok=True)
             if is_private(folder := folder.resolve()):  # a link on the way to it may be set anew
                 return folder
+            _say_that_others_write(folder.parent)
     return None
+
+
+@cache
+def _say_that_others_write(folder: Path) -> None:
+    """Say once that a folder is not used, unless this process works for another one, which says it."""
+    from multiprocessing import parent_process  # only now: it takes a while to load
+
+    if parent_process() is None:
+        where = shortened(printable(str(folder)), LONGEST_LINE // 2)
+        with suppress(OSError, ValueError):
+            print(f"compiled code is not kept in {where}: others may write there or above: chmod go-w", file=sys.stderr)
 
 
 @cache

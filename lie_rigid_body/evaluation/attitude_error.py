@@ -141,13 +141,14 @@ def unit(name: str, value: ArrayLike) -> Array:
     Raises
     ------
     InputError
-        If one is not finite, or zero.
+        If one is not finite, or zero, or its norm is beyond float64.
     """
     array = numbers(name, value, 4)
-    zero = np.flatnonzero(quaternion.norm(array).ravel() < SMALLEST_NORM)
-    if zero.size:
+    norms = quaternion.norm(array).ravel()
+    bad = np.flatnonzero((norms < SMALLEST_NORM) | np.isinf(norms))
+    if bad.size:
         raise InputError(
-            f"{name}: {zero.size} of {array.size // 4} quaternions are zero, the first is row {zero[0]}: "
+            f"{name}: {bad.size} of {array.size // 4} quaternions are zero or overflow, the first is row {bad[0]}: "
             "leave them out, or fill in the orientation"
         )
     return quaternion.normalize(array)

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.bounded_input import read_text
+from lie_rigid_body.bounded_input import load_json, read_text
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.league.cases import CASES, REAL, Case
 from lie_rigid_body.scenario.parameter_file import CONFIG
@@ -180,10 +180,7 @@ def rows_of(path: str | Path) -> list[FilterRow]:
     InputError
         If it is no such file, or of another edition.
     """
-    try:
-        content = json.loads(read_text(path, _MOST_BYTES))
-    except ValueError as error:
-        raise InputError(f"{path}: no JSON ({error}): give what 'league --json' writes") from None
+    content = load_json(read_text(path, _MOST_BYTES), str(path))
     edition = content.get("edition") if isinstance(content, dict) else None
     if edition != EDITION:
         raise InputError(

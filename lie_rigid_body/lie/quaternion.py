@@ -64,7 +64,7 @@ def conjugate(q: ArrayLike) -> Array:
 
 
 def norm(q: ArrayLike) -> Array:
-    """Euclidean norm over the last axis, 1 on SU(2), eq. (31).
+    """Euclidean norm over the last axis, 1 on SU(2), eq. (31); infinite where it is beyond float64.
 
     Parameters
     ----------
@@ -76,7 +76,8 @@ def norm(q: ArrayLike) -> Array:
     """
     q = _quaternions(q)
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    return np.asarray(np.hypot(np.hypot(x, y), np.hypot(z, w)))
+    with np.errstate(over="ignore"):
+        return np.asarray(np.hypot(np.hypot(x, y), np.hypot(z, w)))
 
 
 def normalize(q: ArrayLike) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Array, Integers, windows
+from lie_rigid_body.bounded_input import LONGEST_NAME, LONGEST_STRING
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.parameters import NS
@@ -107,6 +108,8 @@ def _decode_alike(
     head, at = rows[0].tobytes(), int(indices[0])
     order = byte_order(head, first + at)
     length = _word(head, 12, order, first + at) if stamped else 0
+    if length > LONGEST_NAME:
+        raise BagError(f"message {first + at} has a frame of {length} bytes: at most {LONGEST_NAME} are read")
     start = numbers_after(FRAME + length) if stamped else 4
     count = values.shape[1]
     _require_size(head, start + 8 * count, first + at)
@@ -175,6 +178,8 @@ def decode_string(payload: bytes, index: int = 0) -> str:
         If the payload is not one.
     """
     length = _word(payload, 4, byte_order(payload, index), index)
+    if length > LONGEST_STRING:
+        raise BagError(f"message {index} has a text of {length} bytes: at most {LONGEST_STRING} are read")
     _require_size(payload, 8 + length, index)
     return text_of(payload[8 : 8 + length], index)
 
@@ -208,4 +213,4 @@ def text_of(data: bytes, index: int) -> str:
     try:
         return data[:-1].decode()
     except UnicodeDecodeError:
-        raise BagError(f"message {index} has a text that is not UTF-8: {data[:40]!r}") from None
+        raise BagError(f"message {index} has a text that is not UTF-8") from None

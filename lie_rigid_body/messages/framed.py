@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.decoding import byte_order, text_of
 from lie_rigid_body.messages.layout import numbers_after
@@ -94,6 +95,8 @@ class _Fields:
 
     def _text(self) -> str:
         length = self.word()
+        if length > LONGEST_NAME:
+            raise BagError(f"message {self._index} has a frame of {length} bytes: at most {LONGEST_NAME} are read")
         return text_of(self._unpack(f"{length}s")[0], self._index)
 
     def _unpack(self, what: str) -> tuple:  # type: ignore[type-arg]

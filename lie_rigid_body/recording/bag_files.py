@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from lie_rigid_body.bounded_input import as_path, load_yaml, read_text
+from lie_rigid_body.bounded_input import LARGEST_METADATA, as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
@@ -18,16 +18,13 @@ from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progr
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
+from lie_rigid_body.wording import shown
 
 METADATA: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""
 
 SUFFIXES: Final = (".mcap", SUFFIX)
 """Suffixes of the names of bags."""
-
-LARGEST_METADATA: Final = 2**20
-"""Largest size of a metadata.yaml, bytes."""
-
 
 _TOLERANCE_NS: Final = NS
 """A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
@@ -156,6 +153,10 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
         names = [str(name) for name in information["relative_file_paths"]]
     except (InputError, TypeError, LookupError):
         raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
+    here = metadata.parent.resolve()
+    for name in names:
+        if "\0" not in name and not (here / name).resolve().is_relative_to(here):
+            raise BagError(f"{metadata} names {shown(name)}, which is outside of its folder: give a whole bag")
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
     return information

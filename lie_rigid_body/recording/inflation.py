@@ -9,10 +9,9 @@ from typing import Final
 
 from mcap.records import Chunk
 
+from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.recording.records import ContradictionError, ExcessError, UnknownCompressionError, require
 
-LARGEST_CHUNK: Final = 256 * 1024 * 1024
-"""Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
 _MOST_RECORDS: Final = 65_536
 _PIECE: Final = 65_536
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"

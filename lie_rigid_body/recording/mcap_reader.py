@@ -16,8 +16,9 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Footer, Header, McapRecord, Metadata, Schema
 
+from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, ZSTD_MAGIC, inflated, inflated_unverified, most_records
+from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, inflated_unverified, most_records
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
     Found,
@@ -212,7 +213,7 @@ class _FileReader:
             raise BagError(f"{path} is empty: record it again, it holds nothing to rescue")
         if not start.startswith(MAGIC):
             hint = next((text for magic, text in _OTHER_FORMATS.items() if start.startswith(magic)), "")
-            raise BagError(f"{path} is not an MCAP file: {hint or f'it begins with {start[:8]!r}: give a bag'}")
+            raise BagError(f"{path} is not an MCAP file: {hint or 'it does not begin as one: give a bag'}")
 
     def _parts(self) -> Iterator[tuple[int, int, int]]:
         """Opcode of the first record of each part, and where the part begins and ends.

@@ -80,6 +80,8 @@ class OutputFile:
         """The file to replace, its links followed, or None when a new name is free."""
         if self.path.is_dir():
             raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")
+        if self.path.is_symlink() and not self.path.exists():
+            raise BagError(f"{self.path} is a link that leads to no file: remove it, or give another name")
         if not (overwrite and self.path.exists()):
             return None
         if not self.path.is_file():

@@ -27,7 +27,13 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from lie_rigid_body.bounded_input import open_file
+from lie_rigid_body.bounded_input import (
+    LARGEST_ATTACHMENT,
+    LARGEST_DEFINITION,
+    LARGEST_METADATA,
+    LONGEST_NAME,
+    open_file,
+)
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
 
@@ -154,7 +160,28 @@ class _Content(BytesIO):
 def parsed(opcode: int, content: bytes) -> Any:
     """Record of the `mcap` library of some kind and content; None of a kind that it does not know."""
     kind: Any = _KINDS.get(opcode)
-    return kind and kind.read(ReadDataStream(_Content(content)))
+    record = kind and kind.read(ReadDataStream(_Content(content)))
+    for name, value in vars(record).items() if record else ():
+        limit = _limit(record, value)
+        if limit is not None and (size := size_of(value)) > limit:
+            raise ExcessError(f"a {name} of {size} bytes in a {kind.__name__.lower()}")
+    return record
+
+
+def _limit(record: McapRecord, value: object) -> int | None:
+    """Largest size of a field of a record, bytes; None where the record's own is enough."""
+    if isinstance(value, str):
+        return LONGEST_NAME
+    if isinstance(record, Schema | Attachment) and isinstance(value, bytes):
+        return LARGEST_DEFINITION if isinstance(record, Schema) else LARGEST_ATTACHMENT
+    return LARGEST_METADATA if isinstance(record, Channel | Metadata) and isinstance(value, dict) else None
+
+
+def size_of(value: object) -> int:
+    """Size of a name, a definition or metadata: of texts the characters, 0 of a number."""
+    if isinstance(value, dict):
+        return sum(len(name) + size_of(text) for name, text in value.items())
+    return len(value) if isinstance(value, str | bytes) else 0
 
 
 def record_bytes(*records: McapRecord) -> bytes:

@@ -16,10 +16,11 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
+from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, NotOneFrameError, inflated, most_records, salvaged
+from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressor
 from lie_rigid_body.recording.message_table import NO_HINTS, MessageTable, find_messages
 from lie_rigid_body.recording.output_file import reason, require_other, written
@@ -168,6 +169,7 @@ class _Salvage:
         return end, is_whole
 
     def _take(self, place: Place) -> None:
+        require(place.end - place.begin <= _LARGEST_PART, "a record is larger than what is read")
         content = self._given[place.begin : place.end]
         if place.opcode == Opcode.MESSAGE:
             channel, *_ = _MESSAGE.unpack_from(content)

@@ -24,8 +24,9 @@ from mcap.records import (
     Statistics,
 )
 
+from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
 from lie_rigid_body.recording.message_table import LAST_TIME, MessageTable
-from lie_rigid_body.recording.records import parsed, require
+from lie_rigid_body.recording.records import ExcessError, parsed, require, size_of
 
 _IN_DATA: Final = frozenset(
     {
@@ -80,6 +81,7 @@ class Summary:
         self.chunks: list[ChunkIndex] = []
         self.attachments: list[AttachmentIndex] = []
         self._metadata: list[MetadataIndex] = []
+        self._declared = 0  # size of names, definitions and metadata, bytes
 
     def add(self, record: McapRecord, begin: int, length: int) -> None:
         """Add a record that begins at a byte and has a size, if it is of a kind of which a summary tells.
@@ -89,6 +91,14 @@ class Summary:
         ContradictionError
             If it is a schema or a channel that repeats another one, and is not the same, or a channel of no schema.
         """
+        if (
+            isinstance(record, Metadata)
+            or (isinstance(record, Schema) and record.id not in self.schemas)
+            or (isinstance(record, Channel) and record.id not in self.channels)
+        ):
+            self._declared += sum(map(size_of, vars(record).values()))
+            if self._declared > LARGEST_DECLARATIONS:
+                raise ExcessError(f"names and definitions of {self._declared} bytes")
         match record:
             case Metadata():
                 self._metadata.append(MetadataIndex(offset=begin, length=length, name=record.name))

@@ -175,8 +175,8 @@ def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tup
     numbers = count()
     for piece in pieces:
         with decoding(path, topic, piece):
-            found = [(time, decode_string(payload, next(numbers))) for time, payload in piece.payloads()]
-        yield from found
+            for time, payload in piece.payloads():
+                yield time, decode_string(payload, next(numbers))
 
 
 def topic_messages(path: Path, key: TrackKey, found: RawMessages, first: int = 0) -> TopicMessages:

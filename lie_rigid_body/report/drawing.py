@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.console import say
 from lie_rigid_body.wording import printable
 
@@ -14,8 +17,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+_LARGEST = 1e300
+"""Largest number that is drawn: the length of an axis is a number as well."""
 _NO_GLYPH = "Glyph .* missing from"
 """Warning of characters that the font lacks, such as Chinese ones of a name."""
+
+
+def drawable(values: Array) -> Array:
+    """Numbers that an axis can have, NaN in place of those that are too large."""
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
 def png(figure: Figure) -> bytes:

@@ -11,6 +11,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.recording.samples import RecordedSegment
+from lie_rigid_body.report.drawing import drawable
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
@@ -87,7 +88,7 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
         t = times(piece.stamps_ns, pieces)
         for name, colour, rates in zip("xyz", COLOURS, piece.states.body_rate.T, strict=True):
             label = rf"$\omega_{name}$" if piece is pieces[0] else None
-            axes.plot(t, rates, color=colour, label=label, **curve_style(piece.count, 1.4))
+            axes.plot(t, drawable(rates), color=colour, label=label, **curve_style(piece.count, 1.4))
     axes.set_ylabel("body rate [rad/s]")
     _add_legend(axes)
 
@@ -115,7 +116,7 @@ def _drifts(piece: RecordedSegment) -> Array:
 
 def _draw_envelope(axes: Axes, t: Array, values: Array, colour: str, label: str | None = None) -> None:
     """Draw the smallest and the largest value in each interval of time, as a band: others are seen through it."""
-    t, lowest, highest = envelope(t, values)
+    t, lowest, highest = map(drawable, envelope(t, values))
     axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
     axes.plot(t, lowest, color=colour, lw=0.9, **(DOTS if len(t) <= FEW_SAMPLES else {}))
     axes.plot(t, highest, color=colour, lw=0.9, label=label)

@@ -249,4 +249,5 @@ def _usable(track: AttitudeTrack) -> Booleans:
     """Whether each attitude is finite and not zero."""
     finite = np.isfinite(track.attitude_xyzw).all(axis=1)
     known = np.where(finite[:, np.newaxis], track.attitude_xyzw, 0.0)
-    return np.asarray(finite & (quaternion.norm(known) >= SMALLEST_NORM))
+    norms = quaternion.norm(known)
+    return np.asarray(finite & (norms >= SMALLEST_NORM) & np.isfinite(norms))

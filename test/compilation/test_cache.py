@@ -66,7 +66,8 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The first folder of caches, and beside it another one."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "open" / "first"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "second"))
-    (tmp_path / "open").mkdir()
+    (tmp_path / "open").mkdir(mode=0o700)
+    cache._say_that_others_write.cache_clear()
     return tmp_path / "open"
 
 
@@ -80,14 +81,36 @@ def test_code_is_kept_in_the_first_folder_that_is_private(home: Path) -> None:
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="a folder has no mode here")
 @pytest.mark.parametrize("mode", [0o777, 0o707, 0o702])
 @pytest.mark.parametrize("which", ["open", "open/first", "open/first/lie_rigid_body"])
-def test_where_another_user_may_write_no_code_is_kept(home: Path, mode: int, which: str) -> None:
-    """Nor in a folder below, which they could move away."""
+def test_where_another_user_may_write_no_code_is_kept(
+    home: Path, mode: int, which: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nor in a folder below, which they could move away. One line says so."""
     folder = home.parent / which
     folder.mkdir(parents=True, exist_ok=True)
     folder.chmod(mode)
+    for _ in range(2):
+        found = cache_folder(moser_veselov_loop.advance)
+        assert found is not None
+        assert found.is_relative_to(home.parent / "second")
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "first/lie_rigid_body" in said
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="a folder has no mode here")
+@pytest.mark.parametrize("members", [[], ["another"]])
+def test_where_a_group_may_write_code_is_kept_if_it_is_that_of_the_user_alone(
+    home: Path, members: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import grp
+
+    group = grp.struct_group(("own", "x", os.getgid(), members))
+    monkeypatch.setattr(grp, "getgrgid", lambda number: group)
+    home.chmod(0o770)
+    os.chown(home, -1, os.getgid())
     found = cache_folder(moser_veselov_loop.advance)
     assert found is not None
-    assert found.is_relative_to(home.parent / "second")
+    assert found.is_relative_to(home.parent / ("second" if members else "open"))
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root may give folders away")

@@ -156,7 +156,7 @@ def test_one_truth_serves_many_estimates_and_it_is_public():
         (np.ones((3, 3)), np.ones((3, 4)), r"estimate_xyzw: shape \(3, 3\) is not \(\.\.\., 4\)"),
         (np.ones((3, 4)), np.ones((2, 4)), r"does not go with truth_xyzw of shape \(2, 4\)"),
         ([[1, 0, 0, 0], [np.nan, 0, 0, 1]], IDENTITY, "1 of 2 rows are not finite, the first is row 1"),
-        (IDENTITY, [0, 0, 0, 0], "truth_xyzw: 1 of 1 quaternions are zero"),
+        (IDENTITY, [0, 0, 0, 0], "truth_xyzw: 1 of 1 quaternions are zero or overflow"),
         (np.empty((0, 4)), IDENTITY, "empty"),
         ("north", IDENTITY, "not numbers"),
     ],

@@ -76,7 +76,7 @@ def test_body_rate_is_the_motions(motion):
         ([0.0, 1.0], SPIN[:2], "integer nanoseconds"),
         ([0, 5, 3], SPIN[:3], "out of order in 1 places, first at sample 2, 2e-09 s"),
         ([0, 5], SPIN[:3], r"for 2 stamps"),
-        ([0, 1], [[0, 0, 0, 1], [0, 0, 0, 0]], "1 of 2 quaternions are zero, the first is row 1"),
+        ([0, 1], [[0, 0, 0, 1], [0, 0, 0, 0]], "1 of 2 quaternions are zero or overflow, the first is row 1"),
         ([0, 1], [[0, 0, 0, 1], [0, 0, np.nan, 0]], "1 of 2 rows are not finite, the first is row 1"),
     ],
 )

@@ -160,7 +160,7 @@ def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, 
 @pytest.mark.parametrize(
     "content",
     [
-        "no JSON",
+        "not readable as JSON",
         "[]",
         '{"edition": "1999.1", "rows": []}',
         json.dumps({"edition": EDITION, "rows": []}),

@@ -164,7 +164,7 @@ def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
     ("content", "said"),
     [
         (b"", "is empty"),
-        (b"hello", "not an MCAP file: it begins with b'hello'"),
+        (b"hello", "not an MCAP file: it does not begin as one"),
         (b"\x89MCAP0\r", "not an MCAP file"),
         (b"SQLite format 3\x00...", "SQLite bag: .*-s mcap"),
         (b"#ROSBAG V2.0\n", "ROS 1 bag"),

@@ -25,6 +25,7 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.plot import main as plot
 from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.console import UNUSABLE
@@ -295,6 +296,24 @@ def test_no_file_gives_a_traceback(kind: str) -> None:
 
 def test_a_quaternion_whose_norm_underflows_breaks_laws_without_a_warning() -> None:
     assert answers(replaced(POSE, 0, 76, longs(1), 2**20), drawn=True)["check 1"] == 1
+
+
+@pytest.mark.parametrize("value", [float("inf"), float("nan"), 1e308, -1e308, 5e-324])
+@pytest.mark.parametrize(("topic", "fields"), [(POSE, 7), (TWIST, 6)])
+def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
+    topic: str, fields: int, value: float, tmp_path: Path
+) -> None:
+    path = tmp_path / "x.mcap"
+    for number in (3, None):
+
+        def change(name: str, count: int, data: bytes, number: int | None = number) -> bytes:
+            is_other = name != topic or number not in (count, None)
+            return data if is_other else data[: -8 * fields] + fields * struct.pack("<d", value)
+
+        path.write_bytes(bag(change))
+        assert run(check, str(path)) == 1
+        assert run(plot, str(path), "-o", str(tmp_path / "x.png"), "--force") in (0, 2)
+        assert run(evaluate, str(path), "--estimate", "/pose") in (0, 1, 2)
 
 
 @pytest.mark.slow

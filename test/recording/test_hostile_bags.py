@@ -119,8 +119,11 @@ NAMES = {
     "alias": ("[&a x.mcap, *a]", "is not the metadata"),
     "number": ("3", "is not the metadata"),
     "twice": ("[x.mcap, x.mcap]", "names x.mcap twice"),
-    "device": ("[/dev/zero]", "/dev/zero is a device"),
-    "folder": ("[..]", "Is a directory"),
+    "device": ("[/dev/zero]", "names '/dev/zero', which is outside of its folder"),
+    "above": ("[../../secret]", "names '../../secret', which is outside of its folder"),
+    "away and back": ("[../bag/x/../../secret]", "which is outside of its folder"),
+    "link": ("[link.mcap]", "names 'link.mcap', which is outside of its folder"),
+    "folder": ("[.]", "Is a directory"),
 }
 
 
@@ -128,9 +131,12 @@ NAMES = {
 def test_metadata_names_files(tmp_path: Path, case: str) -> None:
     names, said = NAMES[case]
     path = folder(tmp_path)
+    (tmp_path / "secret").write_text("of somebody else")
+    (path / "link.mcap").symlink_to(tmp_path / "secret")
     (path / "metadata.yaml").write_text(f"rosbag2_bagfile_information: {{relative_file_paths: {names}}}")
-    with pytest.raises(BagError, match=said):
+    with pytest.raises(BagError, match=said) as caught:
         read_bag(path)
+    assert "somebody" not in str(caught.value)
 
 
 def test_each_file_of_a_bag_allows_for_its_own_messages(

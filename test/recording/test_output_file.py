@@ -213,6 +213,15 @@ def test_replacing_follows_links_and_keeps_permissions(make_bag: MakeBag) -> Non
         read_bag(path)
 
 
+@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("target", ["nowhere/a.mcap", "missing.mcap", "link.mcap"])
+def test_a_link_that_leads_to_no_file_is_named(tmp_path: Path, target: str, overwrite: bool) -> None:
+    (tmp_path / "link.mcap").symlink_to(target)
+    with pytest.raises(BagError, match=r"link.mcap is a link that leads to no file: remove it"):
+        BagWriter(tmp_path / "link.mcap", stamped_twist=True, overwrite=overwrite)
+    assert os.listdir(tmp_path) == ["link.mcap"]
+
+
 def test_an_existing_file_is_kept(make_bag: MakeBag) -> None:
     path = make_bag()
     before = path.read_bytes()

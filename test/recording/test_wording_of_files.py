@@ -326,7 +326,7 @@ OTHERS = {
         "'lie-rigid-body recover BROKEN -o FIXED'",
     ),
     "nothing": (b"", "is empty: record it again, it holds nothing to rescue"),
-    "text": (b"hello", "is not an MCAP file: it begins with b'hello': give a bag"),
+    "text": (b"hello", "is not an MCAP file: it does not begin as one: give a bag"),
     "ROS 1": (b"#ROSBAG V2.0\n", "is not an MCAP file: it is a ROS 1 bag: convert it with 'mcap convert'"),
     "SQLite": (
         b"SQLite format 3\x00...",

@@ -1,0 +1,79 @@
+"""Scenario messages that come twice are told, and refused where they contradict each other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.writer import CompressionType, Writer
+
+from lie_rigid_body import certify
+from lie_rigid_body.messages import definitions, encode_string
+from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+
+NS = 10**9
+TYPES = {POSE: definitions.POSE_STAMPED, TWIST: definitions.TWIST_STAMPED}
+Change = Callable[[dict[str, Any]], object]
+
+
+def recorded(path: Path, *texts: tuple[float, Change]) -> Path:
+    """A bag of 3 s by `ros2 bag record`, with more scenario messages that come at some time, s."""
+    simulation, out = Simulation(Scenario.from_parameters({"rate": 5.0})), BytesIO()
+    scenario, writer = json.loads(simulation.segment.to_json()), Writer(out, compression=CompressionType.NONE)
+    writer.start("ros2", "libmcap 1.0")
+    messages = [(0.0, "lie_rigid_body/scenario", json.dumps(scenario))]
+    messages += [(time, "lie_rigid_body/scenario", json.dumps(change(dict(scenario)))) for time, change in texts]
+    channels = {}
+    for topic in ("lie_rigid_body/scenario", POSE, TWIST):
+        kind = TYPES.get(topic, definitions.STRING)
+        schema = writer.register_schema(kind, "ros2msg", definitions.definition(kind).encode())
+        channels[topic] = writer.register_channel(f"/{topic}", "cdr", schema)
+    taken = simulation.take_until(simulation.clock.stamp_ns(14), 15)
+    found = [(int(1e9 * time), topic, encode_string(text)) for time, topic, text in messages]
+    found += [
+        (stamp, topic, data)
+        for stamp, topic, data in BatchEncoder(simulation.segment.scenario).encode(taken).in_order()
+    ]
+    for number, (time, topic, data) in enumerate(sorted(found, key=lambda message: message[0])):
+        writer.add_message(channels[topic], time, data, time, number)
+    writer.finish()
+    path.write_bytes(out.getvalue())
+    return path
+
+
+def another(name: str, value: object) -> Change:
+    return lambda scenario: {**scenario, name: value}
+
+
+def test_a_repeated_message_is_told(tmp_path: Path) -> None:
+    assert not certify(recorded(tmp_path / "once.mcap")).uncovered
+    certificate = certify(recorded(tmp_path / "twice.mcap", (2.0, lambda scenario: scenario)))
+    assert certificate.passed
+    assert certificate.uncovered == ("scenario messages that repeat another one: 1",)
+
+
+def test_a_second_reset_at_once_is_told(tmp_path: Path) -> None:
+    """It happens while the node pauses: the later one holds."""
+    path = recorded(tmp_path / "x.mcap", (-0.0, another("max_step", 0.0005)))
+    certificate = certify(path)
+    assert certificate.passed
+    assert certificate.uncovered == ("scenarios without a sample: 1",)
+
+
+@pytest.mark.parametrize("change", [another("max_step", 0.0005), another("initial_body_rate", [0.0, 0.0, 1.0])])
+def test_a_message_that_contradicts_samples_before_it_breaks_a_law(tmp_path: Path, change: Change) -> None:
+    certificate = certify(recorded(tmp_path / "x.mcap", (2.0, change)))
+    assert not certificate.passed
+    broken = {law.name: law.message for law in certificate.laws if not law.holds}
+    assert "contradicts the one whose samples came before it" in broken["declaration"]
+
+
+def test_the_same_scenario_in_other_words_contradicts_nothing(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "x.mcap", (2.0, lambda scenario: dict(reversed(scenario.items()))))
+    assert certify(path).passed

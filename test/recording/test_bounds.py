@@ -1,0 +1,270 @@
+"""Every length that a file says is held against a bound: each is set to its largest, and the memory is measured."""
+
+from __future__ import annotations
+
+import json
+import struct
+import tracemalloc
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+
+import pytest
+import zstandard
+from forged import Record, chunk, framed, honest, joined, record, text
+from test_fuzz import HONEST
+
+from lie_rigid_body.bounded_input import (
+    LARGEST_DECLARATIONS,
+    LARGEST_DEFINITION,
+    LARGEST_METADATA,
+    LONGEST_NAME,
+    LONGEST_NUMBER,
+    LONGEST_STRING,
+    load_json,
+    load_yaml,
+)
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.definition import OF_TABLE
+from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.cli.recover import main as recover
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.league.table import rows_of
+from lie_rigid_body.messages.decoding import decode, decode_string
+from lie_rigid_body.messages.framed import decode_odometry, decode_transforms
+from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.mcap_contents import nothing
+from lie_rigid_body.simulation import Segment
+
+MIB = 2**20
+LENGTHS = {  # by opcode, in the order of the format: bytes, a text S, a map or bytes M whose length has 4, D has 8
+    1: "SS",
+    2: "",
+    3: "2SSM",
+    4: "22SSM",
+    5: "",
+    6: "8884SD",
+    7: "2M",
+    8: "8888M8S88",
+    9: "88SSD",
+    10: "88888SS",
+    11: "8244448" + "8M",
+    12: "SM",
+    13: "88S",
+    14: "",
+    15: "",
+}
+
+
+def length_places(opcode: int, content: bytes) -> Iterator[tuple[int, int]]:
+    """Where each length stands in the content of a record, and of how many bytes it is; those in maps as well."""
+    at = 0
+    for kind in LENGTHS[opcode]:
+        if kind.isdecimal():
+            at += int(kind)
+            continue
+        size = 8 if kind == "D" else 4
+        if at + size > len(content):
+            return
+        length = int.from_bytes(content[at : at + size], "little")
+        yield at, size
+        if kind == "M" and opcode in (4, 12) and length:
+            yield at + 4, 4
+            yield at + 8 + int.from_bytes(content[at + 4 : at + 8], "little"), 4
+        at += size + length
+
+
+def refused(content: bytes, folder: Path) -> str:
+    """What the reader says of a file that it refuses, in less memory than a bound allows for."""
+    path = folder / "x.mcap"
+    path.write_bytes(content)
+    tracemalloc.start()
+    try:
+        with pytest.raises(BagError) as caught:
+            BagFiles(path).contents(nothing)
+        assert tracemalloc.get_traced_memory()[1] < 16 * MIB
+    finally:
+        tracemalloc.stop()
+    return str(caught.value)
+
+
+def forged_lengths() -> Iterator[tuple[str, list[Record]]]:
+    records = honest()
+    for i, (opcode, content) in enumerate(records):
+        for at, size in length_places(opcode, content):
+            for value in (2 ** (8 * size) - 1, 2 ** (8 * size - 1), len(content)):
+                changed = content[:at] + value.to_bytes(size, "little") + content[at + size :]
+                if changed != content:
+                    yield f"{opcode} at {at}: {value}", [*records[:i], (opcode, changed), *records[i + 1 :]]
+
+
+def test_every_length_of_a_record_at_its_largest_is_refused(tmp_path: Path) -> None:
+    cases = dict(forged_lengths())
+    assert {int(name.split()[0]) for name in cases} == {
+        code for code, kinds in LENGTHS.items() if set(kinds) & {*"SMD"}
+    }
+    for name, records in cases.items():
+        said = refused(joined(records), tmp_path)
+        assert "damaged at byte" in said or "cut off" in said, (name, said)
+
+
+def test_every_length_of_a_record_head_at_its_largest_is_refused(tmp_path: Path) -> None:
+    content, at = joined(honest()), 8
+    while at < len(content) - 8:
+        (length,) = struct.unpack_from("<Q", content, at + 1)
+        for value in (2**64 - 1, 2**63, 2**31):
+            changed = content[: at + 1] + struct.pack("<Q", value) + content[at + 9 :]
+            assert "longer than the file" in refused(changed, tmp_path)
+        at += 9 + length
+
+
+def string_record(opcode: int, n: int) -> bytes:
+    name = "n" * n
+    return {
+        "topic": record(4, struct.pack("<HH", 9, 0) + text(name) + text("cdr") + text("")),
+        "encoding": record(4, struct.pack("<HH", 9, 0) + text("/x") + text(name) + text("")),
+        "metadata of a channel": record(
+            4, struct.pack("<HH", 9, 0) + text("/x") + text("cdr") + sized(text("k") + text(name))
+        ),
+        "type": record(3, struct.pack("<H", 9) + text(name) + text("ros2msg") + text("")),
+        "definition": record(3, struct.pack("<H", 9) + text("a/msg/B") + text("ros2msg") + text(name)),
+        "attachment": record(9, bytes(16) + text(name) + text("") + bytes(12)),
+        "media type": record(9, bytes(16) + text("a") + text(name) + bytes(12)),
+        "metadata": record(12, text(name) + text("")),
+        "content of metadata": record(12, text("m") + sized(text("k") + text(name))),
+    }[NAMES[opcode]]
+
+
+NAMES = [
+    "topic", "encoding", "metadata of a channel", "type", "definition", "attachment", "media type", "metadata",
+    "content of metadata",
+]  # fmt: skip
+BOUND = {
+    "definition": LARGEST_DEFINITION,
+    "metadata of a channel": LARGEST_METADATA,
+    "content of metadata": LARGEST_METADATA,
+}
+
+
+def sized(data: bytes) -> bytes:
+    return struct.pack("<I", len(data)) + data
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_name_has_a_bound(name: str, tmp_path: Path) -> None:
+    bound = BOUND.get(name, LONGEST_NAME)
+    extra = -1 if "metadata of" in name or "of metadata" in name else 0  # its key
+    path = tmp_path / "x.mcap"
+    path.write_bytes(framed(string_record(NAMES.index(name), bound + extra)))
+    BagFiles(path).contents(nothing)
+    said = refused(framed(string_record(NAMES.index(name), bound + extra + 1)), tmp_path)
+    assert "more than is read" in said
+
+
+def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """33 kB whose names inflate to 60 times 3 MB, and as many names as there may be, each just within its bound."""
+    definition = "d" * (LARGEST_DEFINITION - 100)
+    many = [struct.pack("<H", 100 + i) + text("a/msg/B") + text("ros2msg") + text(definition) for i in range(1, 100)]
+    long = [
+        struct.pack("<HH", 100 + i, 0) + text("/" + chr(65 + i) * 3 * MIB) + text("cdr") + text("") for i in range(60)
+    ]
+    for opcode, contents in ((3, many), (4, long)):
+        inner = b"".join(record(opcode, content) for content in contents)
+        packed = zstandard.ZstdCompressor().compress(inner)
+        end = len(HONEST) - 8
+        at = HONEST.rindex(record(15, bytes(4)), 0, end)
+        content = (
+            HONEST[:at] + chunk("zstd", len(inner), packed) + record(15, bytes(4)) + record(2, bytes(20)) + HONEST[end:]
+        )
+        assert len(content) < 60_000
+        path = tmp_path / "x.mcap"
+        path.write_bytes(content)
+        assert check([str(path)]) == 2
+        assert "more than is read" in capsys.readouterr().err
+        assert recover([str(path), "-o", str(tmp_path / f"fixed{opcode}.mcap")]) == 0
+        assert (tmp_path / f"fixed{opcode}.mcap").stat().st_size < 20 * len(HONEST)
+        capsys.readouterr()
+    assert len(many) * len(definition) > LARGEST_DECLARATIONS
+
+
+HEADER = b"\0\1\0\0" + bytes(8)
+STRINGS: dict[str, tuple[Callable[[bytes], object], bytes]] = {
+    "frame of a pose": (lambda data: decode([data], 7, stamped=True), HEADER),
+    "text": (lambda data: decode_string(data), b"\0\1\0\0"),
+    "frame of an odometry": (lambda data: decode_odometry([data]), HEADER),
+    "child frame": (lambda data: decode_odometry([data]), HEADER + sized(b"w\0") + bytes(2)),
+    "transforms": (lambda data: decode_transforms([data]), b"\0\1\0\0"),
+    "frame of a transform": (lambda data: decode_transforms([data]), b"\0\1\0\0\1\0\0\0" + bytes(8)),
+}
+
+
+@pytest.mark.parametrize("name", STRINGS)
+@pytest.mark.parametrize("length", [2**32 - 1, 2**31, LONGEST_STRING + 1])
+def test_every_length_of_a_message_at_its_largest_is_refused(name: str, length: int) -> None:
+    read, before = STRINGS[name]
+    for behind in (b"", bytes(500)):
+        with pytest.raises(BagError, match=r"are read|ends after|where its fields"):
+            read(before + struct.pack("<I", length) + behind)
+
+
+@pytest.mark.parametrize("name", ["frame of a pose", "frame of an odometry", "frame of a transform"])
+def test_a_frame_has_a_bound_though_the_message_is_as_long(name: str) -> None:
+    read, before = STRINGS[name]
+    with pytest.raises(BagError, match=f"frame of {LONGEST_NAME + 1} bytes: at most {LONGEST_NAME} are read"):
+        read(before + sized(b"f" * LONGEST_NAME + b"\0") + bytes(1000))
+
+
+def test_a_text_has_a_bound_though_the_message_is_as_long() -> None:
+    with pytest.raises(BagError, match=f"at most {LONGEST_STRING} are read"):
+        decode_string(b"\0\1\0\0" + sized(bytes(LONGEST_STRING + 1)))
+
+
+@pytest.mark.parametrize(
+    "number", ["1" + 60 * LONGEST_NUMBER * ":1", "1" * 2000, "0x" + "f" * 2000, "1:" * 2000 + "1.5"]
+)
+def test_numbers_of_yaml_have_a_bound(number: str) -> None:
+    with pytest.raises(InputError, match=f"where {LONGEST_NUMBER} are read"):
+        load_yaml(f"a: {number}", "x")
+    assert load_yaml(f"a: '{number}'", "x") == {"a": number}
+
+
+@pytest.mark.parametrize("content", ["[" * 100_000, '{"a":' * 100_000, "1" * 10_000, "nul", "\ud800", ""])
+def test_json_is_refused_in_one_error(content: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="not readable as JSON"):
+        load_json(content, "x")
+    path = tmp_path / "rows.json"
+    path.write_text(content, encoding="utf-8", errors="replace")
+    with pytest.raises(InputError, match=r"rows.json: not readable as JSON|'league --json'"):
+        rows_of(path)
+    with pytest.raises(InputError):
+        Segment.from_json(content)
+
+
+def table() -> bytes:
+    import pyarrow
+    from pyarrow import parquet
+
+    out = BytesIO()
+    campaign = Campaign(runs=2, seed=1, duration=1.0)
+    metadata = {OF_TABLE: json.dumps({"campaign": json.loads(campaign.to_json())})}
+    parquet.write_table(pyarrow.table({"run": [0, 1]}).replace_schema_metadata(metadata), out)
+    return out.getvalue()
+
+
+def test_every_length_of_a_table_at_its_largest_is_refused(tmp_path: Path) -> None:
+    """The last 8 bytes are the length of the description and the magic; each byte of the description is set as well."""
+    whole, path = table(), tmp_path / "runs.parquet"
+    path.write_bytes(whole)
+    assert Campaign.from_table(path).runs == 2
+    (length,) = struct.unpack("<I", whole[-8:-4])
+    for value in (2**32 - 1, 2**31, len(whole), 0):
+        path.write_bytes(whole[:-8] + struct.pack("<I", value) + whole[-4:])
+        with pytest.raises(InputError, match="is no table of a campaign"):
+            Campaign.from_table(path)
+    for at in range(len(whole) - 8 - length, len(whole) - 8):
+        path.write_bytes(whole[:at] + b"\xff" + whole[at + 1 :])
+        with suppress(InputError):
+            assert Campaign.from_table(path).runs in range(1, 2**31)
