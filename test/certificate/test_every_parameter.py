@@ -91,6 +91,8 @@ def extremes(name: str) -> Iterator[Any]:
         yield not parameter.default
     elif parameter.kind == "string":
         yield from parameter.choices or ("elsewhere",)
+    elif parameter.kind == "string_array":
+        yield ["/elsewhere"]
     elif parameter.kind == "double_array":
         sizes = (0.0, 1.0, -1.0, 3.0, 1e3, 1e6)
         assert isinstance(parameter.default, tuple)

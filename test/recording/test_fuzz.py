@@ -39,7 +39,7 @@ SECONDS = 60
 """Time on the processor after which a verb is taken to hang."""
 EXAMPLES = 1000
 """Of each kind."""
-DRAWN = 10
+DRAWN = 100
 """One in so many of the bags that can be read is drawn, which takes far longer than to read it."""
 SCENARIO = "lie_rigid_body/scenario"
 PACK: dict[str, Callable[[bytes], bytes]] = {"": bytes, "zstd": zstandard.compress, "lz4": lz4.frame.compress}

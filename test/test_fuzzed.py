@@ -1,0 +1,77 @@
+"""Mutated files keep the laws of `fuzzing`: those that once broke one, and those of a minute."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import fuzzing
+
+pytestmark = [
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork"),
+    pytest.mark.filterwarnings("ignore:This process.*is multi-threaded:DeprecationWarning"),  # of libraries, which wait
+]
+MINUTES = 1.0
+
+
+@pytest.fixture(scope="module")
+def bags() -> dict[str, bytes]:
+    fuzzing.warmed()
+    return fuzzing.honest()
+
+
+@pytest.mark.parametrize("name", [name for name in fuzzing.VERBS if name != "campaign"])
+def test_honest_files_keep_the_laws_in_each_verb(bags: dict[str, bytes], name: str) -> None:
+    original = "estimate" if name == "evaluate" else "exact"
+    found = fuzzing.outcome(fuzzing.of_verb(name, bags[original], original), bags)
+    assert (found.status, found.broken) == (0, "")
+
+
+@pytest.mark.parametrize("path", sorted(fuzzing.KEPT.glob("*.json")), ids=lambda path: path.stem)
+def test_what_broke_a_law_keeps_it(bags: dict[str, bytes], path: Path) -> None:
+    assert fuzzing.outcome(fuzzing.read(path), bags).broken == ""
+
+
+def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
+    """By cases that are made to break it: the fuzzer that cannot fail finds nothing."""
+    case = fuzzing.of_verb("check", bags["exact"], "exact")
+    (tmp_path / "x.mcap").write_bytes(bags["exact"])
+    found = fuzzing.Outcome(0, "")
+
+    def broken(case: fuzzing.Case, outcome: fuzzing.Outcome = found, out: str = "", err: str = "") -> str:
+        return next(fuzzing.broken_laws(case, outcome, out, err, tmp_path, bags), "")
+
+    assert broken(case) == ""
+    assert "status 3" in broken(case, found._replace(status=3))
+    assert "status -15" in broken(case, found._replace(status=-15))
+    assert broken(replace(case, signal=15), found._replace(status=-15)) == ""
+    assert "took more" in broken(case, found._replace(status=-24))
+    assert "MiB" in broken(case, found._replace(memory=600 * 2**20))
+    assert "Traceback" in broken(case, err="Traceback (most recent call last):")
+    assert "Warning" in broken(case, err="x.py:1: RuntimeWarning: overflow")
+    assert "0 lines" in broken(case, found._replace(status=2))
+    assert "terminal" in broken(case, out="\x1b[2J")
+    (tmp_path / "other").touch()
+    assert broken(case) == "wrote other"
+    (tmp_path / "other").unlink()
+    (tmp_path / "x.mcap").write_bytes(b"")
+    assert broken(case) == "changed x.mcap"
+    messages = fuzzing.messages_of(bags["exact"])
+    forged = [m._replace(data=m.data[:-1] + b"\x40") if m.topic == "/pose" else m for m in messages]
+    content = fuzzing.rewritten(forged, "lie_rigid_body")
+    (tmp_path / "x.mcap").write_bytes(content)
+    assert broken(replace(case, files={"x.mcap": content})).startswith("certified another /pose")
+
+
+@pytest.mark.slow
+def test_mutated_files_keep_the_laws_for_a_minute(record_property: Callable[[str, object], None]) -> None:
+    counts, broken = fuzzing.fuzz(MINUTES, seed=int(time.time()) // 86400, keep=False)
+    record_property("cases", counts["cases"])
+    record_property("MiB at most", counts["MiB at most"])
+    assert broken == []
+    assert counts["cases"] > 10
