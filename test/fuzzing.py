@@ -467,7 +467,7 @@ def _child(case: Case, work: Path, told: Path, writer: int) -> None:
         for descriptor, name in ((1, "out"), (2, "err")):
             os.dup2(os.open(told / name, os.O_CREAT | os.O_WRONLY), descriptor)
         sys.stdin = open(os.devnull)  # noqa: SIM115
-        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 5))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         sys.argv = ["lie-rigid-body", *case.command]
         from lie_rigid_body.__main__ import main

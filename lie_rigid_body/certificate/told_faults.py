@@ -27,6 +27,8 @@ from lie_rigid_body.simulation.fault_log import FaultLog
 FAULT_LAW: Final = "faults"
 MOST_LOOKED_THROUGH: Final = 200_000_000
 """Readings whose faults are computed, beyond those that the bag has."""
+_READINGS_PER_FAULT: Final = 200
+"""Readings that are looked through in the time that a fault takes of which the bag does not tell."""
 _EPISODES_PER_SECOND: Final = 1000
 """Most that one kind of fault has."""
 _DRAWN: Final = ("temperature_drift", "magnetic_disturbance")
@@ -47,13 +49,15 @@ class ExpectedFaults:
 
     Attributes
     ----------
+    left : int
+        How many of them are left.
     is_too_far : bool
         Whether they are more.
     """
 
     def __init__(self, segments: Sequence[Segment], most: int) -> None:
         self._segments, self._starts = segments, np.array([segment.start_ns for segment in segments])
-        self._log, self._left, self.is_too_far = FaultLog(), most, False
+        self._log, self.left, self.is_too_far = FaultLog(), most, False
         self._known_ns = segments[0].start_ns - 1
         for segment in segments:
             self._log.follow(segment)
@@ -67,8 +71,8 @@ class ExpectedFaults:
             if sensors.have_faults:
                 rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
                 end_ns = min(end_ns, self._known_ns + max(1, int(BLOCK * NS / rate)))
-                self._left -= 1 + int((end_ns - self._known_ns) * rate / NS)
-            self._known_ns, self.is_too_far = end_ns, self._left < 0
+                self.left -= 1 + int((end_ns - self._known_ns) * rate / NS)
+            self._known_ns, self.is_too_far = end_ns, self.left < 0
             yield from self._log.take(end_ns)
 
     def segment_at(self, time_ns: int) -> Segment:
@@ -160,7 +164,9 @@ class FaultLaw:
             self._known[replace(fault, size=None)] = _MadeFault(self._number, fault)
             self._number += 1
             if len(self._known) > _MOST_KEPT:
-                self._miss([self._known.popitem(last=False)[1]])
+                _, oldest = self._known.popitem(last=False)
+                self._miss([oldest])
+                self._expected.left -= (not oldest.is_told) * _READINGS_PER_FAULT
 
     def _found(self, text: str, fault: Fault) -> _MadeFault | None:
         """The fault that a message tells of, if the scenarios make it."""

@@ -45,6 +45,8 @@ _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
+_MOST_OTHERS: Final = 1000
+"""Number of topics besides those of the bodies that are named."""
 _RECORDER: Final = "libmcap "
 """Beginning of the library name in a file by `ros2 bag record`."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
@@ -358,6 +360,8 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
         if track.count and not any(track is each for each in own):
             kind = f"as {track.message_type}, " if track.topic in shared else ""
             topics.append(f"topic {track.topic} ({kind}{track.count} messages), which no scenario determines")
+    if len(topics) > _MOST_OTHERS:
+        topics[_MOST_OTHERS:] = [f"{len(topics) - _MOST_OTHERS} more topics, which no scenario determines"]
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

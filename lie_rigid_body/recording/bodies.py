@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -14,7 +14,7 @@ from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
 from lie_rigid_body.recording.bag_files import missing_beside, unheard, whole_of
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, TrackKey
 from lie_rigid_body.recording.topic_messages import texts
 from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
 
@@ -116,6 +116,22 @@ def tells_of_body(path: Path, contents: McapContents, track: RawTrack) -> bool:
         return any('"inertia"' in text for _, text in islice(texts_on(path, contents, track), 1))
     except BagError:
         return True
+
+
+def telling_of_bodies(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> set[TrackKey]:
+    """The topics of texts that `tells_of_body` is true of, found in one pass: there may be ten thousands."""
+    waiting, found = {track.key: track for track in tracks}, set[TrackKey]()
+    for part in contents.read(waiting.keys(), unheard):  # which are fewer from part to part
+        for key in part.keys() & waiting.keys():
+            track = waiting.pop(key)
+            try:
+                tells = any('"inertia"' in text for _, text in islice(texts(path, track.topic, [part[key]]), 1))
+            except BagError:
+                tells = True
+            found.update([key] if tells else [])
+        if not waiting:
+            break
+    return found
 
 
 def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[Tracks, str]]:

@@ -20,7 +20,7 @@ from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_scenarios
-from lie_rigid_body.recording.bodies import SCENARIO, given_track, tells_of_body
+from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
@@ -202,14 +202,10 @@ def _true_motion(
         raise InputError(f"--topic {estimate_topic}: that is the estimate: name the topic of the truth")
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     near = next(iter(topics.values()), near)
-    candidates = [
-        track
-        for track in contents.tracks.values()
-        if track.count
-        and track.topic != estimate_topic
-        # a text may be that of another node, which calls something else a scenario
-        and (track.message_type != STRING or tells_of_body(path, contents, track))
-    ]
+    others = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
+    # a text may be that of another node, which calls something else a scenario
+    telling = telling_of_bodies(path, contents, [track for track in others if track.message_type == STRING])
+    candidates = [track for track in others if track.message_type != STRING or track.key in telling]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()
     if scenario is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import time
 import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -28,6 +29,7 @@ from lie_rigid_body.bounded_input import (
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.definition import OF_TABLE
 from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.league.table import rows_of
@@ -268,3 +270,23 @@ def test_every_length_of_a_table_at_its_largest_is_refused(tmp_path: Path) -> No
         path.write_bytes(whole[:at] + b"\xff" + whole[at + 1 :])
         with suppress(InputError):
             assert Campaign.from_table(path).runs in range(1, 2**31)
+
+
+def test_ten_thousand_other_topics_are_read_in_one_pass(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Which of the texts are scenarios is asked of each topic: a chunk was read again for each of them."""
+    text_message = b"\0\1\0\0" + sized(b"\0")
+    inner = b"".join(
+        record(4, struct.pack("<HH", 1000 + i, 999) + text(f"/x{i}") + text("cdr") + text(""))
+        + record(5, struct.pack("<HIQQ", 1000 + i, 0, 0, 0) + text_message)
+        for i in range(10_000)
+    )
+    schema = record(3, struct.pack("<H", 999) + text("std_msgs/msg/String") + text("ros2msg") + text("string data"))
+    chunks = chunk("zstd", len(schema + inner), zstandard.compress(schema + inner))
+    at = HONEST.rindex(record(15, bytes(4)), 0, len(HONEST) - 8)
+    path = tmp_path / "x.mcap"
+    path.write_bytes(HONEST[:at] + chunks + record(15, bytes(4)) + record(2, bytes(20)) + HONEST[-8:])
+    begin = time.process_time()
+    assert evaluate([str(path), "--estimate", "/pose"]) == 0
+    assert check([str(path)]) == 0
+    assert time.process_time() - begin < 60
+    assert "more topics, which no scenario determines" in " ".join(capsys.readouterr().out.split())
