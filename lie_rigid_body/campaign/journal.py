@@ -15,7 +15,7 @@ from typing import Any, Final
 from lie_rigid_body import __version__
 from lie_rigid_body.bounded_input import LONGEST_ROW, load_json
 from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
-from lie_rigid_body.campaign.run import BAGS, ERROR, Row
+from lie_rigid_body.campaign.run import BAGS, ERROR, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.scenario.parameter_table import BY_NAME
@@ -54,6 +54,7 @@ class Journal(AbstractContextManager["Journal"]):
         self.folder, self.path = folder, folder / JOURNAL
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
+        self._varied = {*campaign.vary}
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
@@ -111,11 +112,28 @@ class Journal(AbstractContextManager["Journal"]):
     def _row(self, line: bytes, place: int) -> Row:
         try:
             row = Row(**load_json(line, JOURNAL))
-            if 0 <= row.run < len(self._places):
+            if self._is_own(row):
                 return row
         except (TypeError, ValueError):
             pass
         raise BagError(f"{self.path} is damaged: byte {place} begins no row of this campaign: delete that line")
+
+    def _is_own(self, row: Row) -> bool:
+        """Whether a row that was read is one of this campaign, with a bag in this folder."""
+        kinds = (int, bool, float, dict, dict, dict)
+        fields = (row.run, row.certified, row.attitude_accuracy_rad, row.parameters, row.residuals, row.scores)
+        if [*map(type, fields)] != [*kinds] or row.parameters.keys() != self._varied:
+            return False
+        for name, value in row.parameters.items():
+            BY_NAME[name].read(value)
+        texts = {type(value) for name, value in row.scores.items() if name == ERROR}
+        numbers = {type(value) for name, value in row.scores.items() if name != ERROR}
+        return (
+            0 <= row.run < len(self._places)
+            and row.bag in (None, bag_name(row.run))
+            and texts <= {str, type(None)}
+            and numbers <= {float, type(None)}
+        )
 
     def __len__(self) -> int:
         return len(self._places) - self._places.count(_NONE)

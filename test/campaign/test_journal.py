@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import shutil
 from collections.abc import Iterator
@@ -74,3 +75,36 @@ def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pyt
         file.write(f"{line}\n")
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
     assert f"byte {place} " in capsys.readouterr().err
+
+
+TAMPERED = {
+    "parameters": [[], None, {}, {"rate": 5.0}],
+    "attitude_accuracy_rad": ["x", None],
+    "certified": ["no", 1],
+    "bag": ["../../secret.mcap", "bags/000005.mcap", 5],
+    "run": [0.5, True, -1, 10**30],
+    "residuals": [5],
+    "scores": [{"total_rms_deg": "x"}, {"estimator_error": 5}, 5],
+    "other": [1],
+}
+
+
+@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in TAMPERED.items() for value in values])
+def test_a_row_of_other_types_or_with_a_bag_elsewhere_is_told(
+    out: Path, tmp_path: Path, name: str, value: object
+) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    heading, first, *others = (copy / "runs.jsonl").read_text().splitlines(keepends=True)
+    changed = json.dumps({**json.loads(first), name: value})
+    (copy / "runs.jsonl").write_text("".join([heading, changed, "\n", *others]))
+    with pytest.raises(BagError, match=r"byte [0-9]+ begins no row of this campaign"):
+        Journal(Campaign.from_file(written(tmp_path)), copy)
+
+
+@pytest.mark.parametrize("line", ["[" * 100_000, '"' + "x" * 2**21 + '"', "\x00"])
+def test_a_line_without_end_is_told(out: Path, tmp_path: Path, line: str) -> None:
+    copy = shutil.copytree(out, tmp_path / "copy")
+    text = (copy / "runs.jsonl").read_text()
+    (copy / "runs.jsonl").write_text(f"{text}{line}\n")
+    with pytest.raises(BagError, match="begins no row of this campaign"):
+        Journal(Campaign.from_file(written(tmp_path)), copy)
