@@ -6,10 +6,12 @@ import os
 import shlex
 import signal
 import subprocess
-from collections.abc import Iterator
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 
@@ -26,6 +28,10 @@ ANSWER: Final = "t_ns,x,y,z,w"
 TIMEOUT_S: Final = 60.0
 _NO_IMU: Final = ",,,,,"
 _NO_FIELD: Final = ",,"
+_LARGEST_OUTPUT: Final = 256 * 2**20
+"""Largest number of bytes that the program may print; an attitude takes about 100."""
+_PATIENCE_S: Final = 0.05
+"""Time, s, after which it is looked at again how much the program has printed."""
 _LONGEST_WORDS: Final = 120
 """Largest number of characters of the program's own error that are repeated."""
 
@@ -70,32 +76,50 @@ class CommandEstimator:
         arguments = shlex.split(self.command)
         if not arguments:
             raise InputError("command '': give a program, such as './my_filter --rate 100'")
-        try:
-            process = subprocess.Popen(
-                arguments,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                text=True,
-                start_new_session=True,  # so that it can be ended with what it starts
-            )
-        except OSError as error:
-            raise InputError(f"{self._name} cannot be started: {error.strerror}: give the path of a program") from None
-        try:
-            output, errors = process.communicate(readings, self.timeout_s)
-        except subprocess.TimeoutExpired:
-            raise InputError(
-                f"{self._name} did not end within {self.timeout_s:g} s: let it end with its input, or give it more"
-            ) from None
-        except UnicodeDecodeError:
-            raise InputError(f"{self._name} prints what is no text: print {ANSWER} in each line") from None
-        finally:
-            kill_all(process)
-            process.wait()
-        if process.returncode:
-            words = shortened(printable(" ".join(errors.split())), _LONGEST_WORDS) or "it says nothing"
-            raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
-        return output
+        with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+            try:
+                process = subprocess.Popen(
+                    arguments,
+                    stdin=subprocess.PIPE,
+                    stdout=output,
+                    stderr=errors,
+                    text=True,
+                    start_new_session=True,  # so that it can be ended with what it starts
+                )
+            except OSError as error:
+                what = f"{self._name} cannot be started: {error.strerror}"
+                raise InputError(f"{what}: give the path of a program") from None
+            try:
+                self._wait(process, readings, [output, errors])
+            finally:
+                kill_all(process)
+                process.wait()
+            if process.returncode:
+                errors.seek(0)
+                text = errors.read(_LARGEST_OUTPUT).decode(errors="replace")
+                words = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
+                raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
+            output.seek(0)
+            try:
+                return output.read().decode()
+            except UnicodeDecodeError:
+                raise InputError(f"{self._name} prints what is no text: print {ANSWER} in each line") from None
+
+    def _wait(self, process: subprocess.Popen[str], readings: str, files: Sequence[BinaryIO]) -> None:
+        """Give a program its readings, and wait for its end; what it prints goes into files."""
+        end, is_running, given = time.monotonic() + self.timeout_s, True, iter([readings])
+        while is_running:
+            try:
+                process.communicate(next(given, None), max(0.0, min(_PATIENCE_S, end - time.monotonic())))
+                is_running = False
+            except subprocess.TimeoutExpired:
+                if time.monotonic() >= end:
+                    what = f"{self._name} did not end within {self.timeout_s:g} s"
+                    raise InputError(f"{what}: let it end with its input, or give it more") from None
+            if any(os.fstat(file.fileno()).st_size > _LARGEST_OUTPUT for file in files):
+                raise InputError(
+                    f"{self._name} prints more than {_LARGEST_OUTPUT} bytes: print {ANSWER} once for each reading"
+                )
 
 
 def kill_all(process: subprocess.Popen[Any]) -> None:
