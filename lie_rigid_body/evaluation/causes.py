@@ -11,6 +11,7 @@ u of U and T = (1/N) Σ (q ⊗ p)(q ⊗ p)ᵀ: one matrix of sums judges them al
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations
@@ -238,7 +239,9 @@ def _z_up(track: Track, frd_body: Array) -> Track:
 def _reordered(track: Track, orders: Array) -> Track:
     """The attitude of the same three angles in another order of axes."""
     wrong, right = (_ORDERS[int(order)] for order in orders)
-    given = Rotation.from_quat(track.attitude_xyzw).as_euler(wrong)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
+        given = Rotation.from_quat(track.attitude_xyzw).as_euler(wrong)
     sorted_angles = given[:, [wrong.index(axis) for axis in right]]
     return replace(track, attitude_xyzw=Rotation.from_euler(right, sorted_angles).as_quat())
 

@@ -77,7 +77,7 @@ def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pyt
     assert f"byte {place} " in capsys.readouterr().err
 
 
-TAMPERED = {
+TAMPERED: dict[str, list[object]] = {
     "parameters": [[], None, {}, {"rate": 5.0}],
     "attitude_accuracy_rad": ["x", None],
     "certified": ["no", 1],

@@ -19,9 +19,9 @@ from forged import chunk, framed, record, text
 from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
 from test_bag_reader import rewrite
 
+from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK
 from lie_rigid_body.wording import LONGEST_LINE
 
 GIB = 2**30

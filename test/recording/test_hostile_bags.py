@@ -21,12 +21,13 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 from test_bag_reader import folder
 
+from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_bag
-from lie_rigid_body.recording.inflation import LARGEST_CHUNK, inflated
+from lie_rigid_body.recording.inflation import inflated
 from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.scenario import Scenario
