@@ -149,6 +149,6 @@ def _score(given: argparse.Namespace, following: Following, missing: str, comple
     read = replace(read, notes=(*read.notes, *following.notes()))
     status = answer(given, "", [(read, score)])
     if live.estimate.number_of(UNUSABLE):
-        console.complain(console.program("evaluate"), live.left_out()[UNUSABLE])
+        console.complain(console.program("evaluate"), f"estimate: {live.left_out()[UNUSABLE]}")
         return console.UNUSABLE
     return status

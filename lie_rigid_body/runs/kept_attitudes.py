@@ -28,6 +28,8 @@ LENIENCE_NS: Final = NS
 heard, as each has its way. The scenario tells the truth so far beyond the poses."""
 AGREEING: Final = 3
 """Number of attitudes after which a leap of stamps, or the name of a frame, is no mistake of one message."""
+LONE: Final = 9
+"""Number of attitudes of which no `AGREEING` are near each other after which the topic is taken for a slow one."""
 STEPS: Final = 4
 """Number of the last periods of a slow topic by which a stamp may leap."""
 
@@ -190,11 +192,10 @@ class KeptAttitudes:
         if self.followed is None and self.frames:
             for track in self.of_one_body({}, max(self.frames, key=lambda frames: self.frames[frames])):
                 self.add(track, truth_ns)
-        waiting, self._waiting = self._waiting, None
-        if waiting is not None and self.last_ns is None:
-            self._counted(self._ordered(waiting), truth_ns)
-        elif waiting is not None:
-            self.leave_out(STRAY, waiting.stamps_ns)
+        if self._waiting is not None and self.last_ns is None:
+            self._counted(self._agreeing(slow=True), truth_ns)
+        elif self._waiting is not None:
+            self.leave_out(STRAY, self._waiting.stamps_ns)
 
     def track(self) -> AttitudeTrack:
         """The attitudes that are kept, and the last; of at least one that came."""
@@ -231,16 +232,31 @@ class KeptAttitudes:
         if ahead_ns <= max(LENIENCE_NS, STEPS * self._period_ns):
             self.leave_out(STRAY, waiting.stamps_ns)  # what had leapt ahead of this did so by mistake
             return self._ordered(piece)
-        waiting = AttitudeTrack.joined([waiting, piece])
-        if len(waiting) < AGREEING:
-            self._waiting = waiting
-            return piece[:0]
-        head = waiting.stamps_ns[: 2 * AGREEING - 1]  # fewer than AGREEING waited, and the piece has no leap
-        near = np.abs(head - np.median(head)) <= AGREEING * LENIENCE_NS
-        if np.count_nonzero(near) == 1:  # the topic is slow
-            near = head <= np.minimum.accumulate(head[::-1])[::-1] + LENIENCE_NS
-        self.leave_out(STRAY, head[~near])
-        return self._ordered(waiting[np.r_[np.flatnonzero(near), len(head) : len(waiting)]])
+        self._waiting = AttitudeTrack.joined([waiting, piece])
+        return self._agreeing(len(waiting) + AGREEING)
+
+    def _agreeing(self, most: int = LONE, *, slow: bool = False) -> AttitudeTrack:
+        """Of what waits the attitudes whose stamps agree, if there are enough of them; of a slow topic they are apart.
+
+        Parameters
+        ----------
+        most : int, optional
+            Number of the first that decide; those behind have no leap before them.
+        slow : bool, optional
+            Whether nothing more is waited for.
+        """
+        waiting = self._waiting
+        assert waiting is not None
+        head = waiting.stamps_ns[:most]
+        beside = np.abs(head[:, np.newaxis] - head) <= AGREEING * LENIENCE_NS
+        agree = beside[np.argmax(beside.sum(axis=1))]
+        if np.count_nonzero(agree) < AGREEING:
+            if len(head) < LONE and not slow:
+                return waiting[:0]
+            agree = head <= np.minimum.accumulate(head[::-1])[::-1] + LENIENCE_NS
+        self._waiting = None
+        self.leave_out(STRAY, head[~agree])
+        return self._ordered(waiting[np.r_[np.flatnonzero(agree), len(head) : len(waiting)]])
 
     def _ordered(self, track: AttitudeTrack) -> AttitudeTrack:
         """What is stamped before none that came earlier."""
