@@ -91,6 +91,7 @@ EXTRAS = {
         "mpmath",
         PLOTLY,
         "pytest>=7.4",
+        "pytest-timeout",
         "pytest-xdist",
         f"{PYTHON_FLINT}{FLINT_WHEELS_EXIST}",
         "rosbags",

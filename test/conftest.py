@@ -121,6 +121,14 @@ def pytest_sessionfinish(session: pytest.Session) -> Iterator[None]:
         reporter.write_line(f"ROS part left out: {reasons[ROS_LEFT_OUT]} tests ({ROS_LEFT_OUT})", yellow=True)
 
 
+def pytest_report_teststatus(report: pytest.CollectReport | pytest.TestReport) -> tuple[str, str, str] | None:
+    """Name a test as soon as it fails: a run that is ended from outside prints no summary."""
+    if not (isinstance(report, pytest.TestReport) and report.failed):
+        return None
+    kind = "failed" if report.when == "call" else "error"
+    return kind, f"\n{kind.upper()} {report.nodeid}\n", kind.upper()
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Print what campaigns have counted."""
     for report in terminalreporter.stats.get("passed", []):

@@ -8,8 +8,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from random import Random
 
@@ -70,11 +70,19 @@ def ended_by_the_fourth(process: subprocess.Popen[str], numbers: Sequence[signal
     return process.wait(DEADLINE)
 
 
-def full_pipe() -> tuple[int, int]:
-    """The ends of a pipe in which there is no room: who has something to say into it closes for ever."""
+@contextmanager
+def full_pipe() -> Iterator[int]:
+    """A pipe in which there is no room: who has something to say into it closes for ever, also a helper of Dask's.
+
+    Afterwards nobody reads it, which ends them; until then they may hold the other pipes of their parent open.
+    """
     read, write = os.pipe()
     fill(write)
-    return read, write
+    try:
+        yield write
+    finally:
+        os.close(read)
+        os.close(write)
 
 
 def fill(pipe: int) -> None:

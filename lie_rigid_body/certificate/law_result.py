@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -96,19 +97,27 @@ class LawTally:
         self._largest = _Worst()
         self._farthest = _Worst()
 
-    def add(self, residuals: Array, limits: Array | float, samples: Integers, stamps_ns: Integers) -> None:
+    def add(
+        self, residuals: Array, limits: Array | float | Callable[[], Array], samples: Integers, stamps_ns: Integers
+    ) -> None:
         """Hold residuals against their limits.
 
         Parameters
         ----------
         residuals : ndarray, shape (N,)
             Not negative; NaN counts as broken.
-        limits : ndarray, shape (N,), or float
+        limits : ndarray, shape (N,), or float or callable
+            A callable that makes them is not asked where they change nothing: without residuals, after the first.
         samples, stamps_ns : ndarray of int64, shape (N,)
             Where each residual belongs.
         """
         if residuals.size == 0:
             return
+        if callable(limits):
+            if self._checked and self._watch is None and not residuals.any():
+                self._checked += residuals.size
+                return
+            limits = limits()
         if self._watch is not None:
             self._watch(self.name, self._unit, residuals, limits, stamps_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)

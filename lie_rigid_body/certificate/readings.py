@@ -13,7 +13,7 @@ unless a step lies between them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -49,36 +49,45 @@ class Expected:
     ----------
     signal : ndarray, shape (N, K)
         Before saturation and quantisation.
-    uncertainty : ndarray, shape (N, K)
-        How far that of a faithful recording may be from it.
+    bound : callable
+        Makes the `uncertainty`, which is dear, and not asked for where readings are equal.
     converter : Converter
     """
 
     signal: Array
-    uncertainty: Array
+    bound: Callable[[], Array]
     converter: Converter = _CONTINUOUS
 
     def __getitem__(self, rows: slice | Integers) -> Expected:
-        return Expected(self.signal[rows], self.uncertainty[rows], self.converter)
+        return Expected(self.signal[rows], lambda: self.uncertainty[rows], self.converter)
+
+    @cached_property
+    def uncertainty(self) -> Array:
+        """How far the signal of a faithful recording may be from it, shape (N, K)."""
+        return self.bound()
 
     @cached_property
     def values(self) -> Array:
         """The readings, shape (N, K)."""
         return self.converter.read(self.signal)
 
-    def residuals(self, recorded: Array) -> tuple[Array, Array]:
+    def residuals(self, recorded: Array) -> tuple[Array, Callable[[], Array]]:
         """Distance of recorded readings from these, and how far they may be, of the axis that is worst; shape (N,)."""
-        read, values = self.converter.read, self.values
-        distance = np.abs(recorded - values)
+        distance = np.abs(recorded - self.values)
         if not distance.any():  # as of one's own recordings; then no axis is worse than the first
-            return distance[:, 0], values[:, 0] - read(self.signal[:, 0] - self.uncertainty[:, 0])
+            return distance[:, 0], lambda: self._allowed(recorded)[:, 0]
+        allowed = self._allowed(recorded)
+        axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)
+        at = axis + np.arange(0, distance.size, distance.shape[1])
+        return distance.take(at), lambda: allowed.take(at)
+
+    def _allowed(self, recorded: Array) -> Array:
+        read, values = self.converter.read, self.values
         low, high = read(self.signal - self.uncertainty), read(self.signal + self.uncertainty)
         allowed = np.where(recorded > values, high - values, values - low)
         if self.converter.resolution:
             allowed = np.where((recorded == values) | (read(recorded) == recorded), allowed, 0.0)
-        axis = np.argmax(np.where(distance <= allowed, distance, np.inf), axis=1)
-        at = axis + np.arange(0, distance.size, distance.shape[1])
-        return distance.take(at), allowed.take(at)
+        return allowed
 
 
 @dataclass(frozen=True)
@@ -179,13 +188,17 @@ class Replay:
 
 def _expected(signal: Signal, t: Array, limits: Tolerance) -> Expected:
     """A signal at times t, s, with its uncertainty."""
-    conditioning = signal.conditioning()
-    span = conditioning.span
-    attitude, rate = limits.stepper_attitude(t), limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t)
-    size, per_attitude, per_rate = conditioning.numbers
-    carried = per_attitude * attitude[:, np.newaxis] + per_rate * rate[:, np.newaxis]
-    values, uncertainty = signal.values.reshape(len(t), -1), ROUNDINGS * U * size + carried
-    return Expected(values, np.broadcast_to(uncertainty, values.shape), signal.converter or _CONTINUOUS)
+    values = signal.values.reshape(len(t), -1)
+
+    def bound() -> Array:
+        conditioning = signal.conditioning()
+        span = conditioning.span
+        rate = limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t)
+        size, per_attitude, per_rate = conditioning.numbers
+        carried = per_attitude * limits.stepper_attitude(t)[:, np.newaxis] + per_rate * rate[:, np.newaxis]
+        return np.broadcast_to(ROUNDINGS * U * size + carried, values.shape)
+
+    return Expected(values, bound, signal.converter or _CONTINUOUS)
 
 
 def limits_of(segment: Segment, name: str, duration: float) -> Tolerance:

@@ -60,7 +60,7 @@ class MessageTable:
         heads: NDArray[np.void] = windows(self.data, HEAD.itemsize)[self.starts].reshape(-1).view(HEAD)
         return heads
 
-    @property
+    @cached_property
     def ends(self) -> Integers:
         """Ends of the records of the messages, shape (N,); what reaches beyond the data ends somewhere there."""
         lengths: Integers = np.minimum(self.heads["length"], len(self.data)).astype(np.int64)
@@ -139,7 +139,9 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
             return find_messages(data, NO_HINTS, most)
         if position != behind[gap]:
             end = position
-    found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)])) if starts else hinted.starts
+    if not (starts or others) and end == len(data):
+        return hinted
+    found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]))
     return MessageTable(data[:end], found, tuple(others))
 
 

@@ -9,7 +9,7 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -90,20 +90,20 @@ class CommandEstimator:
         except UnicodeDecodeError:
             raise InputError(f"{self._name} prints what is no text: print {ANSWER} in each line") from None
         finally:
-            _end(process)
+            kill_all(process)
+            process.wait()
         if process.returncode:
             words = shortened(printable(" ".join(errors.split())), _LONGEST_WORDS) or "it says nothing"
             raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
         return output
 
 
-def _end(process: subprocess.Popen[str]) -> None:
-    """End a program and what it started."""
+def kill_all(process: subprocess.Popen[Any]) -> None:
+    """Kill a process that leads a session of its own, and what it started, which may hold its pipes open."""
     with suppress(OSError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)
         process.kill()
-    process.wait()
 
 
 def _lines(run: Run) -> Iterator[str]:

@@ -21,7 +21,7 @@ import numpy as np
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.evaluation.estimate import read_stamps
-from lie_rigid_body.runs.command import CommandEstimator
+from lie_rigid_body.runs.command import CommandEstimator, kill_all
 from lie_rigid_body.runs.estimators import Estimator, Returned, estimator, returned
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.wording import short_repr, shown
@@ -208,7 +208,7 @@ class Workers:
         """End all processes, at once."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         for process in tuple(self._of_thread.values()):
-            process.kill()
+            kill_all(process)
         self._threads.shutdown()
         for process in self._of_thread.values():
             _end(process)
@@ -227,7 +227,7 @@ class Workers:
 
         def end() -> None:
             late.set()
-            process.kill()
+            kill_all(process)
 
         timer = Timer(limit_s, end)
         timer.start()
@@ -253,7 +253,7 @@ def _started() -> subprocess.Popen[bytes]:
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends its processes
+        start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
     )
 
 
@@ -264,7 +264,7 @@ def _send(stream: Any, item: object) -> None:
 
 def _end(process: subprocess.Popen[bytes]) -> None:
     """End a process and close its streams."""
-    process.kill()
+    kill_all(process)
     with suppress(OSError):
         process.communicate()
 

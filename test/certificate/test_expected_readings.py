@@ -20,7 +20,7 @@ SCENARIO = Scenario.from_parameters({**BODY, **RATES, **FORCE, **NOISY, **EVERY,
 def test_a_step_is_allowed_only_where_the_truth_may_be_on_either_side():
     step = Converter(0.5, 2.0)
     signal = np.array([[0.2499999, 0.2, 3.0]])
-    expected = Expected(signal, np.full_like(signal, 1e-6), step)
+    expected = Expected(signal, lambda: np.full_like(signal, 1e-6), step)
     for recorded_, holds in (
         ([0.0, 0.0, 2.0], True),
         ([0.5, 0.0, 2.0], True),
@@ -31,7 +31,7 @@ def test_a_step_is_allowed_only_where_the_truth_may_be_on_either_side():
         ([0.0, np.nan, 2.0], False),
     ):
         residuals, limits = expected.residuals(np.array([recorded_]))
-        assert bool((residuals <= limits).all()) == holds, recorded_
+        assert bool((residuals <= limits()).all()) == holds, recorded_
 
 
 QUIET = Scenario.from_parameters({**BODY, **RATES, "motion": "closed_form", "sensor_seed": 3})

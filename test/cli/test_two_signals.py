@@ -95,15 +95,11 @@ def test_the_fourth_signal_ends_what_closes_for_ever(
     name: str, numbers: tuple[signal.Signals, ...], bag: Path, tmp_path: Path
 ) -> None:
     """It has a line to say on stderr, a pipe that is full and that nobody reads."""
-    read, write = full_pipe()
-    try:
+    with full_pipe() as write:
         process = started([*VERB, *LONG_WORK[name].split()], prepared(tmp_path, bag), write)
         try:
             time.sleep(1.0)
             assert ended_by_the_fourth(process, numbers) == -numbers[-1]
         finally:
             process.kill()
-            process.communicate()
-    finally:
-        os.close(read)
-        os.close(write)
+    process.communicate()

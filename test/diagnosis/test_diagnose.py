@@ -190,9 +190,13 @@ def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pyt
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize(("name", "word"), [("hangs", "--timeout"), ("dies", "status 3")])
-def test_filter_that_hangs_or_dies_is_ended(name: str, word: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([f"textbook:{name}", "--workers", "2", "--timeout", "8"]) == 2
+@pytest.mark.parametrize(
+    ("name", "timeout", "word"), [("hangs", "1", "--timeout"), ("forks", "1", "--timeout"), ("dies", "60", "status 3")]
+)
+def test_filter_that_hangs_or_dies_is_ended(
+    name: str, timeout: str, word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([f"textbook:{name}", "--workers", "2", "--timeout", timeout]) == 2
     assert word in capsys.readouterr().err
 
 

@@ -144,6 +144,15 @@ def dies(run: Any) -> Array:
     os._exit(3)
 
 
+def forks(run: Any) -> Array:
+    import os
+    import time
+
+    if not os.fork():
+        time.sleep(3600)
+    os._exit(3)
+
+
 def peeks(run: Any) -> Array:
     return run.attitude().at(run.imu.t_ns)
 

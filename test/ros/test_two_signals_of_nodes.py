@@ -74,13 +74,11 @@ def test_the_fourth_signal_ends_a_simulator_that_closes_for_ever(
 
 
 def test_the_fourth_signal_ends_an_evaluator_that_cannot_close(tmp_path: Path) -> None:
-    read, write = full_pipe()
-    process = started(EVALUATE, tmp_path, write)
-    try:
-        time.sleep(1.0)
-        assert ended_by_the_fourth(process, (INT, TERM, TERM, INT)) == -INT
-    finally:
-        process.kill()
-        process.communicate()
-        os.close(read)
-        os.close(write)
+    with full_pipe() as write:
+        process = started(EVALUATE, tmp_path, write)
+        try:
+            time.sleep(1.0)
+            assert ended_by_the_fourth(process, (INT, TERM, TERM, INT)) == -INT
+        finally:
+            process.kill()
+    process.communicate()
