@@ -51,7 +51,7 @@ class Remark:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ReadEstimate:
     """An attitude estimate over time.
 
     Attributes
@@ -70,7 +70,7 @@ class Estimate:
     __repr__ = short_repr
 
     @classmethod
-    def read(cls, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> Estimate:
+    def read(cls, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> ReadEstimate:
         """Read an estimate as a filter gave it.
 
         Of samples with the same stamp the first is kept, and they are remarked.
