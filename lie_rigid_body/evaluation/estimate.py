@@ -93,6 +93,8 @@ class ReadEstimate:
                 f"estimate: attitudes of shape {attitude.shape} for {len(stamps)} stamps: give a row for each stamp"
             )
         new = np.concatenate([[True], np.diff(stamps) > 0])
+        if len(stamps) > 1 and not new[1:].any():
+            raise InputError(f"estimate: all {len(stamps)} stamps are {stamps[0]} ns: give each sample its own")
         found = (_doubles(stamps, new), _gaps(stamps[new]), _norms(np.asarray(attitude_xyzw, dtype=np.float64)))
         return cls(stamps[new], attitude[new], tuple(remark for remark in found if remark))
 
@@ -110,7 +112,10 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     if stamps.ndim != 1 or stamps.size == 0:
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
     if stamps.dtype.kind not in "iu":
-        raise InputError(f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds")
+        how = {"f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds", "M": ", as stamps.astype('int64') of ns"}
+        raise InputError(
+            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how.get(stamps.dtype.kind, '')}"
+        )
     if max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
         raise InputError(
             f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
