@@ -93,8 +93,6 @@ class ReadEstimate:
                 f"estimate: attitudes of shape {attitude.shape} for {len(stamps)} stamps: give a row for each stamp"
             )
         new = np.concatenate([[True], np.diff(stamps) > 0])
-        if len(stamps) > 1 and not new[1:].any():
-            raise InputError(f"estimate: all {len(stamps)} stamps are {stamps[0]} ns: give each sample its own")
         found = (_doubles(stamps, new), _gaps(stamps[new]), _norms(np.asarray(attitude_xyzw, dtype=np.float64)))
         return cls(stamps[new], attitude[new], tuple(remark for remark in found if remark))
 

@@ -109,6 +109,8 @@ def evaluate(
     known = truth.covers(whole.stamps_ns)
     if not known.any():
         raise InputError(_apart(whole.stamps_ns, np.size(stamps_ns), truth))
+    if len(whole.stamps_ns) < np.size(stamps_ns) and whole.stamps_ns[0] == whole.stamps_ns[-1]:
+        raise InputError(f"estimate: all {np.size(stamps_ns)} stamps are {whole.stamps_ns[0]} ns: give each its own")
     estimate = ReadEstimate(whole.stamps_ns[known], whole.attitude_xyzw[known], whole.remarks)
     true = truth.at(estimate.stamps_ns)
     error = attitude_error(estimate.attitude_xyzw, true)

@@ -153,7 +153,7 @@ class KeptAttitudes:
             self._left_out[kind] = count + len(stamps_ns), first_ns
 
     def of_one_body(self, found: Mapping[Frames, AttitudeTrack], wanted: Frames | None = None) -> list[AttitudeTrack]:
-        """Of attitudes by their frames those of the body that is followed.
+        """Choose from attitudes by their frames those of the body that is followed.
 
         Parameters
         ----------
@@ -236,7 +236,7 @@ class KeptAttitudes:
         return self._agreeing(len(waiting) + AGREEING)
 
     def _agreeing(self, most: int = LONE, *, slow: bool = False) -> AttitudeTrack:
-        """Of what waits the attitudes whose stamps agree, if there are enough of them; of a slow topic they are apart.
+        """Take from what waits the attitudes whose stamps agree, if there are enough; on a slow topic they are apart.
 
         Parameters
         ----------
@@ -268,7 +268,7 @@ class KeptAttitudes:
         return track[ordered]
 
     def _counted(self, track: AttitudeTrack, truth_ns: int) -> AttitudeTrack:
-        """Of attitudes in order those that can be used, within the duration; they are kept."""
+        """Keep the attitudes that can be used, within the duration, and return them."""
         stamps, usable = track.stamps_ns, _usable(track.attitude_xyzw)
         self.duration.begin(stamps[usable], truth_ns)
         inside = self.duration.holds(stamps)
