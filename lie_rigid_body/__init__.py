@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
-    from lie_rigid_body.runs import Run, simulate
+    from lie_rigid_body.runs import Estimate, Run, simulate
     from lie_rigid_body.scenario import Scenario
 
 __version__ = "0.1.0"
@@ -22,6 +22,7 @@ __all__ = [
     "BagError",
     "Campaign",
     "ClosedForm",
+    "Estimate",
     "InputError",
     "LieRigidBodyError",
     "Limits",
@@ -45,6 +46,7 @@ _HOMES = {
     "BagError": "lie_rigid_body.errors",
     "Campaign": "lie_rigid_body.campaign",
     "ClosedForm": "lie_rigid_body.motion",
+    "Estimate": "lie_rigid_body.runs",
     "InputError": "lie_rigid_body.errors",
     "LieRigidBodyError": "lie_rigid_body.errors",
     "Limits": "lie_rigid_body.evaluation",

@@ -145,7 +145,8 @@ def of_the_table(scenario: Scenario) -> list[Any]:
 
 
 def of_arrays(run: Run) -> list[Any]:
-    return [run, run.imu, run.magnetometer, run.attitude_sensor, run.sun, run.attitude()]
+    estimate = lie_rigid_body.Estimate(run.truth.attitude_xyzw, run.t_ns)
+    return [run, run.imu, run.magnetometer, run.attitude_sensor, run.sun, run.attitude(), estimate]
 
 
 def of_a_score() -> list[Any]:

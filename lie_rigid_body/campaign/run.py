@@ -13,7 +13,8 @@ from lie_rigid_body.errors import BagError, said
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
-from lie_rigid_body.runs.estimators import Estimator, estimator, returned
+from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimators import Estimator, estimator
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import shortened
@@ -144,7 +145,6 @@ def scores(campaign: Campaign, scenario: Scenario) -> Scores:
 
 
 def _scored(estimate: Estimator, run: Run) -> Scores:
-    found = returned(estimate(run))
-    score = run.score(found.attitude_xyzw, found.t_ns, diagnosed=False)
+    score = run.score(Estimate.of(estimate(run)), diagnosed=False)
     errors = (score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms)
     return dict(zip(SCORES, (*errors, score.time_to_converge_s), strict=True))

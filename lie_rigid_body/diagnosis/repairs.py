@@ -14,7 +14,8 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimators import Estimator, Returned
+from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimators import Estimator
 from lie_rigid_body.runs.workers import called
 from lie_rigid_body.wording import short_repr
 
@@ -227,7 +228,7 @@ class Answer:
         Numbers of the samples that are not finite or zero.
     norm_error : float
         Largest | |q|² − 1 |.
-    given : Returned
+    given : Estimate
         As it was returned.
     """
 
@@ -235,7 +236,7 @@ class Answer:
     attitude_xyzw: Array
     broken: Integers
     norm_error: float
-    given: Returned
+    given: Estimate
 
     __repr__ = short_repr
 

@@ -60,7 +60,7 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
         # NumPy would read the texts '0' and '1', and True, as numbers
         if array.dtype.kind in "iuf" or all(isinstance(number, Real) for number in array.flat):
             return np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
+    except (TypeError, ValueError, OverflowError, RuntimeError) as error:  # the last of a tensor that needs detach()
         if isinstance(error, InputError):
             raise
     raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
@@ -77,3 +77,12 @@ def unmasked(name: str, value: ArrayLike) -> None:
         raise InputError(
             f"{name}: {np.ma.count_masked(value)} of its numbers are masked: leave these rows out, with their stamps"
         )
+
+
+def shape_remedy(shape: tuple[int, ...], size: tuple[int, ...]) -> str:
+    """Words that tell what to do about an array of a wrong shape, whose last axes should have some size."""
+    if len(shape) == 2 and size == shape[:1] != shape[1:]:
+        return "its rows are columns: transpose it, as array.T"
+    if size == (4,) and len(shape) > 1 and shape[-1] == 3:
+        return "Euler angles are no quaternions: convert them, as by scipy's Rotation.from_euler(...).as_quat()"
+    return "give such an array"

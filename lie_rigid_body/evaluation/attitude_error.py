@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import real_numbers
+from lie_rigid_body.evaluation.arguments import real_numbers, shape_remedy
 from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
@@ -122,7 +122,7 @@ def numbers(name: str, value: ArrayLike, *size: int) -> Array:
     wanted = f"(..., {', '.join(map(str, size))})"
     array = real_numbers(name, value, wanted)
     if array.shape[-len(size) :] != size:
-        raise InputError(f"{name}: shape {array.shape} is not {wanted}: give such an array")
+        raise InputError(f"{name}: shape {array.shape} is not {wanted}: {shape_remedy(array.shape, size)}")
     if array.size == 0:
         raise InputError(f"{name}: empty: give at least one row")
     bad = np.flatnonzero(~np.isfinite(array.reshape(-1, int(np.prod(size)))).all(axis=-1))

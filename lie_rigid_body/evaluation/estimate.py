@@ -51,7 +51,7 @@ class Remark:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ReadEstimate:
     """An attitude estimate over time.
 
     Attributes
@@ -70,7 +70,7 @@ class Estimate:
     __repr__ = short_repr
 
     @classmethod
-    def read(cls, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> Estimate:
+    def read(cls, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> ReadEstimate:
         """Read an estimate as a filter gave it.
 
         Of samples with the same stamp the first is kept, and they are remarked.
@@ -110,7 +110,10 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     if stamps.ndim != 1 or stamps.size == 0:
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
     if stamps.dtype.kind not in "iu":
-        raise InputError(f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds")
+        how = {"f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds", "M": ", as stamps.astype('int64') of ns"}
+        raise InputError(
+            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how.get(stamps.dtype.kind, '')}"
+        )
     if max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
         raise InputError(
             f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"

@@ -16,7 +16,7 @@ from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.clock import Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
-from lie_rigid_body.evaluation.estimate import GAP, Estimate, Remark, period_ns
+from lie_rigid_body.evaluation.estimate import GAP, ReadEstimate, Remark, period_ns
 from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.naming import TIE, choose
@@ -105,11 +105,13 @@ def evaluate(
     truth = truth.attitude() if isinstance(truth, HasTruth) else truth
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
-    whole, limits = Estimate.read(stamps_ns, attitude_xyzw), limits or Limits()
+    whole, limits = ReadEstimate.read(stamps_ns, attitude_xyzw), limits or Limits()
     known = truth.covers(whole.stamps_ns)
     if not known.any():
         raise InputError(_apart(whole.stamps_ns, np.size(stamps_ns), truth))
-    estimate = Estimate(whole.stamps_ns[known], whole.attitude_xyzw[known], whole.remarks)
+    if len(whole.stamps_ns) < np.size(stamps_ns) and whole.stamps_ns[0] == whole.stamps_ns[-1]:
+        raise InputError(f"estimate: all {np.size(stamps_ns)} stamps are {whole.stamps_ns[0]} ns: give each its own")
+    estimate = ReadEstimate(whole.stamps_ns[known], whole.attitude_xyzw[known], whole.remarks)
     true = truth.at(estimate.stamps_ns)
     error = attitude_error(estimate.attitude_xyzw, true)
     total, heading, inclination = (np.degrees(angle) for angle in error)
@@ -163,7 +165,12 @@ class _Diagnosed:
 
 
 def _diagnosis(
-    estimate: Estimate, whole: Estimate, truth: Truth, true_xyzw: Array, longest_lag_s: float | None, sensors: float
+    estimate: ReadEstimate,
+    whole: ReadEstimate,
+    truth: Truth,
+    true_xyzw: Array,
+    longest_lag_s: float | None,
+    sensors: float,
 ) -> _Diagnosed:
     """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 

@@ -51,6 +51,13 @@ class Messages:
 
     __repr__ = short_repr
 
+    def between(self, begin_ns: int, end_ns: int) -> Messages:
+        """Those that are sent from one time on and before another one, ns."""
+        inside = (self.times_ns >= begin_ns) & (self.times_ns < end_ns)
+        return Messages(
+            self.topic, self.times_ns[inside], Payloads(self.payloads.template, self.payloads.words[inside])
+        )
+
     @classmethod
     def joined(cls, parts: Sequence[Messages]) -> Messages:
         """Join messages of one topic and one template."""
@@ -129,7 +136,8 @@ class Gathering:
     def take(self) -> list[Messages]:
         """Take all messages that wait, by topic, in the order in which messages of equal times come."""
         parts, self._parts, self.message_count = self._parts, {}, 0
-        return [Messages.joined(parts[topic]) for topic in (POSE, TWIST, *SENSOR_TOPICS) if topic in parts]
+        order = dict.fromkeys((POSE, TWIST, *SENSOR_TOPICS, *parts))
+        return [Messages.joined(parts[topic]) for topic in order if topic in parts]
 
 
 def sensor_topics(sensors: Sensors) -> list[str]:

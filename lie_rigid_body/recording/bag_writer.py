@@ -84,6 +84,8 @@ class BagWriter:
     sensor_topics : mapping of str to str, optional
         Full names of the sensors' topics by their relative names; ``/`` goes before them by default. A sensor's topic
         is in the bag from its first message on.
+    others : mapping of str to str, optional
+        Message types of further topics by their full names, as of estimates.
     library : str, optional
         Who wrote it, as its header is to say.
     end : str or None, optional
@@ -108,6 +110,7 @@ class BagWriter:
         twist_topic: str = TWIST_TOPIC,
         scenario_topic: str = SCENARIO_TOPIC,
         sensor_topics: Mapping[str, str] | None = None,
+        others: Mapping[str, str] | None = None,
         library: str = LIBRARY,
         end: str | None = METADATA,
     ) -> None:
@@ -117,6 +120,8 @@ class BagWriter:
         sensors = {topic: f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
         self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
         self._types = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING, **SENSOR_TOPICS}
+        self._names |= {topic: topic for topic in others or {}}
+        self._types |= others or {}
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
         self._gathered = Gathering()

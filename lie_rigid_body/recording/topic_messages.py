@@ -343,13 +343,10 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     Raises
     ------
     BagError
-        If they cannot be read, or messages that tell of one frame each differ in it.
+        If they cannot be read.
     """
     sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
-    found = _attitudes(topic, message_type, RawMessages(memoryview(b"".join(payloads)), sizes, np.zeros_like(sizes)))
-    if len(found) > 1 and message_type not in _FRAMED:
-        raise BagError(f"topic {topic} is of the frames {_names(found)}: let one node publish it")
-    return found
+    return _attitudes(topic, message_type, RawMessages(memoryview(b"".join(payloads)), sizes, np.zeros_like(sizes)))
 
 
 def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:

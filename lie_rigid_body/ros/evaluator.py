@@ -25,6 +25,7 @@ from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.scores import Scores
 from lie_rigid_body.ros.session import destroying, initialised, translated_errors
+from lie_rigid_body.runs.kept_attitudes import UNUSABLE
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.wording import suggestion
 
@@ -94,7 +95,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if live.tally.count > compared:
                 compared, compared_at = live.tally.count, now
         said.say(compared > 0)
-        said.complain(live.estimate.fault() if live is not None else "")
+        said.complain(live.left_out() if live is not None else {})
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
@@ -106,10 +107,10 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
 
 
 class _Word:
-    """Lines on stderr: now and then what is missing, once that the comparison begins, once a fault."""
+    """Lines on stderr: now and then what is missing, once that the comparison begins, once each kind of fault."""
 
     def __init__(self, following: Following) -> None:
-        self._following, self._begun, self._complained = following, False, False
+        self._following, self._begun, self._complained = following, False, set[str]()
         self._due = time.monotonic() + WORD_S[0]
 
     def say(self, begun: bool) -> None:
@@ -122,11 +123,11 @@ class _Word:
             self._due = time.monotonic() + WORD_S[1]
             _say(f"still waiting: {self._following.silence()}")
 
-    def complain(self, fault: str) -> None:
-        """Say a fault of the estimate as soon as it is there, once."""
-        if fault and not self._complained:
-            self._complained = True
-            _say(fault)
+    def complain(self, left_out: Mapping[str, str]) -> None:
+        """Say of each kind of messages that count for nothing, as soon as there is one, what it is."""
+        for kind in left_out.keys() - self._complained:
+            self._complained.add(kind)
+            _say(left_out[kind])
 
 
 def _say(text: str) -> None:
@@ -147,7 +148,7 @@ def _score(given: argparse.Namespace, following: Following, missing: str, comple
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
     status = answer(given, "", [(read, score)])
-    if live.estimate.unusable:
-        console.complain(console.program("evaluate"), f"estimate: {live.estimate.fault()}")
+    if live.estimate.number_of(UNUSABLE):
+        console.complain(console.program("evaluate"), f"estimate: {live.left_out()[UNUSABLE]}")
         return console.UNUSABLE
     return status

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
+from functools import partial
 from importlib import import_module
 from typing import Final
 
@@ -12,13 +13,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
-from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
-from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, attitudes_of, wrong_type
+from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
-from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import counted, listed
 
 ESTIMATE: Final = "estimate"
@@ -88,33 +87,30 @@ class Following:
         if self.live is None:
             return
         for topic, subscription in self._subscriptions.items():
-            payloads = self._readable(topic, taken(subscription))
             if topic == self.estimate:
-                self.live.hear_estimates(payloads)
+                hear = self.live.hear_estimates
             elif self._types[topic] == STRING:
-                for payload in payloads:
-                    self.live.truth.hear_scenario(payload)
+                hear = self.live.truth.hear_scenarios
             else:
-                self.live.truth.hear_poses(topic, self._types[topic], payloads)
+                hear = partial(self.live.truth.hear_poses, topic, self._types[topic])
+            payloads = taken(subscription)
+            if payloads:
+                self._hand_on(topic, payloads, hear)
 
-    def _readable(self, topic: str, payloads: list[bytes]) -> list[bytes]:
-        """The messages that can be read; one that cannot costs itself, and the first of a topic is logged."""
+    def _hand_on(self, topic: str, payloads: list[bytes], hear: Callable[[list[bytes]], None]) -> None:
+        """Hand on messages; one that cannot be read costs itself, and the first of a topic is logged."""
         try:
-            if self._types[topic] == STRING:
-                for payload in payloads:
-                    Segment.from_json(decode_string(payload))
-            elif payloads:
-                attitudes_of(topic, self._types[topic], payloads)
+            hear(payloads)
         except LieRigidBodyError as error:
             if len(payloads) > 1:
                 half = len(payloads) // 2
-                return self._readable(topic, payloads[:half]) + self._readable(topic, payloads[half:])
+                self._hand_on(topic, payloads[:half], hear)
+                self._hand_on(topic, payloads[half:], hear)
+                return
             count, reason = self._unreadable.get(topic, (0, str(error)))
             self._unreadable[topic] = count + 1, reason
             if not count:
                 self._node.get_logger().warning(f"a message of {topic} is left out: {reason}")
-            return []
-        return payloads
 
     def published(self) -> dict[str, list[str]]:
         """The topics that have a publisher, with their types."""

@@ -6,16 +6,19 @@
 - `truth`: the attitude between the samples of a run, from its scenario;
 - `unavoidable`: the error that the noise of its sensors leaves to any filter;
 - `recorded_estimate`, `live_estimate`: an estimate and its truth in a bag, and message by message from topics;
-- `kept_estimate`: what counts of an estimate, of either;
+- `kept_attitudes`: what counts of an estimate, and of its truth;
+- `estimate`: what an estimator returns;
 - `estimators`, `blind`: functions of a run that estimate, and runs that do not tell them the truth.
 """
 
 from lie_rigid_body.runs.ensemble import simulate
+from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import ScenarioTruth
 
 __all__ = [
+    "Estimate",
     "Run",
     "ScenarioTruth",
     "SensorArrays",

@@ -19,13 +19,17 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.kept_estimate import LENIENCE_NS, MOST_KEPT, MOST_WAITING, Kept, KeptEstimate
+from lie_rigid_body.runs.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
 RECENT: Final = 40
 """Number of batches of poses by which the latest estimates are judged."""
+MOST_WAITING: Final = 50_000
+"""Largest number of estimates that wait for a truth; of more the oldest are given up."""
+OTHERS_SHARE: Final = 0.1
+"""Share of estimates of other frames from which on it is not clear which body is meant."""
 INTERIM: Final = 2000
 """Number of samples of the score on the way."""
 
@@ -37,67 +41,66 @@ class HeardTruth:
     ----------
     most : int
         Largest number of poses that are kept.
+
+    Attributes
+    ----------
+    poses : KeptAttitudes
+    contradictions : int
+        Number of scenarios that were left out, as another one had begun at the same stamp.
     """
 
     def __init__(self, most: int) -> None:
-        self._segments: dict[str, Segment] = {}
-        self._poses, self._recent = Kept(most), deque[AttitudeTrack](maxlen=RECENT)
-        self._frames: Frames | None = None
+        self.poses, self.contradictions = KeptAttitudes(most), 0
+        self._segments: dict[int, Segment] = {}
+        self._recent = deque[AttitudeTrack](maxlen=RECENT)
 
-    def hear_scenario(self, payload: bytes) -> None:
-        """Take a latched scenario; a reset sends another.
+    def hear_scenarios(self, payloads: list[bytes]) -> None:
+        """Take latched scenarios; a reset sends another.
 
         Raises
         ------
         InputError
-            If the text is no scenario.
+            If a text is no scenario: then none is taken.
         """
-        text = decode_string(payload)
-        if text not in self._segments:
-            self._segments[text] = Segment.from_json(text)
+        for segment in [Segment.from_json(decode_string(payload)) for payload in payloads]:
+            self.contradictions += self._segments.setdefault(segment.start_ns, segment) != segment
 
     def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
-        """Take messages of poses: those of the frames that the first is of.
+        """Take messages of poses.
 
         Raises
         ------
         BagError
-            If they cannot be read.
+            If one cannot be read: then none is taken.
         """
-        for frames, track in attitudes_of(topic, message_type, payloads).items():
-            self._frames = self._frames or frames
-            if frames == self._frames:
-                ordered = self._poses.add(track)
-                self._recent += [ordered] if len(ordered) else []
+        for track in self.poses.of_one_body(attitudes_of(topic, message_type, payloads)):
+            self._recent.append(self.poses.add(track))
 
     @property
     def is_known(self) -> bool:
         """Whether a scenario or a pose was heard."""
-        return bool(self._segments) or self._poses.count > 0
+        return bool(self._segments) or self.poses.count > 0
 
     @property
     def begin_ns(self) -> int:
         """Start of the first scenario, or without one the stamp of the first pose, ns."""
-        return min((segment.start_ns for segment in self._segments.values()), default=self._poses.first_ns)
+        return min(self._segments, default=self.poses.duration.first_ns or 0)
 
     @property
-    def last_pose_ns(self) -> int | None:
-        """Stamp of the last pose, ns."""
-        return self._poses.last_ns if self._poses.count else None
+    def frames(self) -> Frames | None:
+        """Names of the world's and the body's frame, if a scenario tells them."""
+        return TrueMotion(tuple(self._segments.values()), None).frames
 
-    def of_scenarios(self) -> TrueMotion:
-        """The motion that the scenarios alone tell."""
-        return TrueMotion(tuple(sorted(self._segments.values(), key=lambda segment: segment.start_ns)), None)
-
-    def whole(self) -> TrueMotion:
-        """The motion that all tells that is kept."""
-        return replace(self.of_scenarios(), poses=self._poses.track() if self._poses.count else None)
-
-    def recent(self, since_ns: int) -> TrueMotion:
-        """The motion that the latest poses tell, without the segments that had ended at a time: each costs much."""
-        true = self.of_scenarios()
-        ended = sum(segment.start_ns <= since_ns for segment in true.segments[1:])
-        return TrueMotion(true.segments[ended:], AttitudeTrack.joined(self._recent) if self._recent else None)
+    def between(self, first_ns: int, last_ns: int, *, recent: bool = False, poses: bool = True) -> TrueMotion:
+        """The motion that is told from one stamp to another, ns, by the latest poses, all that are kept, or none."""
+        heard = list(self._recent) if recent else [self.poses.track()] if poses and self.poses.count else []
+        known = AttitudeTrack.joined(heard) if heard else None
+        if known is not None and len(known):
+            first_ns, last_ns = min(first_ns, int(known.stamps_ns[0])), max(last_ns, int(known.stamps_ns[-1]))
+        starts = sorted(self._segments)
+        begin, end = np.searchsorted(starts, [first_ns, last_ns], side="right")
+        segments = tuple(self._segments[start] for start in starts[max(begin - 1, 0) : max(end, 1)])
+        return TrueMotion(segments, known if known is not None and len(known) else None)
 
 
 class LiveEstimate:
@@ -118,7 +121,7 @@ class LiveEstimate:
     Attributes
     ----------
     truth : HeardTruth
-    estimate : KeptEstimate
+    estimate : KeptAttitudes
         What was read of the estimate and counts.
     messages : int
         Number of messages of the estimate that came.
@@ -139,10 +142,8 @@ class LiveEstimate:
         self.truth, self.tally = HeardTruth(most), Tally(limits)
         self._topic, self._message_type = topic, message_type
         self.messages = self._given_up = 0
-        self._unread: list[bytes] = []
-        self._pairs: dict[Frames, None] = {}
-        self._has_attitudes = False
-        self.estimate = KeptEstimate(most, duration_s)
+        self.estimate = KeptAttitudes(most, duration_s)
+        self._unread = deque[dict[Frames, AttitudeTrack]]()
         self._waiting: list[AttitudeTrack] = []
 
     @property
@@ -151,42 +152,17 @@ class LiveEstimate:
         return self.estimate.duration.complete
 
     def hear_estimates(self, payloads: list[bytes]) -> None:
-        """Take messages of the estimate; those that wait for a truth are no more than `MOST_WAITING`."""
-        self.messages += len(payloads)
-        self._unread += payloads
-        excess = 0 if self.truth.is_known else max(0, len(self._unread) - MOST_WAITING)
-        self._given_up += excess
-        del self._unread[:excess]
-
-    def _read(self, frames: Frames | None) -> list[AttitudeTrack]:
-        """Read the messages that were not read yet, as one track if they have any attitude.
-
-        Parameters
-        ----------
-        frames : tuple of str or None
-            Names of the world's and the body's frame, where the truth tells them.
+        """Take messages of the estimate; those that wait for a truth are no more than `MOST_WAITING`.
 
         Raises
         ------
-        InputError
-            If the messages are of several frames.
+        BagError
+            If one cannot be read: then none is taken.
         """
-        unread, self._unread = self._unread, []
-        found = attitudes_of(self._topic, self._message_type, unread)
-        self._pairs |= dict.fromkeys(found)
-        chosen = self._chosen(frames)
-        tracks = [track for pair, track in found.items() if pair == chosen and len(track)]
-        self._has_attitudes |= bool(tracks)
-        return tracks
-
-    def _chosen(self, frames: Frames | None) -> Frames:
-        """Frames of the estimate: of transforms those of the truth, else those of all messages."""
-        if self._message_type == TF_MESSAGE and frames is not None:
-            return frames
-        if len(self._pairs) > 1:
-            pairs = listed([" to ".join(filter(None, pair)) for pair in self._pairs])
-            raise InputError(f"topic {self._topic} is of the frames {pairs}: let one node publish one body")
-        return next(iter(self._pairs), ("", ""))
+        self._unread.append(attitudes_of(self._topic, self._message_type, payloads))
+        self.messages += len(payloads)
+        while not self.truth.is_known and sum(map(_size, self._unread)) > MOST_WAITING:
+            self._given_up += _size(self._unread.popleft())
 
     def judge(self) -> tuple[Integers, AttitudeError] | None:
         """Compare the estimates that came before the last call, as far as their truth is known by now.
@@ -200,14 +176,18 @@ class LiveEstimate:
         """
         if not self.truth.is_known:
             return None
-        read = self._read(self.truth.of_scenarios().frames)
-        new = self.estimate.add(read, self.truth.begin_ns, self.truth.last_pose_ns)
-        ready, self._waiting = self._waiting, [] if new is None else [new]
+        ready, self._waiting = self._waiting, []
+        wanted = self.truth.frames if self._message_type == TF_MESSAGE else None
+        while self._unread:
+            for read in self.estimate.of_one_body(self._unread.popleft(), wanted):
+                new = self.estimate.add(read, self.truth.begin_ns)
+                self._waiting += [new] if len(new) else []
         if not ready:
             return None
         track = AttitudeTrack.joined(ready)
         stamps = track.stamps_ns
-        truth = self._truth_of(self.truth.recent(int(stamps[0])), stamps, self.estimate.duration.first_ns)
+        true = self.truth.between(int(stamps[0]), int(stamps[-1]), recent=True)
+        truth = self._truth_of(true, stamps, self.estimate.duration.first_ns)
         known = truth.covers(stamps)
         late = stamps > truth.last_ns  # whose truth may yet come
         if late.any():
@@ -242,57 +222,73 @@ class LiveEstimate:
             self.judge()
             self.judge()
             self.estimate.end(self.truth.begin_ns)
+            self.truth.poses.end()
         read = self._held_against_truth(most)
         due_ns = self.estimate.duration.due_ns
         due_ns = read.truth.last_ns if due_ns is None else due_ns
         score = read.score(self._limits, self._covariance_axes, due_ns, bounded=most is None)
-        if self.tally.count and (self.estimate.kept.stride > 1 or most is not None):
-            score = self.tally.exact(score, self.estimate.kept.count + read.left_out, due_ns)
+        if self.tally.count and (self.estimate.stride > 1 or most is not None):
+            score = self.tally.exact(score, self.estimate.count + read.left_out, due_ns)
         return read, score
 
     def _held_against_truth(self, most: int | None) -> RecordedEstimate:
         if not self.truth.is_known:
             raise InputError(f"nothing tells the truth of {self._topic}: neither a scenario nor a pose came")
-        if fault := self._fault(usable=self.estimate.kept.count > 0):
+        if fault := self._fault(usable=self.estimate.count > 0):
             raise InputError(fault)
-        track = self.estimate.kept.track() if most is None else self._settled(most)
-        scenarios = self.truth.of_scenarios()
-        true = scenarios if most is not None and scenarios.segments else self.truth.whole()
-        start = self.estimate.duration.first_ns if most is None else int(track.stamps_ns[0])
+        track = self.estimate.track() if most is None else self._settled(most)
+        times = int(track.stamps_ns[0]), int(track.stamps_ns[-1])
+        true = self.truth.between(*times, poses=most is None or self.truth.frames is None)
+        start = self.estimate.duration.first_ns if most is None else times[0]
         read = held_against(track, true, self._truth_of(true, track.stamps_ns, start))
-        return replace(read, notes=(*read.notes, *self._notes()), left_out=self.estimate.left_out)
+        left_out = self.estimate.number_of(STRAY, DISORDERED)
+        return replace(read, notes=(*read.notes, *self._notes()), left_out=left_out)
 
     def _settled(self, most: int) -> AttitudeTrack:
         """Evenly spread estimates of the second half of the time, of a given number."""
-        track = self.estimate.kept.track()
+        track = self.estimate.track()
         stamps = track.stamps_ns
         settled = np.flatnonzero(stamps >= (stamps[0] + stamps[-1]) // 2)
         return track[settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]]
 
     def _fault(self, *, usable: bool) -> str:
         """Reason why an estimate, of which attitudes are usable or not, cannot be compared; empty if there is none."""
-        if self._has_attitudes:
-            return "" if usable else f"topic {self._topic}: {self.estimate.fault()}"
-        if self._message_type == TF_MESSAGE and self._pairs:
-            pairs = listed([f"{frame} to {child}" for frame, child in self._pairs])
-            wanted = " to ".join(self.truth.of_scenarios().frames or ())
+        frames, followed = self.estimate.frames, self.estimate.followed
+        pairs = listed([" to ".join(filter(None, pair)) for pair in frames])
+        if self._message_type == TF_MESSAGE and frames and not frames.get(followed or ("", "")):
+            wanted = " to ".join(followed or ())
             return f"topic {self._topic} tells of {pairs}, none of which is {wanted}: name the frames so"
-        return f"topic {self._topic} {NO_ORIENTATION}"
+        if not any(frames.values()):
+            return f"topic {self._topic} {NO_ORIENTATION}"
+        if self.estimate.number_of(OF_OTHERS) > OTHERS_SHARE * self.estimate.count:
+            return f"topic {self._topic} is of the frames {pairs}: let one node publish one body"
+        return "" if usable else f"topic {self._topic}: {'; '.join(self.estimate.notes('estimates').values())}"
 
     def why_not_compared(self) -> str:
         """Reason why no message of the estimate has an error, though the truth is known."""
-        last_ns, pose_ns = self.estimate.last_ns, self.truth.last_pose_ns
+        last_ns, pose_ns = self.estimate.last_ns, self.truth.poses.last_ns
         end = "on" if pose_ns is None else f"to {pose_ns / NS:.13g} s"
-        return self._fault(usable=last_ns is not None) or (
+        return self._fault(usable=self.estimate.count > 0) or (
             f"no attitude of {self._topic} is stamped within the truth, from {self.truth.begin_ns / NS:.13g} s "
             f"{end}; the last is at {(last_ns or 0) / NS:.13g} s: is it of the same clock and run?"
         )
 
+    def left_out(self) -> dict[str, str]:
+        """Sentences, without a full stop, about the messages that count for nothing, by their kinds."""
+        poses = self.truth.poses.notes("poses of the truth")
+        found = {**self.estimate.notes("estimates"), **{f"pose {kind}": told for kind, told in poses.items()}}
+        if self.truth.contradictions:
+            found["contradiction"] = (
+                f"{self.truth.contradictions} scenarios begin when another one does that came before, and are left "
+                "out: let one node tell the truth"
+            )
+        return found
+
     def _notes(self) -> Iterator[str]:
-        yield from self.estimate.notes()
+        yield from (f"{told}." for told in self.left_out().values())
         if self._given_up:
             yield f"{self._given_up} estimates came before any truth, and are left out."
-        kept = self.estimate.kept
+        kept = self.estimate
         if kept.stride > 1:
             yield (
                 f"One in {kept.stride} of {kept.count} estimates was kept for the score. RMS, largest error and limits "
@@ -315,3 +311,8 @@ class LiveEstimate:
         elif end <= truth.last_ns <= end + LENIENCE_NS:  # what is on its way through the filter is no gap
             truth.last_ns = min(truth.last_ns, end + int(GAP * period_ns(stamps)))
         return truth
+
+
+def _size(found: dict[Frames, AttitudeTrack]) -> int:
+    """Number of the attitudes of all frames."""
+    return sum(map(len, found.values()))

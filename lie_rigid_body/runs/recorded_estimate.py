@@ -24,7 +24,7 @@ from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bo
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
-from lie_rigid_body.runs.kept_estimate import KeptEstimate
+from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
 from lie_rigid_body.simulation import Segment
@@ -100,8 +100,8 @@ def recorded_estimate(
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
 
-    Estimates that are stamped before an earlier one are left out, with a note, and so are those that are stamped far
-    ahead of the truth where later ones are not.
+    Estimates that are stamped before an earlier one are left out, with a note, and so are those whose stamps leap ahead
+    where later ones do not.
 
     Parameters
     ----------
@@ -136,15 +136,15 @@ def recorded_estimate(
     else:
         truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
         true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
-    track, kept = read_attitudes(path, contents, topic, true.frames), KeptEstimate(sys.maxsize)
-    # the truth of a scenario alone has no end that a stamp could be ahead of
-    kept.add([track], 0, None if true.poses is None else int(true.poses.stamps_ns.max()))
-    kept.end(0)
-    if kept.unusable:
+    track, kept = read_attitudes(path, contents, topic, true.frames), KeptAttitudes(sys.maxsize)
+    kept.add(track)
+    kept.end()
+    if kept.number_of(UNUSABLE):
         unit("estimate", track.attitude_xyzw)  # refuses them
-    ordered = kept.kept.track()
+    ordered = kept.track()
     read = held_against(ordered, true, true.until(int(ordered.stamps_ns[-1])))
-    return replace(read, notes=(*read.notes, *kept.notes()), left_out=kept.left_out)
+    notes = (*read.notes, *(f"{told}." for told in kept.notes("estimates").values()))
+    return replace(read, notes=notes, left_out=kept.number_of(STRAY, DISORDERED))
 
 
 def _estimate_or_truth(*topics: str) -> Wanted:

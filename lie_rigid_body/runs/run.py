@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,29 +16,38 @@ from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
-from lie_rigid_body.evaluation.arguments import quantity, real_numbers
+from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.attitude_error import numbers
-from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages.batch import FAULTS, BatchEncoder
+from lie_rigid_body.messages.batch import FAULTS, BatchEncoder, Messages
+from lie_rigid_body.messages.definitions import VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
-from lie_rigid_body.recording.bag_writer import CUT_OFF, REWRITTEN, BagWriter
+from lie_rigid_body.recording.bag_writer import (
+    CUT_OFF,
+    POSE_TOPIC,
+    REWRITTEN,
+    SCENARIO_TOPIC,
+    TWIST_TOPIC,
+    BagWriter,
+)
 from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import Block, bag_segments, recorded_segments
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import FaultMessages
+from lie_rigid_body.runs.estimate import Estimate, messages_of_score
 from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.simulation import Samples, Segment, Taken
-from lie_rigid_body.wording import call_repr
+from lie_rigid_body.wording import call_repr, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.certificate import Certificate
 
-END_OF_TIME: Final = np.iinfo(np.int64).max
+OWN_TOPICS: Final = frozenset({POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC})
+END_OF_TIME: Final = 2**63 - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +156,14 @@ class Run:
         """The scenario of the run; of a run with resets the first."""
         return self.segments[0].scenario
 
-    def to_bag(self, path: str | Path, *, overwrite: bool = False) -> None:
+    def to_bag(
+        self,
+        path: str | Path,
+        *,
+        estimates: Mapping[str, Estimate | tuple[ArrayLike, ArrayLike]] | None = None,
+        scores: Mapping[str, Score] | None = None,
+        overwrite: bool = False,
+    ) -> None:
         """Write the run into an MCAP bag: of a simulated run the same bytes as those of ``record``.
 
         What a recorder heard of a running node stays its recording: the new bag names the recorder as well, claims no
@@ -156,6 +173,11 @@ class Run:
         Parameters
         ----------
         path : str or Path
+        estimates : mapping of str to Estimate, or to stamps and attitudes, optional
+            Estimates by their topics, such as ``/estimate``, that are put beside the truth.
+        scores : mapping of str to Score, optional
+            Scores by the topics of their estimates. On ``TOPIC/error`` are total, heading and inclination error, rad,
+            as x, y, z; on ``TOPIC/nees`` the NEES and its 95 % bounds.
         overwrite : bool
             Replace an existing file, when the new one is whole.
 
@@ -164,17 +186,38 @@ class Run:
         BagError
             If the file exists and is not to be replaced, or cannot be written.
         InputError
-            If the path is none, or the run has readings of an IMU without their biases, be it one, as some bags, or of
-            a sensor that its scenario has not.
+            If the path is none, a topic is no name or the run's own, an estimate is unusable, or the run has readings
+            of an IMU without their biases, be it one, as some bags, or of a sensor that its scenario has not.
         """
+        beside = list(self._beside(estimates or {}, scores or {}))
         declared, origin = self._declared()
         starts = [segment.start_ns for segment in declared.values()][1:]
-        bounds = zip([0, *starts], [*starts, END_OF_TIME], strict=True)
+        bounds = [*zip([0, *starts], [*starts, END_OF_TIME], strict=True)]
         pieces = [self._within(segment, *times) for segment, times in zip(declared.values(), bounds, strict=True)]
+        origin["others"] = {messages.topic: kind for messages, kind in beside}
         with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
-            for (text, segment), taken in zip(declared.items(), pieces, strict=True):
+            for (text, segment), taken, (begin, end) in zip(declared.items(), pieces, bounds, strict=True):
                 bag.begin_segment(segment, text)
-                bag.write(BatchEncoder(segment.scenario).encode(taken))
+                batch = BatchEncoder(segment.scenario).encode(taken)
+                others = (messages.between(begin, end) for messages, _ in beside)
+                bag.write(replace(batch, sensors=(*batch.sensors, *others)))
+
+    def _beside(
+        self, estimates: Mapping[str, Estimate | tuple[ArrayLike, ArrayLike]], scores: Mapping[str, Score]
+    ) -> Iterator[tuple[Messages, str]]:
+        """Messages of estimates and of scores, with their types."""
+        frame = self.scenario.world_frame
+        for topic, given in estimates.items():
+            if not re.fullmatch(r"(/[A-Za-z_]\w*)+", topic) or topic in OWN_TOPICS:
+                raise InputError(
+                    f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
+                )
+            estimate = Estimate.of(given)
+            yield estimate.messages(
+                topic, self.stamps_of(len(estimate)) if estimate.t_ns is None else estimate.t_ns, frame
+            )
+        for topic, score in scores.items():
+            yield from ((messages, VECTOR3_STAMPED) for messages in messages_of_score(topic, score, frame))
 
     def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
         """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""
@@ -214,14 +257,14 @@ class Run:
 
     def score(
         self,
-        estimate_xyzw: ArrayLike,
+        estimate_xyzw: ArrayLike | Estimate,
         t_ns: ArrayLike | None = None,
         *,
         after_s: float = 0.0,
         gyro_bias: ArrayLike | None = None,
         limits: Limits | None = None,
         covariance: ArrayLike | None = None,
-        covariance_axes: str = "world",
+        covariance_axes: str | None = None,
         converged_deg: float | None = None,
         longest_lag_s: float | None = None,
         diagnosed: bool = True,
@@ -230,8 +273,8 @@ class Run:
 
         Parameters
         ----------
-        estimate_xyzw : array_like, shape (K, 4)
-            World-from-body, scalar last.
+        estimate_xyzw : array_like, shape (K, 4), or Estimate
+            World-from-body, scalar last. What is given beside an `Estimate` takes the place of its own.
         t_ns : array_like of int, shape (K,), optional
             Its stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
         after_s : float
@@ -254,38 +297,36 @@ class Run:
             If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
         after_s = quantity("after_s", after_s, "seconds", "after_s=10.0", or_zero=True)
-        attitude = real_numbers("estimate", estimate_xyzw, "(N, 4)")
-        if attitude.ndim != 2:
-            raise InputError(f"estimate: shape {attitude.shape} is not (N, 4): give a row for each stamp")
-        stamps = self.stamps_of(len(attitude)) if t_ns is None else read_stamps("estimate", t_ns)
-        truth, counted = self.attitude(), slice(None)
+        estimate = Estimate.of(estimate_xyzw)
+        beside: dict[str, Any] = {
+            "t_ns": t_ns,
+            "gyro_bias": gyro_bias,
+            "covariance": covariance,
+            "covariance_axes": covariance_axes,
+        }
+        estimate = replace(estimate, **{name: value for name, value in beside.items() if value is not None})
+        estimate = estimate if estimate.t_ns is not None else replace(estimate, t_ns=self.stamps_of(len(estimate)))
+        truth, stamps = self.attitude(), estimate.t_ns
         if after_s:
-            counted = slice(_first_after(stamps, after_s), None)
-            truth.first_ns = int(stamps[counted][0])
-        if covariance is not None:
-            covariance = real_numbers("covariance", covariance, "(N, 3, 3)")
-            covariance = covariance[counted] if covariance.ndim == 3 else covariance
+            estimate = estimate[_first_after(stamps, after_s) :]
+            truth.first_ns = int(estimate.t_ns[0])
         score = evaluate(
-            stamps[counted],
-            attitude[counted],
+            estimate.t_ns,
+            estimate.attitude_xyzw,
             truth,
             limits=limits,
-            covariance=covariance,
-            covariance_axes=covariance_axes,
+            covariance=estimate.covariance,
+            covariance_axes=estimate.covariance_axes,
             converged_deg=converged_deg,
             longest_lag_s=longest_lag_s,
             diagnosed=diagnosed,
             bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
             sensors=left_by_errors_of(self.segments),
         )
-        if gyro_bias is None:
+        if estimate.gyro_bias is None:
             return score
-        true_bias = self.gyro_bias_at(stamps[counted])
-        estimated = real_numbers("gyro_bias", gyro_bias, "(N, 3)")
-        if estimated.shape != (len(stamps), 3):
-            raise InputError(f"gyro_bias: shape {estimated.shape} is not {(len(stamps), 3)}: give a row for each stamp")
-        estimated = numbers("gyro_bias", estimated, 3)
-        return replace(score, gyro_bias_rad_s=bias_error(estimated[counted], true_bias))
+        bias = numbers("gyro_bias", estimate.gyro_bias, 3)
+        return replace(score, gyro_bias_rad_s=bias_error(bias, self.gyro_bias_at(estimate.t_ns)))
 
     def unavoidable_error(self) -> UnavoidableError | None:
         """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Event, Timer, get_ident
@@ -20,9 +20,9 @@ from typing import Any, Final, Protocol, TypeVar
 import numpy as np
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
-from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.runs.command import CommandEstimator, kill_all
-from lie_rigid_body.runs.estimators import Estimator, Returned, estimator, returned
+from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimators import Estimator, estimator
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.wording import short_repr, shown
 
@@ -99,7 +99,7 @@ def source_of(estimate: Estimator | str) -> Source | None:
     return estimate if isinstance(estimate, CommandEstimator) else NamedFunction.of(estimate)
 
 
-def called(estimate: Estimator, run: Run) -> Returned:
+def called(estimate: Estimator, run: Run) -> Estimate:
     """What an estimator returns for a run, with stamps and numbers; its warnings are nobody's.
 
     Raises
@@ -115,17 +115,10 @@ def called(estimate: Estimator, run: Run) -> Returned:
     except (Exception, SystemExit) as error:
         raise FilterError(told(error)) from None
     try:
-        found = returned(result)
-        stamps = run.imu.t_ns if found.t_ns is None else read_stamps("estimate", found.t_ns)
-        attitude = np.asarray(found.attitude_xyzw, dtype=np.float64)
+        found = Estimate.of(result)
+        return found if found.t_ns is not None else replace(found, t_ns=run.imu.t_ns)
     except (TypeError, ValueError) as error:
         raise FilterError(said(error)) from None
-    if len(stamps) != len(attitude):
-        raise FilterError(
-            f"the filter returned attitudes of shape {attitude.shape} for {len(stamps)} stamps: "
-            "return a row for each reading of the IMU, or stamps and attitudes"
-        )
-    return found._replace(t_ns=stamps, attitude_xyzw=attitude)
 
 
 def told(error: BaseException) -> str:

@@ -79,8 +79,8 @@ def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
     [
         ("rates", "(100, 3)"),
         ("few", "7 rows goes neither with"),
-        ("nothing", "NoneType of shape ()"),
-        ("three", "tuple of shape (3,)"),
+        ("nothing", "not numbers"),
+        ("three", "shape (3,) is not (N, 4)"),
         ("lost", "finite"),
         ("leaves", "SystemExit: 3"),
         ("interrupts", "KeyboardInterrupt: enough"),

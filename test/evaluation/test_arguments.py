@@ -7,7 +7,7 @@ import pytest
 
 from lie_rigid_body import InputError, attitude_error
 from lie_rigid_body.evaluation import Limits, nees
-from lie_rigid_body.evaluation.estimate import Estimate, read_stamps
+from lie_rigid_body.evaluation.estimate import ReadEstimate, read_stamps
 
 Q = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
 
@@ -48,9 +48,9 @@ def test_an_imaginary_part_and_a_mask_are_not_dropped():
 
 @pytest.mark.filterwarnings("error")
 def test_a_norm_whose_square_overflows_is_remarked():
-    assert [remark.code for remark in Estimate.read([0, 1, 2], 1e200 * Q).remarks] == ["not_unit"]
-    assert Estimate.read([0, 1, 2], 1.0009 * Q).remarks == ()
-    assert Estimate.read([0, 1, 2], 0.9989 * Q).remarks != ()
+    assert [remark.code for remark in ReadEstimate.read([0, 1, 2], 1e200 * Q).remarks] == ["not_unit"]
+    assert ReadEstimate.read([0, 1, 2], 1.0009 * Q).remarks == ()
+    assert ReadEstimate.read([0, 1, 2], 0.9989 * Q).remarks != ()
 
 
 @pytest.mark.parametrize(
@@ -59,9 +59,9 @@ def test_a_norm_whose_square_overflows_is_remarked():
 )
 def test_what_numpy_would_make_numbers_of_is_refused(given):
     with pytest.raises(InputError, match="estimate: not numbers: give an array of shape") as error:
-        Estimate.read([0, 1, 2], given)
+        ReadEstimate.read([0, 1, 2], given)
     assert len(str(error.value)) <= 200
-    np.testing.assert_array_equal(Estimate.read([0, 1, 2], Q.astype(object)).attitude_xyzw, Q)
+    np.testing.assert_array_equal(ReadEstimate.read([0, 1, 2], Q.astype(object)).attitude_xyzw, Q)
 
 
 @pytest.mark.filterwarnings("error")

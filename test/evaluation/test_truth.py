@@ -8,7 +8,7 @@ from motions import MOTIONS, STAMPS, attitude, truth_of
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error
-from lie_rigid_body.evaluation.estimate import Estimate
+from lie_rigid_body.evaluation.estimate import ReadEstimate
 from lie_rigid_body.lie import quaternion
 
 SPIN = quaternion.exp(np.outer(STAMPS * 1e-9, [0.3, -0.2, 0.9]))
@@ -80,7 +80,7 @@ def test_body_rate_is_the_motions(motion):
         ([0, 1], [[0, 0, 0, 1], [0, 0, np.nan, 0]], "1 of 2 rows are not finite, the first is row 1"),
     ],
 )
-@pytest.mark.parametrize("read", [Estimate.read, SampledTruth])
+@pytest.mark.parametrize("read", [ReadEstimate.read, SampledTruth])
 def test_refusals(read, stamps, attitudes, message):
     with pytest.raises(InputError, match=message):
         read(stamps, attitudes)
@@ -100,18 +100,18 @@ def test_an_exact_truth_is_between_times_that_a_message_can_have(time):
 
 
 def test_what_is_wrong_about_an_estimate_is_remarked():
-    assert Estimate.read(STAMPS, SPIN * 1.0009).remarks == ()
-    (remark,) = Estimate.read(STAMPS, SPIN * 1.01).remarks
+    assert ReadEstimate.read(STAMPS, SPIN * 1.0009).remarks == ()
+    (remark,) = ReadEstimate.read(STAMPS, SPIN * 1.01).remarks
     assert remark.code == "not_unit"
     kept = np.r_[0:50, 50, 51, 51, 52:200, 250:300]
-    doubled = Estimate.read(STAMPS[kept], SPIN[kept])
+    doubled = ReadEstimate.read(STAMPS[kept], SPIN[kept])
     assert [r.code for r in doubled.remarks] == ["gaps"] * 2
     assert len(doubled.stamps_ns) == 250
 
 
 def test_one_missing_sample_is_a_gap_of_even_stamps_only():
     """Of stamps that are uneven by themselves, two periods are none."""
-    (remark,) = Estimate.read(np.delete(STAMPS, 70), np.delete(SPIN, 70, axis=0)).remarks
+    (remark,) = ReadEstimate.read(np.delete(STAMPS, 70), np.delete(SPIN, 70, axis=0)).remarks
     assert remark.code == "gaps"
     uneven = np.arange(len(STAMPS)) % 4 > 0
-    assert Estimate.read(STAMPS[uneven], SPIN[uneven]).remarks == ()
+    assert ReadEstimate.read(STAMPS[uneven], SPIN[uneven]).remarks == ()

@@ -30,6 +30,7 @@ if find_spec("rclpy"):
     from geometry_msgs.msg import PoseStamped, Vector3Stamped
     from peer import LATCHED, Peer
     from rclpy.qos import QoSProfile, ReliabilityPolicy
+    from rclpy.serialization import serialize_message
     from sensor_msgs.msg import Imu
     from std_msgs.msg import String
 
@@ -180,7 +181,7 @@ def test_attitudes_that_are_no_numbers_are_told_at_once_and_end_with_score_and_s
         assert process.wait() == 2
     content = json.loads("\n".join(process.said))
     assert content["passed"] is True
-    assert "attitudes are not finite, or zero" in content["notes"][0]
+    assert "estimates are not finite, or zero" in content["notes"][0]
     assert "evaluate: error: estimate: " in process.complained[-1]
 
 
@@ -299,6 +300,65 @@ def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
     assert told_of == ["3 messages of /odd could n", "6 messages of /strange/bod"]
 
 
+@pytest.mark.ros
+@pytest.mark.long
+@pytest.mark.parametrize("scenario", [True, False])
+def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
+    """Wrong stamps, frames and attitudes on both topics, texts that are no scenario, and a second publisher."""
+    run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
+    turn = quaternion.exp(np.radians([3.0, -4.0, -5.0]))
+    attitudes = quaternion.multiply(turn, run.truth.attitude_xyzw)
+    name = f"of_{scenario}".lower()
+    with (
+        Peer("hostile", domain) as peer,
+        Peer("second", domain) as second,
+        evaluator(
+            domain, name, "--json", "--ros-args", "-r", f"truth:=/{name}/node/truth", estimate="/hurt"
+        ) as process,
+    ):
+        kind = String if scenario else PoseStamped
+        truth = peer.node.create_publisher(kind, f"/{name}/node/truth", LATCHED if scenario else 1000)
+        estimate = peer.node.create_publisher(PoseStamped, "/hurt", 1000)
+        errors = peer.listen(Vector3Stamped, f"/{name}/error")
+        # zero at the start
+        peer.spin_until(lambda: estimate.get_subscription_count() == 1, "the evaluator")
+        peer.spin_until(lambda: truth.get_subscription_count() == 1, "the evaluator")
+        estimate.publish(pose_of(0, [0.0, 0.0, 0.0, 0.0]))
+        if scenario:
+            beside = second.node.create_publisher(String, f"/{name}/node/truth", LATCHED)
+            for text in ("no JSON", "x" * 10_000_000, '{"inertia": [1, 1, 9]}', "[" * 50_000):
+                truth.publish(String(data=text))
+                beside.publish(String(data=text))
+            truth.publish(String(data=Segment(run.scenario, 0, 0).to_json()))
+        for number, (stamp, attitude) in enumerate(zip(run.t_ns.tolist(), attitudes.tolist(), strict=True)):
+            topics = [estimate] if scenario else [truth, estimate]
+            if number in (0, 30):
+                for topic in topics:
+                    topic.publish(pose_of(-(10**18), attitude))
+                    topic.publish(pose_of(2**31 * 10**9 - 10**9, attitude))
+                    elsewhere = pose_of(stamp, [0.0, 0.0, 0.0, 1.0])
+                    elsewhere.header.frame_id = "elsewhere"
+                    topic.publish(elsewhere)
+            if not scenario:
+                truth.publish(pose_of(stamp, run.truth.attitude_xyzw[number].tolist()))
+            elif number == 30:
+                other = Segment(run.scenario, 0, 0).to_json().replace("0.6", "0.7")
+                beside.publish(String(data=other))
+                for start in (2**31 * 10**9 - 10**9, -(10**18)):
+                    beside.publish(String(data=Segment(run.scenario, 0, start).to_json()))
+            estimate.publish(pose_of(stamp, attitude))
+        peer.spin_until(lambda: len(errors) >= (60 if scenario else 59), "every error")
+        process.process.send_signal(signal.SIGTERM)
+        status = process.wait()
+    assert status == 2, process.complained
+    content = json.loads("\n".join(process.said))
+    assert content["samples"] == 60
+    assert content["total_deg"]["max"] == pytest.approx(np.degrees(np.linalg.norm(np.radians([3.0, -4.0, -5.0]))))
+    assert "gaps" not in [finding["code"] for finding in content["findings"]]
+    assert content["truth"] == ("scenario" if scenario else "poses")
+    assert len(process.complained) < 20  # each kind once
+
+
 def pose_of(stamp: int, attitude: list[float]) -> PoseStamped:
     pose = PoseStamped()
     pose.header.stamp.sec, pose.header.stamp.nanosec = divmod(stamp, 10**9)
@@ -381,9 +441,11 @@ def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
         following.look()
         assert set(following._subscriptions) == {"/a/imu/data", "/a/lie_rigid_body/scenario", "/a/pose"}
         assert following.live is not None
-        following.live.hear_estimates([b""])
+        unoriented = Imu()
+        unoriented.orientation_covariance[0] = -1.0
+        following.live.hear_estimates([serialize_message(unoriented)])
         assert "nothing came on /a/lie_rigid_body/scenario, /a/pose" in following.silence()
-        following.live.truth.hear_scenario(encode_string(Segment(Scenario.from_parameters({}), 0, 0).to_json()))
+        following.live.truth.hear_scenarios([encode_string(Segment(Scenario.from_parameters({}), 0, 0).to_json())])
         assert following.silence().startswith("topic /a/imu/data has no orientation")
         following.estimate, following.live = "/imu/data", None
         with pytest.raises(InputError):

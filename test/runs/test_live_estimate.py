@@ -19,7 +19,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
-from lie_rigid_body.runs.kept_estimate import Kept
+from lie_rigid_body.runs.kept_attitudes import UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 from lie_rigid_body.simulation import Simulation
@@ -73,7 +73,7 @@ def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: An
         elif topic == "/pose":
             live.truth.hear_poses(topic, POSE_STAMPED, [payload])
         elif topic.endswith("/scenario"):
-            live.truth.hear_scenario(payload)
+            live.truth.hear_scenarios([payload])
         if i % 20 == 0:
             live.judge()
     return live
@@ -156,10 +156,12 @@ def test_of_a_long_run_little_is_kept_and_limits_hold_for_all(own, stamps, noisy
 
 
 def test_kept_rows_are_even_and_bounded():
-    kept, rng, begin = Kept(most=64), np.random.default_rng(0), 0
+    kept, rng, begin = KeptAttitudes(most=64), np.random.default_rng(0), 0
     for size in rng.integers(0, 50, size=100):
         stamps = np.arange(begin, begin + size, dtype=np.int64)
-        track = AttitudeTrack("/estimate", POSE_STAMPED, stamps, np.repeat(stamps[:, None], 4, axis=1), None, "world")
+        track = AttitudeTrack(
+            "/estimate", POSE_STAMPED, stamps, 1.0 + np.repeat(stamps[:, None], 4, axis=1), None, "world"
+        )
         assert kept.add(track).stamps_ns.tolist() == stamps.tolist()
         begin += size
         if begin:
@@ -167,7 +169,7 @@ def test_kept_rows_are_even_and_bounded():
     found = kept.track()
     assert kept.count == begin
     assert found.stamps_ns.tolist() == sorted({*range(0, begin, kept.stride), begin - 1})
-    assert found.attitude_xyzw[:, 0].tolist() == found.stamps_ns.tolist()
+    assert (found.attitude_xyzw[:, 0] - 1.0).tolist() == found.stamps_ns.tolist()
 
 
 def test_what_is_out_of_order_is_left_out_and_named(own, stamps, noisy, tmp_path):
@@ -188,7 +190,7 @@ def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps
         following.hear_estimates([payload] if topic == "/estimate" else [])
     live, recorded = following.score(), recorded_estimate(bag, "/estimate")
     assert live[0].notes == recorded.notes
-    assert recorded.notes[0].startswith("20 of 169 estimates were stamped before one that had come, and are left out")
+    assert recorded.notes[0].startswith("20 of 169 estimates were stamped before one that had come, the first ")
     np.testing.assert_array_equal(recorded.track.stamps_ns, live[0].track.stamps_ns)
     assert live[1].to_json(series=True) == scored(bag, diagnosed=True).to_json(series=True)
 
@@ -216,7 +218,7 @@ def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, t
     one, other = HOW[POSE_STAMPED], messages(np.eye(3), world="b")[POSE_STAMPED]
     topic = (POSE_STAMPED, lambda t, q: (one if t < NS else other)(t, q), "/estimate", stamps, noisy)
     with pytest.raises(LieRigidBodyError, match="is of the frames world, b"):
-        followed(beside(own, tmp_path / "two.mcap", topic), POSE_STAMPED)
+        followed(beside(own, tmp_path / "two.mcap", topic), POSE_STAMPED).score()
     none = messages(np.diag([-1.0, 0.0, 0.0]))[IMU]
     with pytest.raises(InputError, match="has no orientation"):
         followed(beside(own, tmp_path / "none.mcap", (IMU, none, "/estimate", stamps, noisy)), IMU).score()
@@ -225,7 +227,7 @@ def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, t
     with pytest.raises(InputError, match="neither a scenario nor a pose came"):
         live.score()
     with pytest.raises(InputError, match="not the JSON"):
-        live.truth.hear_scenario(encode_string("a scene"))
+        live.truth.hear_scenarios([encode_string("a scene")])
 
 
 def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
@@ -241,8 +243,8 @@ def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
     ("shift_ns", "size", "why"),
     [
         (10**18, 1.0, "is stamped within the truth, from 0 s to 5.96 s; the last is at 1000000005.923 s"),
-        (0, np.nan, "topic /estimate: 149 of 149 attitudes are not finite, or zero, the first stamped 0.003 s"),
-        (0, 0.0, "topic /estimate: 149 of 149 attitudes are not finite, or zero"),
+        (0, np.nan, "topic /estimate: 149 of 149 estimates are not finite, or zero, the first stamped 0.003 s"),
+        (0, 0.0, "topic /estimate: 149 of 149 estimates are not finite, or zero"),
     ],
 )
 def test_why_nothing_is_compared_though_the_truth_is_known(shift_ns, size, why, own, stamps, noisy, tmp_path):
@@ -261,7 +263,7 @@ def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
     assert live.judge() is None
     for topic, payload in heard:
         if topic.endswith("/scenario"):
-            live.truth.hear_scenario(payload)
+            live.truth.hear_scenarios([payload])
     assert live.score()[1].total_deg.rms == pytest.approx(scored(bag).total_deg.rms, rel=1e-12)
 
 
@@ -275,11 +277,10 @@ def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, t
     kept = np.delete(np.arange(len(stamps)), [40, 90])
     alone = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[kept], noisy[kept]))
     assert score.total_deg == scored(alone).total_deg
-    assert live.estimate.unusable == 2
+    assert live.estimate.number_of(UNUSABLE) == 2
     [note] = read.notes
-    assert note == f"{live.estimate.fault()}."
-    assert f"2 of 149 attitudes are not finite, or zero, the first stamped {stamps[40] / NS:.13g} s" in note
-    assert followed(alone, POSE_STAMPED).estimate.fault() == ""
+    assert f"2 of 149 estimates are not finite, or zero, the first stamped {stamps[40] / NS:.13g} s" in note
+    assert followed(alone, POSE_STAMPED).left_out() == {}
 
 
 def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps, noisy, tmp_path):
@@ -289,7 +290,7 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, spoilt))
     heard = list(of(bag))
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=2.0)
-    live.truth.hear_scenario(next(payload for topic, payload in heard if topic.endswith("/scenario")))
+    live.truth.hear_scenarios([next(payload for topic, payload in heard if topic.endswith("/scenario"))])
     estimates = [payload for topic, payload in heard if topic == "/estimate"]
     live.hear_estimates(estimates[:40])
     live.judge()
@@ -298,7 +299,7 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     live.judge()
     assert [*complete, live.complete] == [False, True]
     score = live.score()[1]
-    assert (score.t_s[-1], score.samples, live.estimate.unusable) == (2.0, 51, 1)
+    assert (score.t_s[-1], score.samples, live.estimate.number_of(UNUSABLE)) == (2.0, 51, 1)
 
 
 @pytest.mark.parametrize(
@@ -318,7 +319,7 @@ def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, most, own, st
     how = HOW[POSE_STAMPED]
     estimates = [bytes(STORE.serialize_cdr(how(*each), POSE_STAMPED)) for each in zip(wrong.tolist(), q, strict=True)]
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=5.0, most=most)
-    live.truth.hear_scenario(next(payload for topic, payload in of(own) if topic.endswith("/scenario")))
+    live.truth.hear_scenarios([next(payload for topic, payload in of(own) if topic.endswith("/scenario"))])
     poses = [payload for topic, payload in of(own) if topic == "/pose"]
     complete = []
     for i, message in enumerate(estimates):
@@ -332,7 +333,7 @@ def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, most, own, st
     assert score.total_deg.max > 10.0
     assert score.broken[0].startswith("the error is ")
     assert len(score.broken) == 3  # with the limit after 100 s
-    assert [note[:12] for note in read.notes if "far ahead" in note] == ["Left out of "] * (stamp > 0)
+    assert [note[-15:] for note in read.notes if "leap" in note] == ["what stamped them."[-15:]]
 
 
 def test_limits_ask_for_half_of_the_duration(own, stamps, noisy, tmp_path):
@@ -375,7 +376,7 @@ def test_what_is_no_duration_is_one_line(duration_s):
 
 def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, np.nan * noisy))
-    with pytest.raises(InputError, match="149 of 149 attitudes are not finite"):
+    with pytest.raises(InputError, match="149 of 149 estimates are not finite"):
         followed(bag, POSE_STAMPED).score()
 
 
@@ -389,3 +390,99 @@ def test_a_score_on_the_way_does_not_judge_the_convergence(own, stamps, noisy, t
     assert score.stamps_ns[0] > 2.5 * NS
     assert score.findings == ()
     assert score.total_deg.max == pytest.approx(live.tally.largest_deg[0])
+
+
+def one_pose(stamp: int, attitude: Any, frame: str = "world") -> bytes:
+    return bytes(STORE.serialize_cdr(messages(np.eye(3), world=frame)[POSE_STAMPED](stamp, attitude), POSE_STAMPED))
+
+
+IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])
+FUTURE, PAST = 2**31 * NS - NS, -(10**9) * NS
+HOSTILE = {
+    "other_frame": (one_pose(NS, IDENTITY, "elsewhere"), "of_others"),
+    "year_2038": (one_pose(FUTURE, IDENTITY), "stray"),
+    "year_1938": (one_pose(PAST, IDENTITY), None),  # stray at first, or stamped before one that had come
+    "zero": (one_pose(5_000_000, np.zeros(4)), "unusable"),
+    "not_finite": (one_pose(5_000_000, np.full(4, np.nan)), "unusable"),
+}
+
+
+CASES = [
+    (topic, which, place, without)
+    for topic in ("/estimate", "/pose")
+    for which in HOSTILE
+    for place, without in ((0, ""), (1, "/lie_rigid_body/scenario"), (60, ""), (10**6, "/pose"))
+    if topic != without
+]
+
+
+@pytest.mark.parametrize(("topic", "which", "place", "without"), CASES)
+def test_one_hostile_message_costs_itself(topic, which, place, without, own, stamps, noisy):
+    """The score is the same as if it had not come, and it is counted and told."""
+    heard = messages_in_turn(own, stamps[:70], noisy[:70], without)
+    plain = live_of(heard)
+    at = min(place, len(heard)) if place != 1 else 1 + next(i for i, (name, _) in enumerate(heard) if name == topic)
+    if which in ("zero", "not_finite"):  # their stamps go on from the last
+        earlier = [i for i, (name, _) in enumerate(heard) if name == topic and i < at]
+        stamp = int(stamps[max(len(earlier) - 1, 0)] - (0 if topic == "/estimate" else 3_000_000))
+        payload = one_pose(stamp, np.zeros(4) if which == "zero" else np.full(4, np.nan))
+    else:
+        payload = HOSTILE[which][0]
+    spoilt = live_of([*heard[:at], (topic, payload), *heard[at:]])
+    (read, score), (expected_read, expected) = spoilt.score(), plain.score()
+    assert score.to_json(series=True) == expected.to_json(series=True)
+    assert spoilt.tally.count == plain.tally.count
+    assert read.source == expected_read.source
+    kinds = {kind.removeprefix("pose ") for kind in spoilt.left_out()}
+    assert len(kinds) == 1
+    assert kinds <= {HOSTILE[which][1] or "disordered", *(["stray"] if which == "year_1938" else [])}
+    assert len(read.notes) == len(expected_read.notes) + 1
+
+
+def messages_in_turn(bag: Path, stamps: np.ndarray, attitudes: np.ndarray, without: str) -> list[tuple[str, bytes]]:
+    """The scenario, and then the poses and the estimates in turn."""
+    scenarios = [each for each in of(bag) if each[0].endswith("/scenario") and each[0] != without]
+    poses = [each for each in of(bag) if each[0] == "/pose"]
+    estimates = [("/estimate", one_pose(*each)) for each in zip(stamps.tolist(), attitudes, strict=True)]
+    pairs = [message for pair in zip(poses, estimates, strict=False) for message in pair if message[0] != without]
+    return [*scenarios[:1], *pairs]
+
+
+def live_of(heard: list[tuple[str, bytes]], batch: int = 5) -> LiveEstimate:
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
+    for i in range(0, len(heard), batch):
+        part = heard[i : i + batch]
+        live.hear_estimates([payload for topic, payload in part if topic == "/estimate"])
+        live.truth.hear_scenarios([payload for topic, payload in part if topic.endswith("scenario")])
+        live.truth.hear_poses("/pose", POSE_STAMPED, [payload for topic, payload in part if topic == "/pose"])
+        live.judge()
+    return live
+
+
+@pytest.mark.parametrize("batch", [1, 2, 5, 100])
+@pytest.mark.parametrize(
+    ("seconds", "left_out"),
+    [
+        ([0.0, 2.0, 4.0, 6.0, 8.0, 10.0], []),  # a slow topic
+        ([0.0, 0.1, 0.2, 100.0, 100.1, 100.2, 100.3], []),  # a gap
+        ([0.0, 0.9, 1.8, 2.7, 3.6, 4.5], []),
+        ([0.0, 2.0, 1e9, 4.0, 6.0, 8.0], [2]),
+        ([0.0, -1e9, 0.1, 0.2, 0.3], [1]),
+        ([1e9, 0.0, 0.1, 0.2, -1e9, 0.3], [0, 4]),
+        ([0.0, 0.1, 0.2, 0.3, 1e9], [4]),
+        ([0.0, -1e9, 2e9, 0.0, 0.1, 0.2, 0.3], [1, 2]),
+        ([*range(0, 60, 4)], []),
+        ([2e9, *range(0, 60, 4)], [0]),
+        ([0.0, 0.1], []),
+        ([5.0], []),
+    ],
+)
+def test_stamps_are_believed_that_agree(seconds, left_out, batch):
+    stamps = np.round(np.array(seconds) * 1e9).astype(np.int64)
+    track = AttitudeTrack("/pose", POSE_STAMPED, stamps, np.tile(IDENTITY, (len(stamps), 1)), None, "world")
+    kept = KeptAttitudes()
+    for i in range(0, len(stamps), batch):
+        kept.add(track[i : i + batch])
+    kept.end()
+    assert kept.track().stamps_ns.tolist() == np.delete(stamps, left_out).tolist()
+    assert kept.number_of("stray", "disordered") == len(left_out)

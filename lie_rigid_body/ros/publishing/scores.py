@@ -19,6 +19,7 @@ from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
+from lie_rigid_body.runs.kept_attitudes import UNUSABLE
 from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
 
 ERROR_TOPIC: Final = "~/error"
@@ -124,7 +125,7 @@ class Scores:
         if score is not None and score.lag_s is not None:
             values["lag (s)"] = f"{score.lag_s:+.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
-        fault = self._fault or live.estimate.fault()
+        fault = self._fault or live.left_out().get(UNUSABLE, "")
         if fault:
             return DiagnosticStatus.ERROR, fault, values
         # that the run is still shorter than a limit is no fault yet

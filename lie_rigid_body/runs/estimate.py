@@ -1,0 +1,144 @@
+"""What an estimator returns, and its attitudes as messages of a bag."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import Score
+from lie_rigid_body.evaluation.arguments import real_numbers, shape_remedy
+from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
+from lie_rigid_body.evaluation.estimate import read_stamps
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.messages.batch import Messages
+from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED
+from lie_rigid_body.messages.layout import POSE_NUMBERS, Layout, header
+from lie_rigid_body.wording import call_repr
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Attitudes, and what else an estimator tells, read when it is made.
+
+    Parameters
+    ----------
+    attitude_xyzw : array_like, shape (N, 4)
+        World-from-body, scalar last.
+    t_ns : array_like of int, shape (N,), optional
+        Stamps, ns; by default those of the IMU, or of the truth.
+    covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
+        Covariance of small rotations, or of poses, rad². A single one is that of every sample.
+    covariance_axes : str, optional
+        ``"world"`` or ``"body"``: the axes that the rotations are about.
+    gyro_bias : array_like, shape (N, 3), optional
+        Biases of the gyro, rad/s.
+    gyro_bias_covariance : array_like, shape (N, 3, 3) or (3, 3), optional
+        Their covariance, rad²/s².
+
+    Raises
+    ------
+    InputError
+        If something has another shape, is no number, or the stamps are no rising integers.
+    """
+
+    attitude_xyzw: Any
+    t_ns: Any = None
+    covariance: Any = None
+    covariance_axes: str = "world"
+    gyro_bias: Any = None
+    gyro_bias_covariance: Any = None
+
+    def __post_init__(self) -> None:
+        attitude = real_numbers("estimate", self.attitude_xyzw, "(N, 4)")
+        if attitude.ndim != 2 or attitude.shape[1] != 4:
+            raise InputError(f"estimate: shape {attitude.shape} is not (N, 4): {shape_remedy(attitude.shape, (4,))}")
+        read: dict[str, Any] = {"attitude_xyzw": attitude}
+        if self.t_ns is not None:
+            read["t_ns"] = read_stamps("estimate", self.t_ns)
+            if len(read["t_ns"]) != len(attitude):
+                raise InputError(
+                    f"estimate: attitudes of shape {attitude.shape} for {len(read['t_ns'])} stamps: give a row for "
+                    "each reading of the IMU, or stamps and attitudes"
+                )
+        for name, sizes in (("covariance", ((3, 3), (6, 6))), ("gyro_bias_covariance", ((3, 3),)), ("gyro_bias", ())):
+            if getattr(self, name) is not None:
+                read[name] = self._read(name, len(attitude), *sizes)
+        require_axes(self.covariance_axes)
+        vars(self).update(read)
+
+    def _read(self, name: str, rows: int, *single: tuple[int, ...]) -> Array:
+        """Read an array with a row for each attitude, or a `single` row for all."""
+        sizes = single or ((3,),)
+        wanted = f"({rows}, {', '.join(map(str, sizes[0]))})"
+        array = real_numbers(name, getattr(self, name), wanted)
+        if array.shape not in (*single, *((rows, *size) for size in sizes)):
+            raise InputError(f"{name}: shape {array.shape} is not {wanted}: give a row for each stamp")
+        return array
+
+    @classmethod
+    def of(cls, result: object) -> Estimate:
+        """Read what an estimator returned: an estimate, attitudes, stamps and attitudes, or what has `attitude_xyzw`.
+
+        Raises
+        ------
+        InputError
+            If it is none of these, with its shape.
+        """
+        if isinstance(result, cls):
+            return result
+        if hasattr(result, "attitude_xyzw"):
+            return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if hasattr(result, f.name)})
+        given: Any = result
+        return cls(given[1], given[0]) if isinstance(result, tuple) and len(result) == 2 else cls(given)
+
+    def __len__(self) -> int:
+        return len(self.attitude_xyzw)
+
+    def __getitem__(self, rows: slice) -> Estimate:
+        some = {f.name: getattr(self, f.name) for f in fields(self)}
+        each = {name: 2 + name.endswith("covariance") for name in some if isinstance(some[name], np.ndarray)}
+        cut = {name: some[name][rows] for name, ndim in each.items() if name == "t_ns" or some[name].ndim == ndim}
+        return replace(self, **cut)
+
+    def __repr__(self) -> str:
+        return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})
+
+    def messages(self, topic: str, stamps_ns: Integers, frame: str) -> tuple[Messages, str]:
+        """Attitudes as messages of a bag, with a covariance where there is one, and their type.
+
+        Parameters
+        ----------
+        topic : str
+        stamps_ns : ndarray of int64, shape (N,)
+        frame : str
+            Name of the world's frame.
+        """
+        if self.covariance is None:
+            layout = Layout(header(frame), [0.0] * POSE_NUMBERS, [range(3, POSE_NUMBERS)])
+            return Messages(topic, stamps_ns, layout.encode(stamps_ns, self.attitude_xyzw)), POSE_STAMPED
+        P = np.broadcast_to(rotation_block(self.covariance), (len(self), 3, 3))
+        if self.covariance_axes == "body":
+            R = quaternion.to_matrix(unit("estimate", self.attitude_xyzw))
+            P = R @ P @ np.swapaxes(R, -1, -2)
+        places = [POSE_NUMBERS + 6 * (3 + row) + 3 + column for row in range(3) for column in range(3)]
+        layout = Layout(header(frame), [0.0] * (POSE_NUMBERS + 36), [range(3, POSE_NUMBERS), places])
+        payloads = layout.encode(stamps_ns, self.attitude_xyzw, P.reshape(-1, 9))
+        return Messages(topic, stamps_ns, payloads), POSE_WITH_COVARIANCE_STAMPED
+
+
+def messages_of_score(topic: str, score: Score, frame: str) -> tuple[Messages, ...]:
+    """Total, heading and inclination error, rad, and the NEES with its bounds, as Vector3Stamped, below a topic."""
+    vectors = {"error": np.stack(score.error, axis=-1)}
+    if score.consistency is not None:
+        nees, bounds = score.consistency.nees, score.consistency.bounds
+        vectors["nees"] = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])
+    layout = Layout(header(frame), [0.0] * 3, [range(3)])
+    return tuple(
+        Messages(f"{topic}/{name}", score.stamps_ns, layout.encode(score.stamps_ns, rows))
+        for name, rows in vectors.items()
+    )

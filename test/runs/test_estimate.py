@@ -1,0 +1,90 @@
+"""What an estimator returns: read once, scored, and put into a bag beside the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from lie_rigid_body import Estimate, InputError, Run, certify, simulate
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.recorded_estimate import recorded_estimate
+
+SIZE = np.radians(0.5)
+
+
+@pytest.fixture(scope="module")
+def run():
+    return simulate("tumbling_cubesat", duration=2.0, imu_rate=50.0, gyro_noise_density=1e-4)
+
+
+@pytest.fixture(scope="module")
+def attitude(run):
+    noise = np.random.default_rng(3).normal(size=(len(run.t_ns), 3)) * SIZE
+    return quaternion.multiply(quaternion.exp(noise), run.truth.attitude_xyzw)
+
+
+def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
+    P, bias = np.eye(3) * SIZE**2, run.gyro_bias_at(run.t_ns) + 0.01
+    estimate = Estimate(attitude, run.t_ns, P, gyro_bias=bias)
+    score = run.score(estimate, diagnosed=False)
+    parts = run.score(attitude, run.t_ns, covariance=P, gyro_bias=bias, diagnosed=False)
+    assert score.to_json(series=True) == parts.to_json(series=True)
+    assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
+    later = run.score(estimate, after_s=1.0, diagnosed=False)
+    assert later.samples == np.count_nonzero(run.t_ns - run.t_ns[0] >= 10**9)
+
+
+@pytest.mark.parametrize("axes", ["world", "body"])
+def test_estimates_and_scores_lie_beside_the_truth_in_a_bag(axes, run, attitude, tmp_path):
+    P = np.diag([1.0, 4.0, 9.0]) * SIZE**2
+    estimate = Estimate(attitude, run.t_ns, P, axes)
+    score = run.score(estimate, diagnosed=False)
+    path = tmp_path / "run.mcap"
+    run.to_bag(path, estimates={"/mine": estimate, "/plain": (run.t_ns, attitude)}, scores={"/mine": score})
+    assert certify(path).passed
+    assert np.array_equal(Run.from_bag(path).truth.attitude_xyzw, run.truth.attitude_xyzw)
+    read = recorded_estimate(path, "/mine")
+    np.testing.assert_array_equal(read.track.attitude_xyzw, attitude)
+    assert read.covariance is not None
+    R = quaternion.to_matrix(quaternion.normalize(attitude)) if axes == "body" else np.eye(3)
+    np.testing.assert_allclose(read.covariance, R @ np.broadcast_to(P, (len(attitude), 3, 3)) @ np.swapaxes(R, -1, -2))
+    assert recorded_estimate(path, "/plain").covariance is None
+    with path.open("rb") as stream:
+        topics = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
+    assert {"/mine/error", "/mine/nees"} <= topics
+
+
+def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
+    run.to_bag(tmp_path / "a.mcap")
+    run.to_bag(tmp_path / "b.mcap", estimates={}, scores={})
+    assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda q, t: (q.T,), "transpose"),
+        (lambda q, t: (q[:, :3],), "Euler"),
+        (lambda q, t: (q, t / 1e9), "round"),
+        (lambda q, t: (q, t[1:]), "stamps"),
+        (lambda q, t: (q, t, np.eye(4)), "covariance"),
+        (lambda q, t: (q, t, np.eye(3), "map"), "axes"),
+        (lambda q, t: (q, t, None, "world", q), "gyro_bias"),
+    ],
+)
+def test_what_is_no_estimate_is_one_line(change, said, run, attitude):
+    with pytest.raises(InputError, match=said):
+        Estimate(*change(attitude, run.t_ns))
+
+
+@pytest.mark.parametrize("topic", ["/pose", "estimate", "/a b", ""])
+def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
+    with pytest.raises(InputError):
+        run.to_bag(tmp_path / "x.mcap", estimates={topic: (run.t_ns, attitude)})
+    assert not (tmp_path / "x.mcap").exists()
+
+
+def test_equal_stamps_are_refused(run, attitude):
+    with pytest.raises(InputError, match="all 40 stamps are 0 ns"):
+        run.score(attitude, run.t_ns * 0)
