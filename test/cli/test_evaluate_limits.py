@@ -23,7 +23,6 @@ def test_limits_are_the_exit_status(bag, capsys):
 
 
 LITTLE: dict[str, Any] = {
-    "stamps are 0": (lambda t, q: (0 * t, q), "only 1 of 250 estimates"),
     "reversed": (lambda t, q: (t[::-1], q[::-1]), "only 1 of 250 estimates"),
     "in microseconds": (lambda t, q: (1000 * t, q), "only 1 of 250 estimates"),
     "ends early": (lambda t, q: (t[:6], q[:6]), "only 0.2 of 10 s since the first estimate"),
