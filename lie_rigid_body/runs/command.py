@@ -76,21 +76,23 @@ class CommandEstimator:
         arguments = shlex.split(self.command)
         if not arguments:
             raise InputError("command '': give a program, such as './my_filter --rate 100'")
-        with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        # no pipes: what is not read or written in time would stand in them
+        with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+            given.write(readings.encode())
+            given.seek(0)
             try:
                 process = subprocess.Popen(
                     arguments,
-                    stdin=subprocess.PIPE,
+                    stdin=given,
                     stdout=output,
                     stderr=errors,
-                    text=True,
                     start_new_session=True,  # so that it can be ended with what it starts
                 )
             except OSError as error:
                 what = f"{self._name} cannot be started: {error.strerror}"
                 raise InputError(f"{what}: give the path of a program") from None
             try:
-                self._wait(process, readings, [output, errors])
+                self._wait(process, [output, errors])
             finally:
                 kill_all(process)
                 process.wait()
@@ -105,12 +107,12 @@ class CommandEstimator:
             except UnicodeDecodeError:
                 raise InputError(f"{self._name} prints what is no text: print {ANSWER} in each line") from None
 
-    def _wait(self, process: subprocess.Popen[str], readings: str, files: Sequence[BinaryIO]) -> None:
-        """Give a program its readings, and wait for its end; what it prints goes into files."""
-        end, is_running, given = time.monotonic() + self.timeout_s, True, iter([readings])
+    def _wait(self, process: subprocess.Popen[bytes], files: Sequence[BinaryIO]) -> None:
+        """Wait for the end of a program; what it prints goes into files."""
+        end, is_running = time.monotonic() + self.timeout_s, True
         while is_running:
             try:
-                process.communicate(next(given, None), max(0.0, min(_PATIENCE_S, end - time.monotonic())))
+                process.wait(max(0.0, min(_PATIENCE_S, end - time.monotonic())))
                 is_running = False
             except subprocess.TimeoutExpired:
                 if time.monotonic() >= end:
