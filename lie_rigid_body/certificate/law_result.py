@@ -107,7 +107,7 @@ class LawTally:
         residuals : ndarray, shape (N,)
             Not negative; NaN counts as broken.
         limits : ndarray, shape (N,), or float or callable
-            A callable that makes them is not asked where they change nothing: without residuals, after the first.
+            A callable makes them when they are needed: not where all residuals are 0 and some were judged before.
         samples, stamps_ns : ndarray of int64, shape (N,)
             Where each residual belongs.
         """
