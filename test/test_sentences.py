@@ -28,7 +28,7 @@ END = re.compile(r"\n\s*\n|(?<=[.?!])[*)\"]*\s+")
 
 
 def sentences(text: str) -> list[list[str]]:
-    """Words of each sentence of a page: code, or a formula, within a line is one word; an item of a list is a sentence."""
+    """Words of each sentence of a page: code, or a formula, within a line is one word, an item of a list a sentence."""
     for pattern in NO_SENTENCE:
         text = pattern.sub("\n\n", text)
     text = ITEM.sub("\n\n", LINK.sub(r"\1", ONE_WORD.sub("x", text)))
