@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import rooms
+import tables
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -42,6 +43,16 @@ def test_pictures_pages_and_tests_it_names_exist(page):
 def test_the_picture_of_the_rooms_is_that_of_the_imports():
     drawn = rooms.PICTURE.read_text(encoding="utf-8")
     assert drawn == rooms.svg(), "draw it anew: python docs/rooms.py"
+
+
+@pytest.mark.parametrize(("page", "text"), tables.pages().items(), ids=lambda given: getattr(given, "name", None))
+def test_tables_of_the_reference_are_those_of_the_code(page, text):
+    assert page.read_text(encoding="utf-8") == text, "write them anew: python docs/tables.py"
+
+
+def test_every_table_of_the_code_has_a_page():
+    marked = [name for text in tables.pages().values() for name, _ in tables.MARKED.findall(text)]
+    assert sorted(marked) == sorted(tables.TABLES)
 
 
 def test_the_reference_has_every_room_for_use_from_python():
