@@ -18,10 +18,11 @@ def blocks(page: Path) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
 
 
-# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py
+# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py; test_tutorials.py
+# follows the tutorials
 @pytest.mark.parametrize(
     "page",
-    [p for p in PAGES if blocks(p) and p.name not in ("paper.md", "python.md")],
+    [p for p in PAGES if blocks(p) and p.name not in ("paper.md", "python.md") and p.parent.name != "tutorials"],
     ids=lambda p: p.relative_to(DOCS).as_posix(),
 )
 def test_code_blocks_of_a_page_run_as_one_program(page):
