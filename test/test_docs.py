@@ -9,6 +9,8 @@ import pytest
 
 import rooms
 import tables
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES
+from lie_rigid_body.diagnosis.repairs import ORDER
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -54,6 +56,13 @@ def test_tables_of_the_reference_are_those_of_the_code(page, text):
 def test_every_table_of_the_code_has_a_page():
     marked = [name for text in tables.pages().values() for name, _ in tables.MARKED.findall(text)]
     assert sorted(marked) == sorted(tables.TABLES)
+
+
+def test_the_page_of_diagnose_has_every_code():
+    text = (DOCS / "diagnose.md").read_text(encoding="utf-8")
+    told = {code for row in re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE) for code in re.findall(r"`(\w+)`", row)}
+    assert {*ORDER, *(probe.code for probe in PROBES), "follows"} - told == set()
+    assert all(f"`{note.code}`" in text for note in NOTES)
 
 
 def test_the_reference_has_every_room_for_use_from_python():
