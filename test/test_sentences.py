@@ -21,7 +21,7 @@ NO_SENTENCE = [
     re.compile(r"(?<=\n\n)(?:    .*\n)+"),  # indented code
     re.compile(r"^\.\. .*\n(?:\s*\n|   .*\n)*", re.MULTILINE),  # directives and what belongs to them
 ]
-ONE_WORD = re.compile(r"`[^`]+`|\$[^$]+\$")
+ONE_WORD = re.compile(r"``[^`]+``|`[^`]+`|\$[^$]+\$")
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
 ITEM = re.compile(r"^\s*(?:[-*] |\d+\. |#)", re.MULTILINE)
 END = re.compile(r"\n\s*\n|(?<=[.?!])[*)\"]*\s+")
@@ -56,6 +56,7 @@ def test_no_page_is_longer_than_one_reads(page: Path) -> None:
         ("# One\nTwo three.", [3]),
         ("One `a b c` $x + y$ [two three](four.md) **five.** Six.", [6, 1]),
         ("One\n\n```bash\na b c\n```\n\ntwo", [1, 1]),
+        ("One ``a b`` :doc:`c d <e f>` two.", [4]),
         ("| a b | c d |\n| --- | --- |\n\nOne", [1]),
         (".. image:: a\n   :alt: b c d\n\nOne", [1]),
         ("One $$\na b c\n$$ two", [1, 1]),
