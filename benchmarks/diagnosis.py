@@ -30,7 +30,7 @@ from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
 from lie_rigid_body.diagnosis.repairs import FITTED, SENSORS, Answer, Job, Repair, exact_repairs
-from lie_rigid_body.diagnosis.search import FLOOR, Search, plain
+from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
@@ -183,24 +183,19 @@ def estimator(number: int) -> Estimate:
 
 
 class Watched:
-    """A search in this process, and the number of runs that it took; the error below which all are equal."""
+    """A search in this process, for a filter that may have a mistake put into it."""
 
     def __init__(self, estimate: Estimate, put: Put | None = None) -> None:
-        courses, self.runs = courses_of({}), 0
         self._crew, self._put = Alone(put.into(estimate) if put else estimate), put
-        self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self.search = Search(self._ask, courses, self.floor, lambda: self.runs < MOST_RUNS)
+        self.search = Search(self._each, courses_of({}), MOST_RUNS)
 
-    def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
+    def _each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()
-        for answer in self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs]):
-            self.runs += 1
-            yield answer
+        return self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs])
 
-    def error(self) -> float:
-        """The error without a repair, rad."""
-        self.search.fully([()])
-        return plain(self.search.trials).error
+    def is_right(self) -> bool:
+        """Whether the filter errs by less than the floor without a repair."""
+        return plain(list(self.search.fully([()]))).error <= self.search.floor
 
 
 def _on_body_axes(readings: Any) -> Any:
@@ -215,22 +210,21 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     """What is named of a mistake in a filter, without probes: ``named``, ``other`` or ``nothing``, and what."""
     put = MISTAKES[mistake]
     watched = Watched(estimator(number), put)
-    if watched.error() <= watched.floor:
+    if watched.is_right():
         return number, mistake, "no effect", ""
     watched.search.run()
     choice = watched.search.choice()
     if choice is None:
-        return number, mistake, "nothing", f"{watched.runs} runs"
+        return number, mistake, "nothing", f"{watched.search.runs} runs"
     told = any(sorted(trial.codes) == sorted(put.codes) for trial in (choice.named, *choice.others))
-    what = f"{' + '.join(choice.named.codes)}, {np.degrees(choice.named.error):.2g}°, {watched.runs} runs"
+    what = f"{' + '.join(choice.named.codes)}, {np.degrees(choice.named.error):.2g}°, {watched.search.runs} runs"
     return number, mistake, "named" if told else "other", what
 
 
 def is_right(number: int) -> bool:
     """Whether a filter errs by less than the floor with perfect sensors, perhaps ahead by a sample."""
-    watched = Watched(estimator(number))
     try:
-        return watched.error() <= watched.floor
+        return Watched(estimator(number)).is_right()
     except LieRigidBodyError:
         return False
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import permutations, product
 from typing import Final, NamedTuple
@@ -13,6 +13,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
+from lie_rigid_body.evaluation.causes import Part, Track, undone
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator
@@ -162,6 +164,15 @@ def late(sensor: str, samples: float) -> Repair:
     )
 
 
+def of_output(part: Part) -> Repair:
+    """What is told of a repair of the output, which leaves the readings as they are."""
+    cause, constants = part
+    text = " ".join(f"{constant:.5g}" for constant in constants) if cause.price else "undone"
+    return Repair(
+        cause.code, text, cause.price, lambda readings: readings, cause.fact(constants), cause.deed(constants)
+    )
+
+
 def exact_repairs() -> tuple[Repair, ...]:
     """Every repair without a fitted constant, in the order of the table of mistakes."""
     world = Repair(
@@ -221,24 +232,38 @@ class Answer:
 
     Attributes
     ----------
+    course : Course
     stamps_ns : ndarray of int64, shape (N,)
     attitude_xyzw : ndarray, shape (N, 4)
         Its attitudes, divided by their norms; the identity where one is not finite or zero.
     broken : ndarray of int64
         Numbers of the samples that are not finite or zero.
-    norm_error : float
-        Largest | |q|² − 1 |.
     given : Estimate
         As it was returned.
     """
 
+    course: Course
     stamps_ns: Integers
     attitude_xyzw: Array
     broken: Integers
-    norm_error: float
     given: Estimate
 
     __repr__ = short_repr
+
+    @property
+    def track(self) -> Track:
+        """The attitudes beside the truth."""
+        return Track(self.stamps_ns, self.attitude_xyzw, self.course.truth)
+
+    def without(self, parts: Sequence[Part]) -> Answer:
+        """The answer with causes of errors in the output undone."""
+        track = undone(self.track, parts)
+        return replace(self, stamps_ns=track.stamps_ns, attitude_xyzw=track.attitude_xyzw)
+
+    def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
+        """RMS of the total error between two shares of the samples, rad."""
+        errors = self.track.errors()
+        return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
 
 
 @dataclass(frozen=True)
@@ -260,9 +285,8 @@ class Job:
         for repair in self.repairs:
             readings = repair.change(readings)
         found = called(estimate, readings.run())
-        attitude = np.array(found.attitude_xyzw)
-        norms = quaternion.norm(attitude)
-        broken = np.flatnonzero(~(np.isfinite(norms) & (norms > SMALLEST_NORM)))
-        attitude[broken], norms[broken] = (0.0, 0.0, 0.0, 1.0), 1.0
-        norm_error = float(np.abs(norms**2 - 1.0).max(initial=0.0))
-        return Answer(found.t_ns, attitude / norms[:, np.newaxis], broken, norm_error, found)
+        norms = quaternion.norm(found.attitude_xyzw)
+        good = np.isfinite(norms) & (norms > SMALLEST_NORM)
+        attitude = np.where(good[:, np.newaxis], found.attitude_xyzw, (0.0, 0.0, 0.0, 1.0))
+        unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
+        return Answer(self.course, found.t_ns, unit, np.flatnonzero(~good), found)

@@ -12,7 +12,7 @@ from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
 from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import CAUSES, Track
+from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, Track
 from lie_rigid_body.lie import quaternion
 
 FLOOR = 0.001
@@ -20,7 +20,7 @@ REPAIRS = {repair.code: repair for repair in exact_repairs()}
 
 
 def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
-    constants = tuple((code, (0.0,)) for code in outputs)
+    constants = tuple((BY_CODE[code], np.zeros(1)) for code in outputs)
     return Trial(tuple(REPAIRS[code] for code in codes), constants, "integrated", error)
 
 
