@@ -29,7 +29,7 @@ from league.readings import Readings
 from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
-from lie_rigid_body.diagnosis.repairs import FITTED, SENSORS, Answer, Job, Repair, exact_repairs
+from lie_rigid_body.diagnosis.repairs import SENSORS, Answer, Job, Repair, exact_repairs, factor, late
 from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
@@ -251,8 +251,8 @@ def separation() -> None:
     course = replace(courses_of({})[0], moving_s=4.0)
     repairs = [repair for repair in exact_repairs() if not repair.code.endswith("_units")]
     repairs += [repair for repair in exact_repairs() if repair.code == "gyro_units" and "degrees a" in repair.fact]
-    repairs += [FITTED[f"{sensor}_late"].of(count) for sensor in SENSORS for count in (-4, -1, 1, 4)]
-    repairs += [FITTED["time_step"].of(factor) for factor in (0.9, 1.1)]
+    repairs += [late(sensor, count) for sensor in SENSORS for count in (-4, -1, 1, 4)]
+    repairs += [factor(value) for value in (0.9, 1.1)]
     least: dict[tuple[str, str], float] = {}
     codes = list(dict.fromkeys(repair.code for repair in repairs))
     puts = [next(r for r in repairs if r.code == code and r.text in TYPICAL.get(code, (r.text,))) for code in codes]

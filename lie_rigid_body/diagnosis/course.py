@@ -133,10 +133,6 @@ class Course:
         times = np.linspace(self.rest_s, self.rest_s + self.moving_s, 500) * 1e9
         return float(np.mean(sizes(self.truth.states(times.astype(np.int64))[1]))) / self.number("imu_rate")
 
-    def readings(self) -> Readings:
-        """What the sensors read."""
-        return _readings(self)
-
 
 class PathTruth(Truth):
     """The attitude of a course at any time, and the body's rate.
@@ -211,7 +207,8 @@ _truth: Final = lru_cache(maxsize=16)(PathTruth)
 
 
 @lru_cache(maxsize=16)
-def _readings(course: Course) -> Readings:
+def readings(course: Course) -> Readings:
+    """What the sensors read in a course."""
     truth, draw = course.truth, np.random.default_rng(course.seed)
     t_ns, field_t_ns = (_stamps(course, course.number(name)) for name in ("imu_rate", "magnetometer_rate"))
     attitude, rate = truth.states(t_ns)

@@ -6,17 +6,16 @@ import shlex
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Final
+from typing import Final, cast
 
 import numpy as np
 
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
-from lie_rigid_body.diagnosis.probes import Setup, probed, with_unit
+from lie_rigid_body.diagnosis.probes import Setup, probed
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job, of_output
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
-from lie_rigid_body.diagnosis.search import Choice, Search, plain, settled
+from lie_rigid_body.diagnosis.search import Search, plain, settled
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import ExactTruth, evaluate
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator
@@ -33,8 +32,6 @@ HELPS: Final = 2.0
 """Factor by which another kind of gyro, or later readings, change an error that is told in a note."""
 TOLD: Final = float(np.radians(1e-3))
 """Difference of the errors of two kinds of gyro that is told in a note, rad."""
-WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
-"""Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "
     "limit of its time."
@@ -92,12 +89,7 @@ def diagnose(
     if not timeout > 0.0:
         raise InputError(f"timeout: {shown(timeout)} is not above 0: give a time in seconds")
     source = source_of(estimate)
-    crew: Crew
-    if source is not None:
-        crew = Workers(source, workers or cores(), timeout)
-    else:
-        assert not isinstance(estimate, str)
-        crew = Alone(estimate)
+    crew: Crew = Workers(source, workers or cores(), timeout) if source else Alone(cast("Estimator", estimate))
     with closing(crew):
         search = Search(crew.each, courses, max_runs, progress or (lambda runs: None))
         return examined(search, *(() if source else (_ALONE,)))
@@ -111,8 +103,10 @@ def examined(search: Search, *remarks: str) -> FilterDiagnosis:
     try:
         search.run()
         errors += _over_time(search)
-        found.append(_follows(search))
-        found += probed(search.ask, Setup(search.courses[0].of_kind(search.chosen.kind), search.chosen, search.floor))
+        chosen, course = search.chosen, search.courses[0].of_kind(search.chosen.kind)
+        (answer,) = search.ask([Job(course, chosen.repairs)])
+        has_covariance = isinstance(answer, Answer) and answer.given.covariance is not None
+        found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance))
     except KeyboardInterrupt:
         if not search.trials:
             raise
@@ -148,21 +142,6 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
             yield ErrorOverTime(code, tracks[0].stamps_ns / 1e9, np.degrees(tracks[0].errors()), left)
 
 
-def _follows(search: Search) -> Probe:
-    """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
-    chosen, course = search.chosen, search.courses[0]
-    passed = bool(chosen.error <= search.floor or chosen.codes)
-    what, error = "with its mistakes repaired" if chosen.codes else "with perfect sensors", np.degrees(chosen.error)
-    said = f"{what} it errs by {with_unit(error)} (limit {with_unit(np.degrees(search.floor))})"
-    (answer,) = search.ask([Job(course.of_kind(chosen.kind), chosen.repairs)])
-    if not passed and isinstance(answer, Answer):
-        stamps = answer.stamps_ns
-        known = ExactTruth(course.truth.at, int(stamps[0]), int(stamps[-1]))
-        found = evaluate(stamps, answer.attitude_xyzw, known).findings
-        said += "".join(f"; {each.code}: {each.message}" for each in found if each.code in WITHOUT_REPAIR)
-    return Probe("follows", passed, said, float(error))
-
-
 def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     """The mistakes that are named; what is left after each of several is known where it was asked of the filter."""
     choice = search.choice()
@@ -171,9 +150,13 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     left = {each.code: each.rms_deg for each in errors}
     left[choice.named.codes[-1]] = float(np.degrees(choice.named.error))
     before = left.get("", float(np.degrees(plain(search.trials, joint=False).error)))
-    for code in choice.named.codes:
-        yield _mistake(choice, code, before, left.get(code, before))
-        before = left.get(code, before)
+    for found in (*choice.named.inputs, *map(of_output, choice.named.outputs)):
+        after, or_else = left.get(found.code, before), choice.or_else(found.code)
+        doubt = f" Undoing {' or '.join(or_else)} does as well on this motion." if or_else else ""
+        leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"
+        message = f"{found.fact}. {found.deed} {leave} {degrees(after)} instead of {degrees(before)}.{doubt}"
+        yield Mistake(found.code, message, found.text, before, after, or_else)
+        before = after
 
 
 def _notes(search: Search) -> Iterator[Note]:
@@ -189,16 +172,6 @@ def _notes(search: Search) -> Iterator[Note]:
     if other.error > max(HELPS * chosen.error, chosen.error + TOLD):
         said = f"with {other.kind} ones it errs by {np.degrees(other.error):.2g}°."
         yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {said}", chosen.kind)
-
-
-def _mistake(choice: Choice, code: str, before: float, after: float) -> Mistake:
-    """A mistake that is named, with the errors before and after its repair, degrees."""
-    (found,) = (each for each in (*choice.named.inputs, *map(of_output, choice.named.outputs)) if each.code == code)
-    or_else = choice.or_else(code)
-    doubt = f" Undoing {' or '.join(or_else)} does as well on this motion." if or_else else ""
-    leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"
-    message = f"{found.fact}. {found.deed} {leave} {degrees(after)} instead of {degrees(before)}.{doubt}"
-    return Mistake(code, message, found.text, before, after, or_else)
 
 
 def _command(course: Course, errors: ErrorOverTime) -> str:

@@ -10,12 +10,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import NOISE, REST, Course
+from lie_rigid_body.diagnosis.course import NOISE, REST, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.result import Note, Probe
 from lie_rigid_body.diagnosis.search import Each, Trial
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import UnavoidableError
+from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.attitude_error import body_error, world_error
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import Track
@@ -36,6 +36,8 @@ SLOW: Final = 0.06
 """Factor of the rates in a slow motion."""
 WORSE: Final = 2.0
 """Factor of an error that is allowed beside that of the plain run."""
+WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
+"""Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 SEEDS: Final = 12
 """Short runs with noise by which a covariance is judged, and as many others: one honest covariance of twenty is found
 dishonest by chance, and two of these verdicts are not."""
@@ -56,11 +58,14 @@ class Setup(NamedTuple):
         The repairs, and the error with them.
     floor : float
         The error below which all are equal, rad.
+    has_covariance : bool
+        Whether its estimate tells one.
     """
 
     course: Course
     chosen: Trial
     floor: float
+    has_covariance: bool
 
     @property
     def limit(self) -> float:
@@ -121,6 +126,20 @@ def worst(answers: Answers, begin: float = 1.0 / 3.0) -> float:
     return max(answer.error(begin) for answer in answers)
 
 
+def _follows(setup: Setup, answers: Answers) -> Probe:
+    """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
+    error, passed = setup.chosen.error, bool(setup.chosen.error <= setup.floor or setup.chosen.codes)
+    what = "with its mistakes repaired" if setup.chosen.codes else "with perfect sensors"
+    value, floor = np.degrees([error, setup.floor]).tolist()
+    said = f"{what} it errs by {with_unit(value)} (limit {with_unit(floor)})"
+    if not passed:
+        track = answers[0].track
+        known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
+        found = evaluate(track.stamps_ns, track.attitude_xyzw, known).findings
+        said += "".join(f"; {each.code}: {each.message}" for each in found if each.code in WITHOUT_REPAIR)
+    return Probe("follows", passed, said, value)
+
+
 def _half_turns(setup: Setup) -> list[Course]:
     """Motions that are half a turn about an axis of the world away from no turn, in their midst."""
     start, midst = setup.course.truth.at(np.array([0, round(5e8 * (setup.course.rest_s + setup.course.moving_s))]))
@@ -163,7 +182,7 @@ def _level(setup: Setup) -> float:
 
 def _off(setup: Setup, name: str) -> list[Course]:
     """A constant error of a vector along each axis; of a field without a level part nothing is asked."""
-    errors = VECTOR_ERROR * np.eye(3) * np.linalg.norm(setup.course.readings().vectors[name][0])
+    errors = VECTOR_ERROR * np.eye(3) * np.linalg.norm(readings(setup.course).vectors[name][0])
     return [replace(setup.course, off=(name, tuple(each))) for each in errors.tolist() if _level(setup) > VECTOR_ERROR]
 
 
@@ -179,7 +198,7 @@ def _noisy(setup: Setup, seed: int = 1) -> Course:
 def _noise_judged(setup: Setup, answers: Answers) -> Judged:
     """Beside the attitudes that each pair of readings tells (TRIAD), and the least that such noise leaves."""
     course, found = _noisy(setup), answers[0].track
-    run, begin = course.readings().run(), len(found.stamps_ns) // 3
+    run, begin = readings(course).run(), len(found.stamps_ns) // 3
     assert run.imu
     assert run.magnetometer
     held = np.maximum(np.searchsorted(run.magnetometer.t_ns, run.imu.t_ns, side="right") - 1, 0)
@@ -236,7 +255,8 @@ def _norms_judged(setup: Setup, answers: Answers) -> Judged:
 
 
 def _noisy_runs(setup: Setup) -> list[Course]:
-    return [replace(_noisy(setup, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS)]
+    """Short runs for an estimate that has a covariance."""
+    return [replace(_noisy(setup, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * setup.has_covariance)]
 
 
 def _covariance_judged(setup: Setup, answers: Answers) -> Probe:
@@ -257,6 +277,7 @@ def _covariance_judged(setup: Setup, answers: Answers) -> Probe:
 
 
 PROBES: Final = (
+    ProbeRow("follows", lambda s: [s.course], _follows, ""),
     ProbeRow(
         "half_turn",
         _half_turns,
@@ -334,10 +355,7 @@ NOTES: Final = (
 
 def probed(ask: Each, setup: Setup) -> Iterator[Probe | Note]:
     """The probes, and the notes of those that are no matter of right and wrong."""
-    (plain,) = ask([Job(setup.course, setup.chosen.repairs)])
-    without = isinstance(plain, FilterError) or plain.given.covariance is None
-    rows = [row for row in (*PROBES, *NOTES) if not (without and row.code == "covariance")]
-    asked = [(row, list(row.courses(setup))) for row in rows]
+    asked = [(row, list(row.courses(setup))) for row in (*PROBES, *NOTES)]
     answers = ask([Job(course, setup.chosen.repairs) for _, courses in asked for course in courses])
     for row, courses in asked:
         if not courses:
