@@ -320,7 +320,7 @@ def test_the_repr_of_a_scenario_is_the_call_that_makes_it():
     for given in ({}, {"rate": 200.0}, {"inertia": [1.0, 2.0, 2.5], "motion": "closed_form", "epoch_ns": 7}):
         scenario = Scenario.from_parameters(given)
         assert same(eval(repr(scenario), {"Scenario": Scenario}), scenario)
-    assert repr(Scenario.from_parameters({"rate": 200})) == "Scenario.from_parameters({'rate': 200.0})"
+    assert repr(Scenario.from_parameters({"rate": 200})) == "Scenario(rate=200.0)"
 
 
 def test_the_repr_of_a_certificate_is_its_verdict(tmp_path):
