@@ -9,6 +9,7 @@ import inspect
 import multiprocessing
 import pickle
 import pkgutil
+import re
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -302,6 +303,7 @@ def test_a_repr_is_one_short_line_whatever_the_size(objects):
         if not isinstance(one, Exception):
             assert len(repr(one)) <= LONGEST_LINE, repr(one)
             assert len(repr(one).splitlines()) == 1
+            assert not re.search(r"\d\.\.\.|\.\.\.\d", repr(one)), repr(one)  # no number is cut
 
 
 def test_the_repr_of_states_gives_shapes_and_ends():

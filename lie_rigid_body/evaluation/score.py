@@ -16,7 +16,7 @@ from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.findings import Finding
 from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.wording import counted, listed
 
 LARGEST_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
@@ -84,7 +84,11 @@ class Score:
     limits: Limits = field(default_factory=Limits)
     of_sensors_deg: float | None = None
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
+        found = f"; {listed([finding.code for finding in self.findings])}" if self.findings else ""
+        broken = "" if self.passed else "; a limit is broken"
+        return f"<Score: {self.total_deg.rms:.4g}° rms of {counted(self.samples, 'sample')}{found}{broken}>"
 
     def __str__(self) -> str:
         """Table and findings in several lines, as ``evaluate`` prints them."""
