@@ -152,7 +152,7 @@ def _without_middle(text: str, most: int) -> str:
 
 
 def _outside_numbers(text: str, head: int, tail: int) -> tuple[int, int]:
-    """Where the beginning and the end of a text are cut so that no number is, unless it is of many digits."""
+    """Ends of the two parts of a text that are left, moved so that no number is cut but one of very many digits."""
     for number in _NUMERAL.finditer(text):
         start, end = number.span()
         if end - start <= LONGEST_VALUE // 3:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.showing import Shown
 from lie_rigid_body.wording import short_repr, shortened
 
 
@@ -100,7 +101,7 @@ class ErrorOverTime:
 
 
 @dataclass(frozen=True)
-class FilterDiagnosis:
+class FilterDiagnosis(Shown):
     """What is wrong with a filter, and what it can do.
 
     Attributes

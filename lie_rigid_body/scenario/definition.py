@@ -89,7 +89,7 @@ class Scenario:
         return cls(**{str(name): value for name, value in (given or {}).items()})
 
     def resampled(self, *, rate: float | None = None, epoch_ns: int | None = None) -> Scenario:
-        """The same body, start and sensors, sampled at another rate, Hz, or from another stamp, ns; not validated."""
+        """Sample the same motion and sensors at another rate, Hz, or from another stamp, ns; nothing is validated."""
         new = copy.copy(self)
         vars(new).update(rate=rate or self.rate, epoch_ns=self.epoch_ns if epoch_ns is None else epoch_ns)
         return new
