@@ -17,7 +17,7 @@ from lie_rigid_body.bounded_input import LONGEST_ROW, load_json
 from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system import lock
 
@@ -58,10 +58,10 @@ class Journal(AbstractContextManager["Journal"]):
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
-            (folder / BAGS).mkdir(exist_ok=True)
             with ExitStack() as parts:
-                self._file = parts.enter_context(self.path.open("a+b"))
+                self._file = parts.enter_context(self.path.open("a+b"))  # before all else: a kill leaves a campaign
                 parts.enter_context(lock(self._file))
+                (folder / BAGS).mkdir(exist_ok=True)
                 self._read()
                 self._open = parts.pop_all()
         except FileExistsError as error:
@@ -149,8 +149,12 @@ class Journal(AbstractContextManager["Journal"]):
         """The rows of the finished runs in the order of their numbers."""
         for place in self._places:
             if place != _NONE:
-                self._file.seek(place)
-                yield self._row(self._file.readline(), place)
+                try:
+                    self._file.seek(place)
+                    line = self._file.readline()
+                except OSError as error:
+                    raise BagError(f"{self.path} cannot be read: {error.strerror}: copy it to a better place") from None
+                yield self._row(line, place)
 
     def add(self, row: Row) -> None:
         """Keep the row of a run that is finished.
@@ -165,8 +169,11 @@ class Journal(AbstractContextManager["Journal"]):
         try:
             self._write(f"{json.dumps(vars(row))}\n".encode())
         except OSError as error:
-            raise BagError(f"{self.path} cannot be written: {error.strerror}: make room, and {RESUMED}") from None
+            raise self._unwritten(error) from None
         self._places[row.run] = place
+
+    def _unwritten(self, error: OSError) -> BagError:
+        return BagError(f"{self.path} cannot be written: {error.strerror}: {remedy(error)}, and {RESUMED}")
 
     def _write(self, line: bytes) -> None:
         self._file.write(line)
@@ -196,20 +203,19 @@ class Journal(AbstractContextManager["Journal"]):
         """
         import pyarrow.parquet
 
-        path = self.folder / TABLE
-        whole, rows = path.with_suffix(".part"), self.rows()
+        path, rows = self.folder / TABLE, self.rows()
         first = next(rows)
         schema = _schema(first).with_metadata({OF_TABLE: self._heading.strip()})
+        rows = chain([first], rows)
         try:
-            with pyarrow.parquet.ParquetWriter(whole, schema) as writer:
-                rows = chain([first], rows)
+            os.fsync(self._file.fileno())
+            with written(path, overwrite=True) as stream, pyarrow.parquet.ParquetWriter(stream, schema) as writer:
                 while some := list(islice(rows, _ROWS_AT_ONCE)):
                     writer.write_table(pyarrow.Table.from_pylist([_cells(row) for row in some], schema))
-            os.replace(whole, path)
+        except BagError as error:
+            raise BagError(f"{error}; {RESUMED}") from None
         except OSError as error:
-            with suppress(OSError):
-                whole.unlink()
-            raise BagError(f"{path} cannot be written: {reason(error)}: make room, and {RESUMED}") from None
+            raise self._unwritten(error) from None
         return path
 
     def __exit__(
