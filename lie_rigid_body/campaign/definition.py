@@ -15,6 +15,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
+from lie_rigid_body.campaign.estimators import FUNCTION, Contender, contenders
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
 from lie_rigid_body.scenario import Scenario
@@ -33,8 +34,9 @@ _NUMBERS: Final = (
     Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=MOST_RUNS),
     Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=LARGEST_SEED),
 )
-_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
-_FUNCTION: Final = r"\w+(\.\w+)*:\w+"
+_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
+_LEFT_OUT: Final = ("estimator", "estimators")
+"""Keys that a campaign's line has only where they are given."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,9 @@ class Campaign:
     estimator : str, optional
         ``module:function`` that estimates the attitudes of a `Run`, to be scored in each run. It returns them
         world-from-body, scalar last, shape (N, 4), at the stamps of the IMU; or a tuple of stamps, ns, and attitudes.
+    estimators : mapping of str to mapping, optional
+        Several that are compared, by their names: each a ``function`` with ``parameters`` and a ``grid`` of them, or a
+        ``command``; see `Contender`.
 
     Raises
     ------
@@ -71,6 +76,7 @@ class Campaign:
     parameters: Mapping[str, object] = field(default_factory=dict, hash=False)
     vary: Mapping[str, object] = field(default_factory=dict, hash=False)
     estimator: str | None = None
+    estimators: Mapping[str, object] = field(default_factory=dict, hash=False)
 
     __repr__ = short_repr
 
@@ -98,8 +104,10 @@ class Campaign:
                 f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
             )
         self._draws  # noqa: B018 refuses what is no distribution
-        if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
+        if self.estimator is not None and not re.fullmatch(FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
+        if self.contenders and self.estimator is not None:
+            raise InputError("estimator and estimators are given: give one of them")
         try:
             self.to_json()
         except TypeError as error:
@@ -162,6 +170,11 @@ class Campaign:
     def _base(self) -> Mapping[str, object]:
         return {**gather(self.scenario, [], []), **self.parameters}
 
+    @cached_property
+    def contenders(self) -> Mapping[str, Contender]:
+        """The estimators that are compared, by their names."""
+        return contenders(self.estimators)
+
     @property
     def exact_duration(self) -> Fraction:
         """The duration as the decimal number that was written, s."""
@@ -203,7 +216,7 @@ class Campaign:
 
     def to_json(self) -> str:
         """One line that says all of the campaign: campaigns with equal lines have equal runs."""
-        content = {key: getattr(self, key) for key in _KEYS if key != "estimator" or self.estimator is not None}
+        content = {key: getattr(self, key) for key in _KEYS if key not in _LEFT_OUT or getattr(self, key)}
         return json.dumps(content, sort_keys=True, ensure_ascii=False)
 
 
