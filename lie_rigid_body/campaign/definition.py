@@ -15,7 +15,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
-from lie_rigid_body.campaign.estimators import FUNCTION, Contender, contenders
+from lie_rigid_body.campaign.estimators import FUNCTION, Contender, Entry, contenders
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
 from lie_rigid_body.scenario import Scenario
@@ -28,6 +28,8 @@ MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
+SCORES_TABLE: Final = "scores.parquet"
+"""File of the table of the scores, where estimators are compared, written beside it."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
 _NUMBERS: Final = (
@@ -106,8 +108,10 @@ class Campaign:
         self._draws  # noqa: B018 refuses what is no distribution
         if self.estimator is not None and not re.fullmatch(FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
-        if self.contenders and self.estimator is not None:
+        if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
+        if self.runs < 2 and any(one.grid for one in self.contenders.values()):
+            raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
         try:
             self.to_json()
         except TypeError as error:
@@ -172,8 +176,15 @@ class Campaign:
 
     @cached_property
     def contenders(self) -> Mapping[str, Contender]:
-        """The estimators that are compared, by their names."""
+        """The estimators by their names; a single one has none, ``""``."""
+        if self.estimator is not None:
+            return {"": Contender("", self.estimator)}
         return contenders(self.estimators)
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """What is called in each run: every estimator at every point of its grid."""
+        return tuple(entry for one in self.contenders.values() for entry in one.entries)
 
     @property
     def exact_duration(self) -> Fraction:

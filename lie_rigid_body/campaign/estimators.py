@@ -19,8 +19,8 @@ from lie_rigid_body.wording import short_repr, shown, suggestion
 
 FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 """What names a function: module, colon, function."""
-MOST_POINTS: Final = 1000
-"""Largest number of points of a grid: each is an estimator that is called in every run."""
+MOST_POINTS: Final = 100
+"""Largest number of estimators and points of grids: each is called in every run, and has its place in the run's row."""
 _LONGEST_NAME: Final = 40
 _KEYS: Final = ("function", "command", "parameters", "grid")
 
@@ -49,23 +49,10 @@ class Contender:
     __repr__ = short_repr
 
     @property
-    def points(self) -> Iterator[dict[str, Any]]:
-        """Keyword arguments of each point of the grid; of an estimator without one its parameters."""
+    def entries(self) -> Iterator[Entry]:
+        """The estimator at each point of its grid; one without a grid once."""
         for values in itertools.product(*self.grid.values()):
-            yield {**self.parameters, **dict(zip(self.grid, values, strict=True))}
-
-    def at(self, point: Mapping[str, Any]) -> Estimator:
-        """The estimator of some keyword arguments.
-
-        Raises
-        ------
-        InputError
-            If it cannot be imported.
-        """
-        if self.command is not None:
-            return CommandEstimator(self.command)
-        found = estimator(str(self.function))
-        return partial(found, **point) if point else found
+            yield Entry(self, {**self.parameters, **dict(zip(self.grid, values, strict=True))})
 
     def require_parameters(self) -> None:
         """Refuse parameters that the function does not take.
@@ -91,6 +78,35 @@ class Contender:
             raise InputError(f"{_place(self.name)}: {self.function} takes no {shown(unknown)}: {remedy}")
 
 
+@dataclass(frozen=True)
+class Entry:
+    """An estimator with the keyword arguments that it is called with.
+
+    Attributes
+    ----------
+    contender : Contender
+    parameters : dict of str to object
+    """
+
+    contender: Contender
+    parameters: Mapping[str, Any]
+
+    __repr__ = short_repr
+
+    def load(self) -> Estimator:
+        """The estimator as a function of a run.
+
+        Raises
+        ------
+        InputError
+            If it cannot be imported.
+        """
+        if self.contender.command is not None:
+            return CommandEstimator(self.contender.command)
+        found = estimator(str(self.contender.function))
+        return partial(found, **self.parameters) if self.parameters else found
+
+
 def contenders(given: object) -> dict[str, Contender]:
     """Read the estimators of a campaign by their names.
 
@@ -105,7 +121,11 @@ def contenders(given: object) -> dict[str, Contender]:
     """
     if not isinstance(given, Mapping):
         raise InputError("estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below")
-    return {name: _contender(name, content) for name, content in given.items()}
+    found = {name: _contender(name, content) for name, content in given.items()}
+    count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
+    if count > MOST_POINTS:
+        raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
+    return found
 
 
 def _contender(name: object, content: object) -> Contender:
@@ -135,9 +155,6 @@ def _contender(name: object, content: object) -> Contender:
         raise InputError(f"{place}: {both} is in parameters and in grid: leave it out of one of them")
     if "grid" in content and not grid:
         raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
-    count = math.prod(len(values) for values in grid.values())
-    if count > MOST_POINTS:
-        raise InputError(f"{place}.grid has {count} points: give at most {MOST_POINTS}")
     try:
         json.dumps([parameters, grid], allow_nan=False)
     except (TypeError, ValueError) as error:
