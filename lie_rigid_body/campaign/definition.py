@@ -110,7 +110,8 @@ class Campaign:
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
-        if self.runs < 2 and any(one.grid for one in self.contenders.values()):
+        grids = [name for name, one in self.contenders.items() if one.grid]
+        if grids and self.runs < 2:
             raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
         try:
             self.to_json()

@@ -64,8 +64,9 @@ class Contender:
         """
         if self.function is None:
             return
+        function = estimator(self.function)
         try:
-            taken = inspect.signature(estimator(self.function)).parameters
+            taken = inspect.signature(function).parameters
         except (TypeError, ValueError):  # of a function in C that does not tell
             return
         if any(one.kind is one.VAR_KEYWORD for one in taken.values()):
@@ -108,7 +109,7 @@ class Entry:
 
 
 def contenders(given: object) -> dict[str, Contender]:
-    """Read the estimators of a campaign by their names.
+    """Read the estimators of a campaign by their names, in whose order they are.
 
     Parameters
     ----------
@@ -121,7 +122,7 @@ def contenders(given: object) -> dict[str, Contender]:
     """
     if not isinstance(given, Mapping):
         raise InputError("estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below")
-    found = {name: _contender(name, content) for name, content in given.items()}
+    found = dict(sorted((name, _contender(name, content)) for name, content in given.items()))
     count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
     if count > MOST_POINTS:
         raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
@@ -159,7 +160,7 @@ def _contender(name: object, content: object) -> Contender:
         json.dumps([parameters, grid], allow_nan=False)
     except (TypeError, ValueError) as error:
         raise InputError(f"{place}: {error}: give finite numbers, texts, lists and mappings") from None
-    return Contender(name, function, command, parameters, {key: [*values] for key, values in grid.items()})
+    return Contender(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
 
 
 def _mapping(place: str, value: object) -> dict[str, Any]:

@@ -76,9 +76,9 @@ class Judgement:
         """
         found = cls(**content)
         scores, series = found.scores, ((found.covariance, _ATTITUDE), (found.gyro_bias, _BIAS))
-        numbers = [found.reading_s, *(scores[name] for name in (*SCORES, *MORE_SCORES))]
+        numbers = [found.reading_s, *(scores.get(name) for name in (*SCORES, *MORE_SCORES))]
         if (
-            len(scores) != len(numbers)
+            scores.keys() != {*SCORES, *MORE_SCORES, ERROR}
             or not {*map(type, numbers)} <= {float, type(None)}
             or not isinstance(scores[ERROR], str | None)
             or found.axes not in AXES
