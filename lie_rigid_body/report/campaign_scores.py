@@ -52,10 +52,8 @@ def as_text(comparison: Comparison) -> str:
 
 
 def _cells(one: Standing) -> list[str]:
-    reading_s = one.reading_s
-    reading = (
-        "" if np.isnan(reading_s) else f"{1e6 * reading_s:.3g} µs" if reading_s < 1e-3 else f"{1e3 * reading_s:.3g} ms"
-    )
+    unit, size = ("µs", 1e-6) if one.reading_s < 1e-3 else ("ms", 1e-3)
+    reading = "" if np.isnan(one.reading_s) else f"{one.reading_s / size:.3g} {unit}"
     bias = one.quantile("gyro_bias_rms_rad_s", 0.5)
     return [
         shortened(printable(one.name), 24),
