@@ -29,7 +29,7 @@ def told(path: Path) -> Iterator[tuple[int, str]]:
 def test_the_notebook_shows_what_it_did(tmp_path: Path) -> None:
     pytest.importorskip("pandas")
     new = tmp_path / "new.ipynb"
-    command = [sys.executable, ROOT / "docs" / "run_notebook.py", new]
+    command = [sys.executable, str(ROOT / "docs" / "run_notebook.py"), str(new)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     shown = [*told(ROOT / "examples" / "first_filter.ipynb")]
