@@ -29,7 +29,7 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     estimate = Estimate(attitude, run.t_ns, P, gyro_bias=bias)
     score = run.score(estimate, diagnosed=False)
     parts = run.score(attitude, run.t_ns, covariance=P, gyro_bias=bias, diagnosed=False)
-    assert score.to_json(series=True) == parts.to_json(series=True)
+    assert score.to_dict(series=True) == parts.to_dict(series=True)
     assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
     later = run.score(estimate, after_s=1.0, diagnosed=False)
     assert later.samples == np.count_nonzero(run.t_ns - run.t_ns[0] >= 10**9)
