@@ -147,8 +147,8 @@ def first_score() -> Score:
         accelerometer_mode="pivot_gravity",
         sensor_grade="mems",
     )
-    assert run.imu
-    assert run.magnetometer
+    assert run.imu is not None
+    assert run.magnetometer is not None
     rows = zip(run.imu.specific_force, run.magnetometer.field, strict=True)
     world = [[0.0, 0.0, 1.0], [0.0, 21.0e-6, -43.5e-6]]
     return run.score(np.array([Rotation.align_vectors(world, row)[0].as_quat() for row in rows]))

@@ -399,7 +399,7 @@ class _System:
 
 def _errors(matrices: Array, vectors: Array) -> Array:
     """Derivatives of the readings of vectors, (N, 3), by the constants of a sensor, shape (N, 3, c)."""
-    return np.einsum("cij,nj->nic", matrices, vectors)
+    return np.asarray(np.einsum("cij,nj->nic", matrices, vectors))
 
 
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0

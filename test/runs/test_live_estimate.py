@@ -493,7 +493,7 @@ def test_a_clock_that_steps_back_by_an_hour_costs_the_time_behind(own, stamps, n
     hour = [messages_in_turn(own, stamps[:70] - 3600 * NS, noisy[:70], "/lie_rigid_body/scenario")[i] for i in (61, 63)]
     earlier = [("/pose", one_pose(stamp - 3600 * NS, IDENTITY)) for stamp in (1_200_000_000, 1_240_000_000)]
     spoilt = live_of([*heard[:60], *hour, *earlier, *heard[60:]])
-    assert spoilt.score()[1].to_json(series=True) == live_of(heard).score()[1].to_json(series=True)
+    assert spoilt.score()[1].to_dict(series=True) == live_of(heard).score()[1].to_dict(series=True)
     assert {*spoilt.left_out()} == {"disordered", "pose disordered"}
 
 
