@@ -55,6 +55,13 @@ class Interval:
     end_s: float
     verdict: str
 
+    @property
+    def when(self) -> str:
+        """The time in words."""
+        if self.begin_s == self.end_s:
+            return f"at {self.begin_s:.4g} s"
+        return f"from {self.begin_s:.4g} s to {self.end_s:.4g} s"
+
 
 @dataclass(frozen=True)
 class Honesty:
@@ -104,7 +111,7 @@ class Honesty:
     def message(self) -> str:
         """The verdict in one sentence."""
         said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
-        times = "; ".join(f"{i.verdict} from {i.begin_s:.4g} s to {i.end_s:.4g} s" for i in self.outside)
+        times = "; ".join(f"{i.verdict} {i.when}" for i in self.outside)
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
