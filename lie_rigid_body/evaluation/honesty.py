@@ -1,8 +1,8 @@
 """Whether a covariance is honest over many runs, and what is wrong with it.
 
 Errors of a filter are correlated in time, so the samples of one run are not independent; runs are, where the seeds of
-their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time; over honest runs
-its mean is the number of degrees of freedom, whatever the correlation, and its distribution is close to a gamma
+their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time. Over honest runs
+its mean is the number of degrees of freedom, whatever the correlation. Its distribution is close to a gamma
 distribution of unknown shape, by whose likelihood ratio the mean is tested. A band of the mean NEES over time that
 holds for all times at once comes from resampling whole runs (bootstrap-t: B. Efron, R. Tibshirani, An Introduction to
 the Bootstrap, 1993, chapter 12, with the largest deviation over time). What is wrong is named by repair: of the
