@@ -52,7 +52,7 @@ def test_estimates_and_scores_lie_beside_the_truth_in_a_bag(axes, run, attitude,
     assert recorded_estimate(path, "/plain").covariance is None
     with path.open("rb") as stream:
         topics = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
-    assert {"/mine/error", "/mine/nees"} <= topics
+    assert {"/mine/error_deg", "/mine/nees"} <= topics
 
 
 def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
@@ -88,3 +88,13 @@ def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
 def test_equal_stamps_are_refused(run, attitude):
     with pytest.raises(InputError, match="all 40 stamps are 0 ns"):
         run.score(attitude, run.t_ns * 0)
+
+
+def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
+    score = run.score(attitude, run.t_ns, diagnosed=False)
+    estimates = dict.fromkeys(("/a", "/a/error_deg"), (run.t_ns, attitude))
+    with pytest.raises(InputError, match="one name"):
+        run.to_bag(tmp_path / "x.mcap", estimates=estimates, scores={"/a": score})
+    with pytest.raises(InputError, match="'/imu/data_raw' is no name"):
+        run.to_bag(tmp_path / "x.mcap", estimates={"/imu/data_raw": (run.t_ns, attitude)})
+    assert not (tmp_path / "x.mcap").exists()
