@@ -8,6 +8,7 @@ from mcap.reader import make_reader
 
 from lie_rigid_body import Estimate, InputError, Run, certify, simulate
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.report.scores import page
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SIZE = np.radians(0.5)
@@ -31,6 +32,9 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     parts = run.score(attitude, run.t_ns, covariance=P, gyro_bias=bias, diagnosed=False)
     assert score.to_json(series=True) == parts.to_json(series=True)
     assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
+    assert score.to_json()["gyro_bias_rad_s"]["rms"] == score.gyro_bias_rad_s.rms
+    assert "off by 0.01732 rad/s rms" in str(score)
+    assert "off by 0.01732 rad/s rms" in page("title", None, score).decode()
     later = run.score(estimate, after_s=1.0, diagnosed=False)
     assert later.samples == np.count_nonzero(run.t_ns - run.t_ns[0] >= 10**9)
 
