@@ -21,13 +21,20 @@ from lie_rigid_body.evaluation import ExactTruth, evaluate
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator
+from lie_rigid_body.runs.node import NodeEstimator
 from lie_rigid_body.runs.workers import Alone, Crew, FilterError, Workers, source_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.system import cores
-from lie_rigid_body.wording import shown
+from lie_rigid_body.wording import listed, shown
 
 MOST_RUNS: Final = 2000
-"""Runs of the filter after which no more pairs are begun, if the caller does not say."""
+"""Runs of the filter after which no more repairs are tried, if the caller does not say."""
+MOST_RUNS_OF_NODE: Final = 400
+"""The same of a ROS 2 node, of which each run is a process and takes seconds."""
+WORKERS_OF_NODE: Final = 2
+"""Workers a core for a node: in much of the time of a run all wait for the middleware."""
+LEFT_OUT_OF_NODE: Final = ("converges", "long_run", "covariance")
+"""Probes of many or of long runs, which a node is spared."""
 TIMEOUT_S: Final = 60.0
 """Longest time of one run of the filter, s, if the caller does not say."""
 HELPS: Final = 2.0
@@ -36,6 +43,9 @@ TOLD: Final = float(np.radians(1e-3))
 """Difference of the errors of two kinds of gyro that is told in a note, rad."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
+_OF_NODE: Final = (
+    f"Each run of a node takes seconds: {listed(LEFT_OUT_OF_NODE)} are not probed. What is told is all that was found."
+)
 _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "
     "limit of its time."
@@ -47,7 +57,7 @@ def diagnose(
     *,
     scenario: str | Path | Scenario | None = None,
     workers: int | None = None,
-    max_runs: int = MOST_RUNS,
+    max_runs: int | None = None,
     timeout: float = TIMEOUT_S,
     progress: Callable[[int], object] | None = None,
     **parameters: object,
@@ -61,14 +71,14 @@ def diagnose(
     ----------
     estimate : callable or str
         A function of a `Run` whose ``truth`` is None, ``"module:function"``, or what
-        `lie_rigid_body.testing.command_estimator` makes of a program. It returns attitudes (N, 4), scalar last, at the
-        stamps of the IMU, or stamps and attitudes.
+        `lie_rigid_body.testing.command_estimator` makes of a program, or `node_estimator` of a ROS 2 node. It returns
+        attitudes (N, 4), scalar last, at the stamps of the IMU, or stamps and attitudes.
     scenario : str, Path or Scenario, optional
         The motion, rates and fields instead of those chosen here.
     workers : int, optional
-        Processes; by default one per core.
-    max_runs : int
-        Runs of the filter after which no more pairs of repairs are begun.
+        Processes; by default one per core, and two for a node.
+    max_runs : int, optional
+        Runs of the filter after which no more repairs are tried; by default 2000, and 400 of a node.
     timeout : float
         Longest time of one run of the filter, s.
     progress : callable, optional
@@ -92,15 +102,18 @@ def diagnose(
             raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
     if not timeout > 0.0:
         raise InputError(f"timeout: {shown(timeout)} is not above 0: give a time in seconds")
-    source = source_of(estimate)
+    source, is_node = source_of(estimate), isinstance(estimate, NodeEstimator)
     crew: Crew
     if source is not None:
-        crew = Workers(source, workers or cores(), timeout)
+        crew = Workers(source, workers or cores() * (WORKERS_OF_NODE if is_node else 1), timeout)
     else:
         assert not isinstance(estimate, str)
         crew = Alone(estimate)
+    most = max_runs or (MOST_RUNS_OF_NODE if is_node else MOST_RUNS)
+    remarks = (_OF_NODE,) if is_node else () if source else (_ALONE,)
     with closing(crew):
-        return Examination(crew, courses, max_runs, progress or (lambda runs: None)).run(*(() if source else (_ALONE,)))
+        examination = Examination(crew, courses, most, progress or (lambda runs: None))
+        return examination.run(*remarks, left_out=LEFT_OUT_OF_NODE if is_node else ())
 
 
 class Examination:
@@ -129,8 +142,8 @@ class Examination:
             self._tell(self._runs)
             yield answer
 
-    def run(self, *remarks: str) -> FilterDiagnosis:
-        """Search, name and probe; when interrupted, tell what was found so far."""
+    def run(self, *remarks: str, left_out: Sequence[str] = ()) -> FilterDiagnosis:
+        """Search, name and probe, but for probes that are left out; when interrupted, tell what was found so far."""
         interrupted = False
         probes: list[Probe] = []
         told: list[Note] = []
@@ -142,7 +155,7 @@ class Examination:
             errors += self._over_time()
             probes.append(self._follows())
             course = of_kind(self._courses, chosen.kind)[0]
-            for found in probed(self._ask, Setup(course, chosen, self._floor)):
+            for found in probed(self._ask, Setup(course, chosen, self._floor), left_out):
                 if isinstance(found, Probe):
                     probes.append(found)
                 else:
@@ -152,7 +165,7 @@ class Examination:
         mistakes, notes = tuple(self._mistakes(errors)), (*self._notes(), *told)
         unrepaired = plain(self._search.trials)
         if self._search.is_cut and not interrupted:
-            remarks += (f"No more pairs of repairs were begun after {self._most_runs} runs: --max-runs allows more.",)
+            remarks += (f"No more repairs were tried after {self._most_runs} runs: --max-runs allows more.",)
         if errors and not mistakes and unrepaired.error > self._floor:
             remarks += (_command(of_kind(self._courses, unrepaired.kind)[0], errors[0]),)
         left, floor = np.degrees([unrepaired.error, self._floor]).tolist()

@@ -336,11 +336,12 @@ NOTES: Final = (
 """Probes that are told as notes where they are not passed."""
 
 
-def probed(ask: Ask, setup: Setup) -> Iterator[Probe | Note]:
-    """The probes, and the notes of those that are no matter of right and wrong."""
+def probed(ask: Ask, setup: Setup, left_out: Sequence[str] = ()) -> Iterator[Probe | Note]:
+    """The probes, but for some, and the notes of those that are no matter of right and wrong."""
     (plain,) = ask([Job(setup.course, setup.chosen.repairs)])
-    without = isinstance(plain, FilterError) or plain.given.covariance is None
-    rows = [row for row in (*PROBES, *NOTES) if not (without and row.code == "covariance")]
+    if isinstance(plain, FilterError) or plain.given.covariance is None:
+        left_out = (*left_out, "covariance")
+    rows = [row for row in (*PROBES, *NOTES) if row.code not in left_out]
     asked = [(row, list(row.courses(setup))) for row in rows]
     answers = ask([Job(course, setup.chosen.repairs) for _, courses in asked for course in courses])
     for row, courses in asked:

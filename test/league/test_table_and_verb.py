@@ -151,7 +151,7 @@ def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypa
 
 def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
     case = Case("slow_tumble", "mems")
-    run = run_of(case)
+    run: Any = run_of(case)
 
     def estimate(blind: Any, off: float) -> Estimate:
         bias = run.gyro_bias_at(blind.imu.t_ns) + np.array([0.0, 0.0, off])
@@ -161,7 +161,7 @@ def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
     found = play_case(lambda blind: estimate(blind, 0.01), case)
     assert found.gyro_bias_rms_rad_s == pytest.approx(0.01)
     assert play_case(lambda blind: estimate(blind, np.nan), case).total_deg == 180.0
-    assert play_case(lambda blind: run.attitude().at(blind.imu.t_ns), case).gyro_bias_rms_rad_s is None
+    assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
 
 
 def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
