@@ -2,7 +2,7 @@
 
     python benchmarks/campaign.py                      # runs of a minute, ten minutes, an hour at 100 Hz with an IMU
     python benchmarks/campaign.py --longest 60
-    python benchmarks/campaign.py --save               # also writes the table of docs/benchmarks.md
+    python benchmarks/campaign.py --save               # also writes the table of docs/reference/costs.md
 
 A run is simulated, recorded and certified in a process of its own, as a worker does it. Its cost is the processor time
 of all threads, the median of some runs; compiling is over before. To the library only its own time is charged. The

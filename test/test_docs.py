@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 
 import rooms
+import tables
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES
+from lie_rigid_body.diagnosis.repairs import ORDER
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -17,10 +20,11 @@ def blocks(page: Path) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
 
 
-# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py
+# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py; test_tutorials.py
+# follows the tutorials
 @pytest.mark.parametrize(
     "page",
-    [p for p in PAGES if blocks(p) and p.name not in ("paper.md", "python.md")],
+    [p for p in PAGES if blocks(p) and p.name not in ("paper.md", "python.md") and p.parent.name != "tutorials"],
     ids=lambda p: p.relative_to(DOCS).as_posix(),
 )
 def test_code_blocks_of_a_page_run_as_one_program(page):
@@ -42,6 +46,23 @@ def test_pictures_pages_and_tests_it_names_exist(page):
 def test_the_picture_of_the_rooms_is_that_of_the_imports():
     drawn = rooms.PICTURE.read_text(encoding="utf-8")
     assert drawn == rooms.svg(), "draw it anew: python docs/rooms.py"
+
+
+@pytest.mark.parametrize(("page", "text"), tables.pages().items(), ids=lambda given: getattr(given, "name", None))
+def test_tables_of_the_reference_are_those_of_the_code(page, text):
+    assert page.read_text(encoding="utf-8") == text, "write them anew: python docs/tables.py"
+
+
+def test_every_table_of_the_code_has_a_page():
+    marked = [name for text in tables.pages().values() for name, _ in tables.MARKED.findall(text)]
+    assert sorted(marked) == sorted(tables.TABLES)
+
+
+def test_the_page_of_diagnose_has_every_code():
+    text = (DOCS / "diagnose.md").read_text(encoding="utf-8")
+    told = {code for row in re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE) for code in re.findall(r"`(\w+)`", row)}
+    assert {*ORDER, *(probe.code for probe in PROBES), "follows"} - told == set()
+    assert all(f"`{note.code}`" in text for note in NOTES)
 
 
 def test_the_reference_has_every_room_for_use_from_python():

@@ -115,7 +115,7 @@ def simulate(
         if "sensor_seed" in parameters:
             raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
         most = max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1
-        chosen = [{"sensor_seed": plain(seed)} for seed in _chosen(seeds, most)]
+        chosen = [{"sensor_seed": seed} for seed in _chosen(seeds, most)]
     scenarios = (Scenario.from_parameters({**given, **seed}) for seed in chosen)
     first = next(scenarios)
     if first.without_effect:
@@ -146,7 +146,7 @@ def _start(start: State | None) -> dict[str, object]:
 
 
 def _given(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
-    return {**_parameters(scenario), **{name: plain(value) for name, value in parameters.items()}}
+    return {**_parameters(scenario), **parameters}
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:

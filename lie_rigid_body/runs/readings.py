@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -16,8 +16,12 @@ from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
 from lie_rigid_body.recording.topic_messages import TopicMessages, fixed_number, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
+from lie_rigid_body.showing import data_frame
 from lie_rigid_body.simulation import Segment, SensorSamples
 from lie_rigid_body.wording import call_repr
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 T = TypeVar("T")
 
@@ -64,6 +68,16 @@ class SensorArrays:
     def t_s(self) -> Array:
         """Stamps, s, shape (M,): doubles, in which times of day are known to 0.2 µs."""
         return self.t_ns / 1e9
+
+    def to_dataframe(self) -> DataFrame:
+        """Table of pandas with a row for each reading, by ``t_ns``, and columns such as ``gyro_x``.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If pandas is not installed.
+        """
+        return data_frame(self.t_ns, {name: array for name, array in vars(self).items() if name != "t_ns"})
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"the readings of a run are read only: make other ones to change {name}")

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
+from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.attitude_error import numbers
+from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.messages.definitions import VECTOR3_STAMPED
@@ -40,10 +41,13 @@ from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
+from lie_rigid_body.showing import Shown, data_frame
 from lie_rigid_body.simulation import SOFTWARE, Samples, Segment, Taken
 from lie_rigid_body.wording import call_repr, listed, shown
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from lie_rigid_body.certificate import Certificate
 
 OWN_TOPICS: Final = frozenset(
@@ -54,7 +58,7 @@ END_OF_TIME: Final = 2**63 - 1
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -235,6 +239,23 @@ class Run:
         recorder = recording.library.partition(REWRITTEN)[0]
         return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}
 
+    def to_dataframe(self) -> DataFrame:
+        """Table of pandas with a row for each stamp: the truth, and what each sensor read, NaN where it read nothing.
+
+        Columns are named after arrays and axes: ``attitude_w``, ``body_rate_x``, ``imu_gyro_x``. The table of one
+        sensor alone is that of `SensorArrays.to_dataframe`.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If pandas is not installed.
+        """
+        arrays = {name: getattr(self.truth, name, None) for name in ("attitude_xyzw", "body_rate")}
+        table = data_frame(self.t_ns, arrays)
+        for name, readings in self.sensors.items():
+            table = table.join(readings.to_dataframe().drop(columns="arrival_ns").add_prefix(f"{name}_"), how="outer")
+        return table
+
     def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
         """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
 
@@ -331,7 +352,7 @@ class Run:
         if estimate.gyro_bias is None:
             return score
         bias = numbers("gyro_bias", estimate.gyro_bias, 3)
-        return replace(score, gyro_bias_rad_s=bias_error(bias, self.gyro_bias_at(estimate.t_ns)))
+        return replace(score, gyro_bias=BiasEstimate(estimate.t_ns, bias, self.gyro_bias_at(estimate.t_ns)))
 
     def unavoidable_error(self) -> UnavoidableError | None:
         """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.

@@ -30,9 +30,9 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     estimate = Estimate(attitude, run.t_ns, P, gyro_bias=bias)
     score = run.score(estimate, diagnosed=False)
     parts = run.score(attitude, run.t_ns, covariance=P, gyro_bias=bias, diagnosed=False)
-    assert score.to_json(series=True) == parts.to_json(series=True)
+    assert score.to_dict(series=True) == parts.to_dict(series=True)
     assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
-    assert score.to_json()["gyro_bias_rad_s"]["rms"] == score.gyro_bias_rad_s.rms
+    assert score.to_dict()["gyro_bias_rad_s"]["rms"] == score.gyro_bias_rad_s.rms
     assert "off by 0.01732 rad/s rms" in str(score)
     assert "off by 0.01732 rad/s rms" in page("title", None, score).decode()
     later = run.score(estimate, after_s=1.0, diagnosed=False)

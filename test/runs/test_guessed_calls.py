@@ -9,7 +9,19 @@ import numpy as np
 import pytest
 
 import lie_rigid_body
-from lie_rigid_body import BagError, ClosedForm, InputError, Limits, RigidBody, State, certify, evaluate, simulate
+from lie_rigid_body import (
+    BagError,
+    ClosedForm,
+    InputError,
+    Limits,
+    ParameterError,
+    RigidBody,
+    Scenario,
+    State,
+    certify,
+    evaluate,
+    simulate,
+)
 
 BODY = RigidBody([[2.0, 0.1, -0.2], [0.1, 2.5, 0.3], [-0.2, 0.3, 3.0]])
 START = State([0.1, -0.2, 0.3, np.sqrt(1.0 - 0.14)], [0.4, -0.3, 0.2])
@@ -38,6 +50,20 @@ def test_a_body_and_a_start_are_simulated():
 def test_many_bodies_and_what_is_no_start_are_refused(arguments):
     with pytest.raises(InputError):
         simulate(*arguments, duration=1.0)
+
+
+def test_a_scenario_takes_parameters_by_their_names():
+    scenario = Scenario(inertia=np.array([1.0, 2.0, 2.5]), rate=200, imu_rate=50.0)
+    assert scenario == Scenario.from_parameters({"inertia": [1.0, 2.0, 2.5], "rate": 200.0, "imu_rate": 50.0})
+    assert Scenario() == Scenario.from_parameters()
+    assert scenario.sensors.imu is not None
+    with pytest.raises(ParameterError, match="did you mean inertia"):
+        Scenario(inertai=[1.0, 2.0, 2.5])
+    with pytest.raises(ParameterError, match="triangle"):
+        Scenario(inertia=[1.0, 1.0, 3.0])
+    later = scenario.resampled(epoch_ns=7)
+    assert later == Scenario(inertia=[1.0, 2.0, 2.5], rate=200.0, imu_rate=50.0, epoch_ns=7)
+    assert scenario.epoch_ns == 0
 
 
 def test_a_run_is_the_truth():

@@ -247,6 +247,11 @@ class LiveRun:
         self._request = StepRequest(first, count)
         return self._request
 
+    def cancel(self, request: StepRequest) -> None:
+        """Abandon a step request if it is still under way: it may have ended, and time may pass again."""
+        if request is self._request:
+            self.pause()
+
     def change_factor(self, factor: float) -> None:
         """Let simulated time pass by another real-time factor from now on."""
         present = self._present_ns()
