@@ -308,7 +308,7 @@ class LiveRun:
         for sink in self._sinks:
             sink.write(batch)
         if self._lockstep is not None:
-            self._lockstep.sent(taken)
+            self._lockstep.sent((n, s) for n, some in taken.sensors.items() for s in some.stamps_ns.tolist())
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
 
     def _credit_ns(self, stamp_ns: int, steady_ns: int) -> int:
