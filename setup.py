@@ -115,7 +115,7 @@ VIEWS_AND_POLICIES = ["foxglove", "league", "plotjuggler", "rosbag2", "rviz", "s
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version="1.0.0",
     description="Torque-free rigid-body motion on SO(3): a live ROS 2 node, bags, and a certificate of their accuracy",
     long_description=README.read_text(encoding="utf-8") if README.is_file() else "",
     long_description_content_type="text/markdown",
