@@ -28,6 +28,7 @@ WITHOUT_KEY = {"dask", "distributed", "flint", "lz4", "mcap", "numba", "plotly",
 WITHOUT_KEY |= {"pandas", "rosbags", "zstandard"}
 WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
 WITHOUT_KEY |= {"filelock"}  # where there is no flock, which the node has
+FOR_TYPES_ALONE = {"_typeshed", "typing_extensions"}
 KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numpy", "scipy", "tqdm")}
 KEY_OF |= {"mpl_toolkits": "python3-matplotlib", "yaml": "python3-yaml"}
 
@@ -61,7 +62,7 @@ def test_what_is_imported_is_a_dependency() -> None:
     """In every module of the package, and in the launch files, which start a program of another package."""
     sources = [path.read_text(encoding="utf-8") for path in (*MODULES.values(), *(ROOT / "launch").glob("*.py"))]
     found = {name.partition(".")[0] for source in sources for name in imports(source, "lie_rigid_body")}
-    found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", "_typeshed"}
+    found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", *FOR_TYPES_ALONE}
     wanted = {KEY_OF.get(name, name) for name in found}
     wanted |= {message_type.partition("/")[0] for message_type in SENSORS.topics.values()}  # imported by these names
     wanted |= {"tf2_ros", "nav_msgs"}  # a program of the one is started; topics of the other may be evaluated
