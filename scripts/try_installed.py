@@ -65,8 +65,8 @@ def try_first_screen(readme: str, folder: Path) -> None:
 
 def rows(score: str) -> dict[str, list[str]]:
     """The five numbers of each line that ends with five, by what stands before them."""
-    words = [line.rsplit(maxsplit=5) for line in score.splitlines()]
-    return {name: numbers for name, *numbers in words if re.fullmatch(r"(\d\S* ?){5}", " ".join(numbers))}
+    found = re.findall(r"^(\S.*?)((?: +\d\S*){5})$", score, re.M)
+    return {name: numbers.split() for name, numbers in found}
 
 
 def try_bag(folder: Path) -> None:
