@@ -57,8 +57,17 @@ OWN_TOPICS: Final = frozenset(
 END_OF_TIME: Final = 2**63 - 1
 
 
+class _NamedSensors:
+    """Sensors that come with the package, for editors: a run finds these and others by their names."""
+
+    imu: SensorArrays | None
+    magnetometer: SensorArrays | None
+    attitude_sensor: SensorArrays | None
+    sun: SensorArrays | None
+
+
 @dataclass(frozen=True, eq=False)
-class Run(Shown):
+class Run(_NamedSensors, Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
