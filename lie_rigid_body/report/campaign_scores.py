@@ -90,6 +90,10 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         for what, verdict in (("", one.covariance), (" (gyro bias)", one.gyro_bias)):
             if verdict is not None:
                 yield f"{one.name}{what}: {verdict.message}."
+    if best := comparison.best:
+        of = [(one.name, float(one.scores["total_rms_deg"][one.runs == best.run][0])) for one in comparison.standings]
+        errors = ", ".join(f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of)
+        yield f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best; there errs {errors}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
     elif comparison.has_covariances and not any(one.covariance for one in comparison.standings):
