@@ -56,7 +56,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "console": {"parameters", "scenario", "interruption"},
     "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "campaign", "league", "console"},
     "cli": EDGE | {"campaign", "diagnosis", "league", "system"},
-    "ros": EDGE,
+    "ros": EDGE | {"system"},
     "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},
     "__main__": {"console", "report"},
 }

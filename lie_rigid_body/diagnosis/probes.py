@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -353,9 +353,9 @@ NOTES: Final = (
 """Probes that are told as notes where they are not passed."""
 
 
-def probed(ask: Each, setup: Setup) -> Iterator[Probe | Note]:
-    """The probes, and the notes of those that are no matter of right and wrong."""
-    asked = [(row, list(row.courses(setup))) for row in (*PROBES, *NOTES)]
+def probed(ask: Each, setup: Setup, left_out: Collection[str]) -> Iterator[Probe | Note]:
+    """The probes, but for some, and the notes of those that are no matter of right and wrong."""
+    asked = [(row, list(row.courses(setup))) for row in (*PROBES, *NOTES) if row.code not in left_out]
     answers = ask([Job(course, setup.chosen.repairs) for _, courses in asked for course in courses])
     for row, courses in asked:
         if not courses:

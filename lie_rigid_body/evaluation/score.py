@@ -256,6 +256,9 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
         )
         if consistency.remark:
             yield "remark", consistency.remark
+    bias = score.gyro_bias_rad_s
+    if bias is not None:
+        yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
     if score.best is not None and score.best.unobserved:
         yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
     if score.best is not None and score.best.beaten:

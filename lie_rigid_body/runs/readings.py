@@ -59,6 +59,16 @@ class SensorArrays:
 
     t_ns: Integers
     arrival_ns: Integers
+    # those of the sensors that come with the package, for editors: a sensor has its own only
+    gyro: Array
+    specific_force: Array
+    gyro_bias: Any
+    accelerometer_bias: Any
+    orientation_xyzw: Any
+    field: Array
+    attitude_xyzw: Array
+    covariance: Any
+    direction: Array
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
         everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}

@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages.batch import FAULTS, BatchEncoder, Messages
+from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.messages.definitions import VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.bag_writer import (
@@ -42,20 +42,32 @@ from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoid
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.showing import Shown, data_frame
-from lie_rigid_body.simulation import Samples, Segment, Taken
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.simulation import SOFTWARE, Samples, Segment, Taken
+from lie_rigid_body.wording import call_repr, listed, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from lie_rigid_body.certificate import Certificate
 
-OWN_TOPICS: Final = frozenset({POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC})
+OWN_TOPICS: Final = frozenset(
+    {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
+)
+"""Topics of a bag that are the run's own."""
 END_OF_TIME: Final = 2**63 - 1
 
 
+class _NamedSensors:
+    """Sensors that come with the package, for editors: a run finds these and others by their names."""
+
+    imu: SensorArrays | None
+    magnetometer: SensorArrays | None
+    attitude_sensor: SensorArrays | None
+    sun: SensorArrays | None
+
+
 @dataclass(frozen=True, eq=False)
-class Run(Shown):
+class Run(_NamedSensors, Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -180,8 +192,8 @@ class Run(Shown):
         estimates : mapping of str to Estimate, or to stamps and attitudes, optional
             Estimates by their topics, such as ``/estimate``, that are put beside the truth.
         scores : mapping of str to Score, optional
-            Scores by the topics of their estimates. On ``TOPIC/error`` are total, heading and inclination error, rad,
-            as x, y, z; on ``TOPIC/nees`` the NEES and its 95 % bounds.
+            Scores by the topics of their estimates. On ``TOPIC/error_deg`` are total, heading and inclination error,
+            degrees, as x, y, z; on ``TOPIC/nees`` the NEES and its 95 % bounds.
         overwrite : bool
             Replace an existing file, when the new one is whole.
 
@@ -200,6 +212,8 @@ class Run(Shown):
         bounds = [*zip([0, *starts], [*starts, END_OF_TIME], strict=True)]
         pieces = [self._within(segment, *times) for segment, times in zip(declared.values(), bounds, strict=True)]
         origin["others"] = {messages.topic: kind for messages, kind in beside}
+        if len(origin["others"]) < len(beside):
+            raise InputError(f"estimates: {listed(list(estimates or []))}: two topics have one name: rename one")
         with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
             for (text, segment), taken, (begin, end) in zip(declared.items(), pieces, bounds, strict=True):
                 bag.begin_segment(segment, text)

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs import Run
     from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.node import NodeEstimator
     from lie_rigid_body.scenario import Scenario
 
-__all__ = ["assert_attitude", "attitude_run", "command_estimator"]
+__all__ = ["assert_attitude", "attitude_run", "command_estimator", "node_estimator"]
 
 FIXTURE: Final = "attitude_run"
 """Name of the fixture, and of its marker."""
@@ -77,6 +78,31 @@ def command_estimator(command: str, timeout: float = 60.0) -> CommandEstimator:
     from lie_rigid_body.runs.command import CommandEstimator
 
     return CommandEstimator(command, timeout)
+
+
+def node_estimator(command: str, timeout: float = 60.0, topic: str = "imu/data") -> NodeEstimator:
+    """Make an estimator of a ROS 2 node.
+
+    For each run the node is started anew, in a ROS domain of its own, and given the readings in lock-step.
+
+    Parameters
+    ----------
+    command : str
+        Program and arguments, such as ``ros2 run my_package my_filter --ros-args -p gain:=0.5``. The node hears
+        ``imu/data_raw`` and, if it wants, ``imu/mag``, and publishes an attitude for each reading, with its stamp.
+    timeout : float
+        Longest time of a run, s.
+    topic : str
+        Topic of the attitudes: of any type that ``evaluate`` takes.
+
+    Returns
+    -------
+    NodeEstimator
+        A function of a `Run`, for `lie_rigid_body.diagnose`, for tests, and for campaigns.
+    """
+    from lie_rigid_body.runs.node import NodeEstimator
+
+    return NodeEstimator(command, timeout, topic)
 
 
 def pytest_configure(config: pytest.Config) -> None:
