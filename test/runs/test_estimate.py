@@ -118,6 +118,7 @@ def test_estimated_biases_have_their_score_from_a_bag_too(run, attitude, tmp_pat
     assert main([str(path), "--estimate", "/plain", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["gyro_bias_rad_s"] is None
     again = recorded_estimate(out, "/mine").gyro_bias
+    assert again is not None
     assert np.array_equal(again.estimate, bias)
     assert certify(out).passed
 
