@@ -96,7 +96,10 @@ def parser_of(verb: str) -> console.Parser:
     """What reads the command line of a verb: it is asked for its help. That of ``sim`` is there without ROS as well."""
     found: list[console.Parser] = []
     with patch.object(console.Parser, "print_help", lambda self, file=None: found.append(self)), suppress(SystemExit):
-        parse(["--help"]) if verb == "sim" else main([verb, "--help"])
+        if verb == "sim":
+            parse(["--help"])
+        else:
+            main([verb, "--help"])
     return found[0]
 
 

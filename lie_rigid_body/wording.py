@@ -103,8 +103,9 @@ def printable(text: str) -> str:
 def shortened(text: str, most: int = LONGEST_LINE) -> str:
     """A text on one line of bounded length.
 
-    Words that are long lose their middle first, such as values and paths, those after the last colon, in a message the
-    remedy, only if the others do not suffice; then the text loses words of its own. What is left ends with its end.
+    Words that are long, such as values and paths, lose their middle first. Those after the last colon, in a message the
+    remedy, do so only if the others do not suffice. Then the text loses words of its own. What is left ends with its
+    end.
 
     Parameters
     ----------

@@ -209,6 +209,7 @@ class Journal(AbstractContextManager["Journal"]):
         BagError
             If one cannot be written.
         """
+        first = next(self.rows())
         try:
             os.fsync(self._file.fileno())
         except OSError as error:
@@ -217,7 +218,6 @@ class Journal(AbstractContextManager["Journal"]):
             kinds = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
             self._write_parquet(self.folder / SCORES_TABLE, kinds, chain.from_iterable(map(self._scores, self.rows())))
         path = self.folder / TABLE
-        first = next(self.rows())
         scores = {} if self._compared or not self._entries else _SCORES
         kinds = {
             "run": "int",

@@ -6,7 +6,7 @@ A reading is computed by the simulation's own instruments, from the exact motion
 - by what the declared stepper errs, δA of the attitude and δω of the body rate, as far as they reach the signal.
 
 No declared parameter enters otherwise: what does not happen widens nothing. At last the sensor rounds and saturates,
-which keeps the order of numbers: a faithful reading lies between what becomes of the two bounds, which is one number
+which keeps the order of numbers. A faithful reading lies between what becomes of the two bounds, which is one number
 unless a step lies between them.
 """
 

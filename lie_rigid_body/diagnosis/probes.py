@@ -39,7 +39,7 @@ WORSE: Final = 2.0
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 SEEDS: Final = 12
-"""Short runs with noise by which a covariance is judged, and as many others: one honest covariance of twenty is found
+"""Short runs with noise by which a covariance is judged, and as many others. One honest covariance of twenty is found
 dishonest by chance, and two of these verdicts are not."""
 SHORT_S: Final = 5.0
 """Length of their motion, s."""

@@ -64,7 +64,7 @@ class Trial:
     error : float
         RMS of the total error over the last two thirds of all runs, rad.
     parts : tuple of float
-        RMS of the error of the vertical, and of that of the turns, rad, where it is known; in the choice of pairs after
+        RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
         the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
     """
 

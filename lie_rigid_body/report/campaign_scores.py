@@ -52,7 +52,8 @@ def as_text(comparison: Comparison) -> str:
 
 
 def _cells(one: Standing) -> list[str]:
-    reading = "" if np.isnan(one.reading_s) else f"{one.reading_s * 1e6:.3g} µs"
+    unit, size = ("µs", 1e-6) if one.reading_s < 1e-3 else ("ms", 1e-3)
+    reading = "" if np.isnan(one.reading_s) else f"{one.reading_s / size:.3g} {unit}"
     bias = one.quantile("gyro_bias_rms_rad_s", 0.5)
     return [
         shortened(printable(one.name), 24),

@@ -76,7 +76,7 @@ def _parts(found: FilterDiagnosis) -> Iterator[str]:
         yield mistakes(found)
     entries = (
         f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escape(p.message)}"
-        for p in found.probes
+        for p in sorted(found.probes, key=lambda probe: probe.passed)
     )
     yield html_page.listing("Probes", entries)
     yield html_page.listing("Notes", (f"<code>{note.code}</code> {escape(note.message)}" for note in found.notes))
@@ -103,11 +103,12 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
     figure = Figure(figsize=(width, 3.8), layout="constrained")
     axes = figure.subplots()
     for number, each in enumerate(found.errors):
-        errors = np.maximum(each.error_deg, _SMALLEST_DEG)
+        errors = np.maximum(each.error_deg, _SMALLEST_DEG)  # those of a right filter may be 0
         label = f"{each.code} repaired" if each.code else "as it is"
         axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=label)
     axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
-    axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
+    axes.set(xlabel="time, s", ylabel="total error, °", yscale="log")
+    axes.margins(x=0.0)
     axes.grid(alpha=0.3)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4 if width > 5.0 else 2, frameon=False)
     return figure

@@ -38,6 +38,7 @@ td { font-variant-numeric: tabular-nums; }
 tr.broken td { background: var(--bad); }
 .table { overflow-x: auto; }
 .heat td { padding: 0.1rem 0.3rem; font-size: 0.8rem; border: 0; } .heat td:first-child { white-space: nowrap; }
+.heat td:not(:first-child) { color: #222; } /* on light colours, in the dark as well */
 .heat th { padding: 0.1rem; font-size: 0.8rem; font-weight: normal; vertical-align: bottom; }
 .heat th span { writing-mode: vertical-rl; transform: rotate(180deg); }
 .badge { display: inline-block; padding: 0.2rem 0.8rem; border-radius: 0.4rem; color: white; }
@@ -52,7 +53,7 @@ figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
 .narrow { display: none; }
 pre { background: var(--soft); padding: 0.8rem; overflow-x: auto; }
-@media (max-width: 40rem) {
+@media (max-width: 640px) {
   .wide:not(.grid) { display: none; } .narrow { display: block; } .plot.body { height: 26rem; }
   th, td { padding: 0.3rem 0.4rem; }
 }

@@ -266,8 +266,8 @@ def page(
         ),
         *first,
         *_distributions(what, lines),
-        *_table(what, headings, lines),
         *more,
+        *_table(what, headings, lines),
     ]
     return html_page.document(title, parts, with_figures=True)
 

@@ -103,7 +103,7 @@ def simulate(
     ------
     InputError
         If the duration is not a time, a name is unknown, the parameters make no scenario, or the memory limit leaves no
-        room for the runs: this is known before anything is computed.
+        room for the runs. This is known before anything is computed.
     """
     length = exact_duration(plain(duration), "duration", "duration=60.0")
     if parameters.get("record_path"):

@@ -38,12 +38,12 @@ def read_only(value: T) -> T:
 class SensorArrays:
     """Readings of a sensor. All arrays are read only.
 
-    Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading: of an IMU
-    ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and ``accelerometer_bias``, each
-    (M, 3), and ``orientation_xyzw``, (M, 4); of a magnetometer ``field``, T, (M, 3); of an attitude sensor
-    ``attitude_xyzw``, (M, 4), and ``covariance``, rad², (M, 3, 3); of a sun sensor ``direction``, (M, 3).
-    Vectors are on the sensor's axes, attitudes world-from-body, scalar last, covariances of small rotations about the
-    fixed axes of the world.
+    Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading. Of an IMU
+    these are ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and
+    ``accelerometer_bias``, each (M, 3), and ``orientation_xyzw``, (M, 4). Of a magnetometer it is ``field``, T, (M, 3).
+    Of an attitude sensor they are ``attitude_xyzw``, (M, 4), and ``covariance``, rad², (M, 3, 3), of a sun sensor
+    ``direction``, (M, 3). Vectors are on the sensor's axes, attitudes world-from-body, scalar last, covariances of
+    small rotations about the fixed axes of the world.
 
     A bias is None where a bag does not tell it, and NaN at a reading for which a bag does not. An orientation is None
     unless the parameter ``imu_orientation`` is true; the identity where it is not in the segment of a reading.
@@ -59,6 +59,16 @@ class SensorArrays:
 
     t_ns: Integers
     arrival_ns: Integers
+    # those of the sensors that come with the package, for editors: a sensor has its own only
+    gyro: Array
+    specific_force: Array
+    gyro_bias: Any
+    accelerometer_bias: Any
+    orientation_xyzw: Any
+    field: Array
+    attitude_xyzw: Array
+    covariance: Any
+    direction: Array
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
         everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}

@@ -56,8 +56,17 @@ OWN_TOPICS: Final = frozenset(
 END_OF_TIME: Final = 2**63 - 1
 
 
+class _NamedSensors:
+    """Sensors that come with the package, for editors: a run finds these and others by their names."""
+
+    imu: SensorArrays | None
+    magnetometer: SensorArrays | None
+    attitude_sensor: SensorArrays | None
+    sun: SensorArrays | None
+
+
 @dataclass(frozen=True, eq=False)
-class Run(Shown):
+class Run(_NamedSensors, Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -119,7 +128,7 @@ class Run(Shown):
         """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
 
         Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag. A
-        sensor is None if no scenario of the bag declares it, nor its topic is in the bag; one that is declared and
+        sensor is None if no scenario of the bag declares it, nor its topic is in the bag. One that is declared and
         whose readings are all lost has arrays of none. Of readings the biases are None if ``imu/bias`` is not in the
         bag; a reading whose stamp is not on that topic has the bias NaN.
 
@@ -172,8 +181,8 @@ class Run(Shown):
     ) -> None:
         """Write the run into an MCAP bag: of a simulated run the same bytes as those of ``record``.
 
-        What a recorder heard of a running node stays its recording: the new bag names the recorder as well, claims no
-        samples before its first and after its last, and is certified by the same laws as the old one. Messages are
+        What a recorder heard of a running node stays its recording. The new bag names the recorder as well, claims no
+        samples before its first and after its last. It is certified by the same laws as the old one. Messages are
         logged at their stamps there, and the scenarios are in the words of the old bag, with the software's version.
 
         Parameters
@@ -193,8 +202,9 @@ class Run(Shown):
         BagError
             If the file exists and is not to be replaced, or cannot be written.
         InputError
-            If the path is none, a topic is no name or the run's own, an estimate is unusable, or the run has readings
-            of an IMU without their biases, be it one, as some bags, or of a sensor that its scenario has not.
+            If the path is none, a topic is no name or the run's own, or an estimate is unusable. Also if the run has
+            readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
+            not.
         """
         beside = list(self._beside(estimates or {}, scores or {}))
         declared, origin = self._declared()
@@ -358,8 +368,9 @@ class Run(Shown):
     def unavoidable_error(self) -> UnavoidableError | None:
         """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
 
-        Granted is everything but noise and biases: scale, mounting and soft iron as if they had no errors, no faults,
-        and of the hard iron a bound. Readings that are missing or late count as well.
+        Noise and biases are as declared. Scale, mounting and soft iron are constants that no estimator knows, as many
+        as a sensor declares. Of the hard iron there is a bound, and faults are left out. Readings that are missing or
+        late count as well.
 
         Returns
         -------

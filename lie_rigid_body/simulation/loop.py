@@ -238,7 +238,7 @@ class Latest:
 class SharedMotion:
     """A motion for one of several users, each of whom gets the bits of a motion of their own.
 
-    As long as they ask for the same times in the same order, each answer is computed for the first of them and kept
+    As long as they ask for the same times in the same order, each answer is computed for the first of them. It is kept
     for the others until the next one. A user who asks for other times goes on alone.
 
     Parameters

@@ -126,6 +126,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if marker is not None and marker.args:
         _fail(f"{shown(marker.args[0])} has no name: give scenarios=, grades= or arguments of simulate by name")
     chosen = dict(marker.kwargs) if marker else {}
+    for name in ("scenario", "grade"):
+        if name in chosen:
+            _fail(f"{name}={shown(chosen[name])} is no argument: did you mean {name}s=?")
     scenarios = _names(chosen.pop("scenarios", None)) or list(scenario_files())
     grades = _names(chosen.pop("grades", None)) or list(GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]

@@ -73,6 +73,7 @@ def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
     [
         (lambda q, t: (q.T,), "transpose"),
         (lambda q, t: (q[:, :3],), "Euler"),
+        (lambda q, t: (np.zeros((len(t), 3, 3)),), "from_matrix"),
         (lambda q, t: (q, t / 1e9), "round"),
         (lambda q, t: (q, t[1:]), "stamps"),
         (lambda q, t: (q, t, np.eye(4)), "covariance"),

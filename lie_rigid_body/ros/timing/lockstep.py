@@ -22,8 +22,8 @@ class Lockstep:
     """The answers that a run waits for. All methods are called by the thread of the run.
 
     An IMU reading can be answered if every other sensor that the filter hears has delivered a reading of the same
-    stamp, and no reading of that stamp or a later one was awaited before. Others are not waited for: a filter that
-    pairs its sensors has no answer to them.
+    stamp. No reading of that stamp or a later one may have been awaited before. Others are not waited for: a filter
+    that pairs its sensors has no answer to them.
 
     Parameters
     ----------
