@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Final, cast
@@ -19,19 +19,27 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator
+from lie_rigid_body.runs.node import NodeEstimator
 from lie_rigid_body.runs.workers import Alone, Crew, Workers, source_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
 
 MOST_RUNS: Final = 2000
-"""Runs of the filter after which no more pairs are begun, if the caller does not say."""
+"""Runs of the filter after which no more repairs are tried, if the caller does not say."""
+MOST_RUNS_OF_NODE: Final = 400
+"""Such a number for a ROS 2 node, of which each run is a process and takes seconds."""
+WORKERS_OF_NODE: Final = 2
+"""Workers a core for a node: in much of the time of a run all wait for the middleware."""
+LEFT_OUT_OF_NODE: Final = ("converges", "long_run", "covariance")
+"""Probes of many or of long runs, which a node is spared."""
 TIMEOUT_S: Final = 60.0
 """Longest time of one run of the filter, s, if the caller does not say."""
 HELPS: Final = 2.0
 """Factor by which another kind of gyro, or later readings, change an error that is told in a note."""
 TOLD: Final = float(np.radians(1e-3))
 """Difference of the errors of two kinds of gyro that is told in a note, rad."""
+_OF_NODE: Final = f"Each run of a node takes seconds: it is not probed for {', '.join(LEFT_OUT_OF_NODE)}."
 _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "
     "limit of its time."
@@ -43,7 +51,7 @@ def diagnose(
     *,
     scenario: str | Path | Scenario | None = None,
     workers: int | None = None,
-    max_runs: int = MOST_RUNS,
+    max_runs: int | None = None,
     timeout: float = TIMEOUT_S,
     progress: Callable[[int], object] | None = None,
     **parameters: object,
@@ -57,14 +65,14 @@ def diagnose(
     ----------
     estimate : callable or str
         A function of a `Run` whose ``truth`` is None, ``"module:function"``, or what
-        `lie_rigid_body.testing.command_estimator` makes of a program. It returns attitudes (N, 4), scalar last, at the
-        stamps of the IMU, or stamps and attitudes.
+        `lie_rigid_body.testing.command_estimator` makes of a program, or `node_estimator` of a ROS 2 node. It returns
+        attitudes (N, 4), scalar last, at the stamps of the IMU, or stamps and attitudes.
     scenario : str, Path or Scenario, optional
         The motion, rates and fields instead of those chosen here.
     workers : int, optional
-        Processes; by default one per core.
-    max_runs : int
-        Runs of the filter after which no more pairs of repairs are begun.
+        Processes; by default one per core, and two for a node.
+    max_runs : int, optional
+        Runs of the filter after which no more repairs are tried; by default 2000, and 400 of a node.
     timeout : float
         Longest time of one run of the filter, s.
     progress : callable, optional
@@ -88,15 +96,19 @@ def diagnose(
             raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
     if not timeout > 0.0:
         raise InputError(f"timeout: {shown(timeout)} is not above 0: give a time in seconds")
-    source = source_of(estimate)
-    crew: Crew = Workers(source, workers or cores(), timeout) if source else Alone(cast("Estimator", estimate))
+    source, most, count, remarks, left_out = source_of(estimate), MOST_RUNS, cores(), list[str](), tuple[str, ...]()
+    if isinstance(source, NodeEstimator):
+        most, count, remarks, left_out = MOST_RUNS_OF_NODE, WORKERS_OF_NODE * cores(), [_OF_NODE], LEFT_OUT_OF_NODE
+    elif source is None:
+        remarks = [_ALONE]
+    crew: Crew = Workers(source, workers or count, timeout) if source else Alone(cast("Estimator", estimate))
     with closing(crew):
-        search = Search(crew.each, courses, max_runs, progress or (lambda runs: None))
-        return examined(search, *(() if source else (_ALONE,)))
+        search = Search(crew.each, courses, max_runs or most, progress or (lambda runs: None))
+        return examined(search, remarks, left_out)
 
 
-def examined(search: Search, *remarks: str) -> FilterDiagnosis:
-    """Search, name and probe; when interrupted, tell what was found so far."""
+def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
+    """Search, name and probe, but for some probes; when interrupted, tell what was found so far."""
     errors: list[ErrorOverTime] = []
     found: list[Probe | Note] = []
     interrupted = False
@@ -106,16 +118,16 @@ def examined(search: Search, *remarks: str) -> FilterDiagnosis:
         chosen, course = search.chosen, search.courses[0].of_kind(search.chosen.kind)
         (answer,) = search.ask([Job(course, chosen.repairs)])
         has_covariance = isinstance(answer, Answer) and answer.given.covariance is not None
-        found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance))
+        found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance), left_out)
     except KeyboardInterrupt:
         if not search.trials:
             raise
         interrupted = True
     mistakes, unrepaired = tuple(_mistakes(search, errors)), plain(search.trials)
     if search.is_cut and not interrupted:
-        remarks += (f"No more pairs of repairs were begun after {search.most_runs} runs: --max-runs allows more.",)
+        remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
     if errors and not mistakes and unrepaired.error > search.floor:
-        remarks += (_command(search.courses[0].of_kind(unrepaired.kind), errors[0]),)
+        remarks = [*remarks, _command(search.courses[0].of_kind(unrepaired.kind), errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(each for each in found if isinstance(each, Probe)),
@@ -123,7 +135,7 @@ def examined(search: Search, *remarks: str) -> FilterDiagnosis:
         search.runs,
         float(np.degrees(unrepaired.error)),
         float(np.degrees(search.floor)),
-        remarks,
+        tuple(remarks),
         tuple(errors),
         interrupted,
     )

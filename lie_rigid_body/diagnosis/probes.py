@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -39,7 +39,7 @@ WORSE: Final = 2.0
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 SEEDS: Final = 12
-"""Short runs with noise by which a covariance is judged, and as many others: one honest covariance of twenty is found
+"""Short runs with noise by which a covariance is judged, and as many others. One honest covariance of twenty is found
 dishonest by chance, and two of these verdicts are not."""
 SHORT_S: Final = 5.0
 """Length of their motion, s."""
@@ -353,9 +353,9 @@ NOTES: Final = (
 """Probes that are told as notes where they are not passed."""
 
 
-def probed(ask: Each, setup: Setup) -> Iterator[Probe | Note]:
-    """The probes, and the notes of those that are no matter of right and wrong."""
-    asked = [(row, list(row.courses(setup))) for row in (*PROBES, *NOTES)]
+def probed(ask: Each, setup: Setup, left_out: Collection[str]) -> Iterator[Probe | Note]:
+    """The probes, but for some, and the notes of those that are no matter of right and wrong."""
+    asked = [(row, list(row.courses(setup))) for row in (*PROBES, *NOTES) if row.code not in left_out]
     answers = ask([Job(course, setup.chosen.repairs) for _, courses in asked for course in courses])
     for row, courses in asked:
         if not courses:

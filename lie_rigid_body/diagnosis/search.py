@@ -64,7 +64,7 @@ class Trial:
     error : float
         RMS of the total error over the last two thirds of all runs, rad.
     parts : tuple of float
-        RMS of the error of the vertical, and of that of the turns, rad, where it is known; in the choice of pairs after
+        RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
         the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
     """
 
@@ -238,10 +238,14 @@ class Search:
         firsts = [trial.inputs for trial in _most_promising(singles)[:BEAM]]
         for pairs_with in (self._exact_beside, self._fitted_beside):
             for first in firsts:
-                self.is_cut = self.runs >= self.most_runs and not self._is_mended(2, 0)
-                if self.is_cut or self._is_mended(2, 0):
+                if self._is_mended(2, 0) or not self._may_go_on():
                     return
                 pairs_with(first)
+
+    def _may_go_on(self) -> bool:
+        """Whether the budget allows more runs; that it did not is noted."""
+        self.is_cut = self.runs >= self.most_runs
+        return not self.is_cut
 
     def _is_mended(self, count: int, price: int) -> bool:
         """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
@@ -256,10 +260,13 @@ class Search:
         """Try those with a constant, alone or beside another."""
         codes = [code for code in FITTED if code not in [repair.code for repair in first]]
         rests = [(*first, *joint) for joint in ((), (JOINT,))]
-        return self._screened([(self._fitted(code, rest), *rest) for code in codes for rest in rests])
+        pairs = [(code, rest) for code in codes for rest in rests]
+        return self._screened([(self._fitted(code, rest), *rest) for code, rest in pairs if self._may_go_on()])
 
     def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
         """Try repairs shortly, a single one also with each of the output's, and the best of them on all courses."""
+        if not chosen:
+            return []
         single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
         found = list(self.tried([(repairs, self._short) for repairs in chosen], QUICK if single else ()))
         least = {trials[0]: min(trial.error for trial in trials) for trials in found}
