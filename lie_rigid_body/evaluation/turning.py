@@ -143,7 +143,7 @@ class Turns:
         mirrored = ", which are right-handed; these are not" if np.linalg.det(AXES[axes]) < 0.0 else ""
         message = (
             f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
-            f"{f', {times(scale)} it' if scale != 1.0 else ''}: give the filter its gyro on the "
+            f"{f', {times(scale)} the body' if scale != 1.0 else ''}: give the filter its gyro on the "
             f"axes of the body{mirrored}; {FEIGNED}."
         )
         return (Remark("turn_axes", message),)
@@ -160,8 +160,8 @@ def _other_rate(ours: Array, true: Array) -> tuple[Remark, ...]:
     scale = float(np.sum(ours * true) / np.sum(true**2))
     if not max(scale, 1.0 / max(scale, 1e-300)) > FAR or _missed(ours, scale * true) > LARGEST_MISS:
         return ()
-    message = f"The estimate turns {times(scale)} the body: see the time step of the filter, and the unit of its gyro; {FEIGNED}."
-    return (Remark("turn_rate", message),)
+    remedy = "see the time step of the filter, and the unit of its gyro"
+    return (Remark("turn_rate", f"The estimate turns {times(scale)} the body: {remedy}; {FEIGNED}."),)
 
 
 def _missed(ours: Array, predicted: Array) -> Array:
