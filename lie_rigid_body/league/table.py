@@ -40,6 +40,8 @@ class CaseResult:
         Time to converge, s; None where it never does.
     failure : str
         What the filter failed of; '' if it did not.
+    gyro_bias_rms_rad_s : float or None
+        RMS error of the gyro's bias from `SETTLED_S` on, rad/s, of a filter that gives it.
     """
 
     total_deg: float
@@ -47,6 +49,7 @@ class CaseResult:
     inclination_deg: float
     converged_s: float | None = None
     failure: str = ""
+    gyro_bias_rms_rad_s: float | None = None
 
 
 @dataclass(frozen=True)

@@ -104,6 +104,8 @@ def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) ->
 
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
     """Group rows of one size by what determines their layout: the encapsulation and the length of the frame name."""
+    if rows.shape[1] < 4:  # too short for any layout
+        return [slice(None)]
     keys = _column(rows, 0, 2, "u2")[:, 0].astype(np.int64)
     if stamped and rows.shape[1] >= FRAME:
         keys += _column(rows, 12, 4, "u4")[:, 0].astype(np.int64) << 16

@@ -132,8 +132,8 @@ class Estimate:
 
 
 def messages_of_score(topic: str, score: Score, frame: str) -> tuple[Messages, ...]:
-    """Total, heading and inclination error, rad, and the NEES with its bounds, as Vector3Stamped, below a topic."""
-    vectors = {"error": np.stack(score.error, axis=-1)}
+    """Total, heading and inclination error, degrees, and the NEES with its bounds, as Vector3Stamped, below a topic."""
+    vectors = {"error_deg": np.degrees(np.stack(score.error, axis=-1))}
     if score.consistency is not None:
         nees, bounds = score.consistency.nees, score.consistency.bounds
         vectors["nees"] = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])

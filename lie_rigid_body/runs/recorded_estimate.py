@@ -52,6 +52,8 @@ class RecordedEstimate:
         What a reader of the score should know, one sentence each.
     left_out : int
         Further estimates that there were: out of order.
+    pose_topic : str or None
+        Topic of the true poses.
     """
 
     track: AttitudeTrack
@@ -61,6 +63,7 @@ class RecordedEstimate:
     covariance: Array | None
     notes: tuple[str, ...]
     left_out: int = 0
+    pose_topic: str | None = None
 
     __repr__ = short_repr
 
@@ -227,7 +230,15 @@ def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> Record
     covariance = track.covariance
     usable = covariance is not None and is_given(covariance)
     notes = tuple(_notes(track, true))
-    return RecordedEstimate(track, truth, true.source, true.segments, covariance if usable else None, notes)
+    return RecordedEstimate(
+        track,
+        truth,
+        true.source,
+        true.segments,
+        covariance if usable else None,
+        notes,
+        pose_topic=None if true.poses is None else true.poses.topic,
+    )
 
 
 def _notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:

@@ -16,6 +16,7 @@ from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, 
 from lie_rigid_body.league.cases import readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult, rows_of
+from lie_rigid_body.runs import Estimate
 from lie_rigid_body.runs.blind import BlindRun
 
 FILTERS = '''
@@ -146,6 +147,21 @@ def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypa
     assert "> league_filters:triad" in out
     assert f"number {reference().with_rows([mine]).rank(mine)} of" in " ".join(out.split())
     assert "league_filters:triad" in report.read_text(encoding="utf-8")
+
+
+def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
+    case = Case("slow_tumble", "mems")
+    run: Any = run_of(case)
+
+    def estimate(blind: Any, off: float) -> Estimate:
+        bias = run.gyro_bias_at(blind.imu.t_ns) + np.array([0.0, 0.0, off])
+        bias[blind.imu.t_s - blind.imu.t_s[0] < 30.0] = 1.0  # which does not count
+        return Estimate(run.attitude().at(blind.imu.t_ns), gyro_bias=bias)
+
+    found = play_case(lambda blind: estimate(blind, 0.01), case)
+    assert found.gyro_bias_rms_rad_s == pytest.approx(0.01)
+    assert play_case(lambda blind: estimate(blind, np.nan), case).total_deg == 180.0
+    assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
 
 
 def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
