@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.bounded_input import LONGEST_ROW, load_json
+from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
@@ -55,6 +55,8 @@ class Journal(AbstractContextManager["Journal"]):
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
         self._varied = {*campaign.vary}
+        if self.path.exists() and not self.path.is_file():  # of a pipe nothing would ever come
+            raise BagError(f"{self.path} is no regular file: move it away, or give another folder")
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
@@ -76,9 +78,9 @@ class Journal(AbstractContextManager["Journal"]):
     def is_begun(cls, campaign: Campaign, folder: Path) -> bool:
         """Whether a folder holds runs of this campaign, whose scenarios were then found to be possible."""
         try:
-            with (folder / JOURNAL).open("rb") as file:
+            with open_file(folder / JOURNAL) as file:
                 return _equal(file.readline(LONGEST_ROW), _heading(campaign))
-        except OSError:
+        except (InputError, OSError):
             return False
 
     def _read(self) -> None:
@@ -130,6 +132,7 @@ class Journal(AbstractContextManager["Journal"]):
         numbers = {type(value) for name, value in row.scores.items() if name != ERROR}
         return (
             0 <= row.run < len(self._places)
+            and (not row.certified or row.attitude_accuracy_rad >= 0.0)
             and row.bag in (None, bag_name(row.run))
             and texts <= {str, type(None)}
             and numbers <= {float, type(None)}
