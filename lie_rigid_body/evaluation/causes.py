@@ -3,10 +3,11 @@
 A cause is a transform of attitudes and their stamps, with constants or without. Undone with the right constants it
 leaves no error. Estimates of several runs share the constants.
 
-Most causes turn the quaternion as a vector of four numbers: the inverse, another order of the components and turns of
-the world and of the body are orthogonal 4 × 4 matrices U, and of a cause with constants U = Σ cᵢ Bᵢ with |c| = 1. With
-true attitudes q and estimates p the mean of cos² of half of the error is (1/N) Σ (qᵀ U p)² = uᵀ T u with the 16 numbers
-u of U and T = (1/N) Σ (q ⊗ p)(q ⊗ p)ᵀ: one matrix of sums judges them all, and the best c is an eigenvector.
+Most causes turn the quaternion as a vector of four numbers. The inverse, another order of the components and turns of
+the world and of the body are orthogonal 4 × 4 matrices U. Of a cause with constants it is U = Σ cᵢ Bᵢ with |c| = 1.
+With true attitudes q and estimates p the mean of cos² of half of the error is (1/N) Σ (qᵀ U p)² = uᵀ T u. Here u are
+the 16 numbers of U, and T = (1/N) Σ (q ⊗ p)(q ⊗ p)ᵀ. One matrix of sums judges them all, and the best c is an
+eigenvector.
 """
 
 from __future__ import annotations

@@ -2,13 +2,13 @@
 
 An explanation is a chain of causes without a constant, then at most two with constants: turns of the world and of the
 body, and a lag. Every one is judged by one number a quarter of the run, from the second on (in the first a filter may
-converge): the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
+converge). It is the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
 
 One rule. The best explanation costs least, in units of halved errors: log₂ of what it leaves, plus its price. It is
 named if each of its causes is needed: without it at least `1 / SHARE` times as much is left, in each of these quarters.
 So drifts, random walks and noise are no causes, as no constant of some quarters fits the others. A right filter may be
-ahead by up to a sample, as it compares readings with the attitude before its gyro step: every explanation without a
-lag may have such a lead at no price, and it is no cause.
+ahead by up to a sample, as it compares readings with the attitude before its gyro step. Every explanation without a lag
+may have such a lead at no price, and it is no cause.
 """
 
 from __future__ import annotations

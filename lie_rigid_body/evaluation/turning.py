@@ -1,8 +1,8 @@
 """Turns of an estimate beside those of the body: not at all, to and fro, too fast, or about other axes.
 
-The turn of the estimate from one sample to the next, on its own body axes, is held against that of the truth times a
-scale and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a left-handed frame leave
-attitudes that no constant rotation explains, and turns that this explains to a few percent.
+The turn of the estimate from one sample to the next, on its own body axes, is held against that of the truth. The
+latter is taken times a scale, and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a
+left-handed frame leave attitudes that no constant rotation explains, and turns that this explains to a few percent.
 """
 
 from __future__ import annotations

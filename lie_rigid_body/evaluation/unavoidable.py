@@ -1,15 +1,18 @@
 """The attitude error that the noise of the sensors makes unavoidable: the Cramér–Rao bound along the true motion.
 
 An estimator that reads a gyro and known directions (gravity, the magnetic field) and knows nothing of the body has the
-error state x = (δ, β, ...): the attitude's error δ as a rotation vector on the body's axes, R̂ = R exp(δ), the gyro's
-bias, and a bias of each other sensor that has one. Linearised at the true motion,
+error state x = (δ, β, ...). The attitude's error δ is a rotation vector on the body's axes, R̂ = R exp(δ). Then come
+the gyro's bias, and a bias of each other sensor that has one. Beside it are constants θ that it does not know: scale,
+mounting and soft iron add Σ θ_i L_i x to the reading of a vector x. Linearised at the true motion and at sensors
+without them,
 
-    δ_k = exp(−hω) δ_(k−1) + h J_r (β_k + n_k),   b_k = b_(k−1) + w_k,   y_k = −[Rᵀv]× δ_k + a_k + m_k
+    δ_k = exp(−hω) δ_(k−1) + h J_r (β_k + Σ θ_i L_i ω_k + n_k),   b_k = b_(k−1) + w_k
+    y_k = −[Rᵀv]× δ_k + a_k + Σ θ_i L_i Rᵀv + m_k
 
 with the right Jacobian J_r at hω, known variances of the noises n, w and m, and the reading y of a world vector v. For
 Gaussian noise the covariances of the Kalman filter of this system are the posterior Cramér–Rao bound of every filter
-that uses readings up to a time, and those of its Rauch–Tung–Striebel smoother of every estimator that uses all of them,
-as far as the error is small enough for the linearisation.
+that uses readings up to a time. Those of its Rauch–Tung–Striebel smoother are the bound of every estimator that uses
+all of them. Both hold as far as the error is small enough for the linearisation.
 
 References
 ----------
@@ -32,7 +35,7 @@ from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.attitude_error import numbers, unit
 from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.estimate import read_stamps
-from lie_rigid_body.evaluation.kalman_covariances import covariances, padded
+from lie_rigid_body.evaluation.kalman_covariances import Covariances, covariances, padded
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat, right_jacobian
 from lie_rigid_body.wording import components, short_repr, shown
@@ -85,23 +88,31 @@ class VectorReadings:
     noise : float
         Standard deviation of the white noise on each axis of a reading, unit of the vector; above 0.
     bias : BiasNoise, optional
+    linear_errors : array_like, shape (c, 3, 3), optional
+        Matrices L_i: the reading of x has the error Σ θ_i L_i x, with unknown constants θ_i of variance 1 about 0.
     """
 
     stamps_ns: ArrayLike
     vector: ArrayLike
     noise: float
     bias: BiasNoise = BiasNoise()
+    linear_errors: ArrayLike | None = None
 
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
         read_stamps("VectorReadings", self.stamps_ns)
+        self.matrices()
         vector = numbers("vector", self.vector, 3)
         if vector.shape != (3,) or not vector.any():
             raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
         deviation("noise of a vector", self.noise)
         if not isinstance(self.bias, BiasNoise):
             raise InputError(f"bias: {shown(self.bias)} is no BiasNoise: give for example BiasNoise(turn_on=0.03)")
+
+    def matrices(self) -> Array:
+        """The linear errors, shape (c, 3, 3)."""
+        return _matrices("linear_errors", self.linear_errors)
 
 
 @dataclass(frozen=True)
@@ -137,7 +148,7 @@ class AttitudeReadings:
 
 @dataclass(frozen=True)
 class UnavoidableError:
-    """Bounds of the attitude's error at each sample.
+    """Bounds of the attitude's error at each sample, for estimators that do not know the constants of the sensors.
 
     Parameters
     ----------
@@ -150,6 +161,8 @@ class UnavoidableError:
     stamps_ns : ndarray of int64, shape (N,)
     unobserved : str
         What no reading tells, in words: ``the attitude``, or ``a turn about the vertical``. Empty if all is told.
+    calibrated : UnavoidableError or None
+        Bounds for estimators that know the constants; None where there are none.
     """
 
     filtered: Array
@@ -157,6 +170,7 @@ class UnavoidableError:
     gyro_bias: Array
     stamps_ns: Integers
     unobserved: str = ""
+    calibrated: UnavoidableError | None = None
 
     __repr__ = short_repr
 
@@ -181,6 +195,7 @@ def unavoidable_error(
     attitudes: Sequence[AttitudeReadings] = (),
     initial: float = np.pi,
     gyro_readings: ArrayLike | None = None,
+    gyro_linear_errors: ArrayLike | None = None,
 ) -> UnavoidableError:
     """Bound the errors of every estimator that reads a gyro at each sample, and vectors at some.
 
@@ -202,6 +217,8 @@ def unavoidable_error(
         Standard deviation of the first attitude on each axis, rad; half a turn if nothing is known of it.
     gyro_readings : array_like of int, shape (N,), optional
         From how many readings of the gyro each turn is the sum, by default one: for the bound at some stamps of many.
+    gyro_linear_errors : array_like, shape (c, 3, 3), optional
+        As those of `VectorReadings`, of the gyro.
 
     Returns
     -------
@@ -218,14 +235,25 @@ def unavoidable_error(
     deviation("initial", initial)
     readings = _readings(gyro_readings, len(stamps))
     walk = gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
-    system = _System(stamps, truth, gyro_noise / np.sqrt(readings), walk, gyro_bias, vectors, attitudes)
-    before, after, smoothed = system.covariances(initial)
+    gyro_errors = _matrices("gyro_linear_errors", gyro_linear_errors)
+    system = _System(stamps, truth, gyro_noise / np.sqrt(readings), walk, gyro_bias, gyro_errors, vectors, attitudes)
+    known, unknown = system.covariances(initial)
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
-    after += (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis] * (before - after)
-    bias = after[:, 3:6, 3:6] if system.gyro_bias is not None else np.zeros((len(stamps), 3, 3))
+    share = (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis]
     R = quaternion.to_matrix(truth[-1])
-    unobserved = _unobserved(R @ after[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
-    return UnavoidableError(after[:, :3, :3], smoothed[:, :3, :3], bias, stamps, unobserved)
+
+    def bound(found: Covariances, calibrated: UnavoidableError | None = None) -> UnavoidableError:
+        filtered = found.filtered + share * (found.before - found.filtered)
+        bias = filtered[:, 3:6, 3:6] if system.gyro_bias is not None else np.zeros((len(stamps), 3, 3))
+        unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
+        return UnavoidableError(filtered[:, :3, :3], found.smoothed[:, :3, :3], bias, stamps, unobserved, calibrated)
+
+    return bound(unknown, bound(known) if system.constants else None)
+
+
+def _matrices(name: str, given: ArrayLike | None) -> Array:
+    """Linear errors of a sensor, shape (c, 3, 3); none by default."""
+    return np.zeros((0, 3, 3)) if given is None or np.size(given) == 0 else numbers(name, given, 3, 3).reshape(-1, 3, 3)
 
 
 def _require(
@@ -277,6 +305,7 @@ class _System:
         gyro_noise: Array,
         gyro_walk: Array,
         gyro_bias: BiasNoise,
+        gyro_errors: Array,
         vectors: Sequence[VectorReadings],
         attitudes: Sequence[AttitudeReadings],
     ) -> None:
@@ -296,12 +325,19 @@ class _System:
         interval = np.diff(np.pad(stamps, self._padding, "edge"), prepend=stamps[0]) / 1e9
         turn = np.zeros((len(truth), 3))
         turn[1:] = turns(truth[:-1], truth[1:])
-        self._back = so3.exp(-turn)
-        self._pushed = interval[:, np.newaxis, np.newaxis] * right_jacobian(turn)
+        self._back, jacobian = so3.exp(-turn), right_jacobian(turn)
+        self._pushed = interval[:, np.newaxis, np.newaxis] * jacobian
         self._gyro_variance = np.pad(gyro_noise**2, self._padding)
         self._walks = [] if self.gyro_bias is None else [(self.gyro_bias, np.pad(gyro_walk**2, self._padding))]
         self._vectors = [self._vector(*each, truth) for each in zip(vectors, vector_biases, strict=True)]
         self._attitudes = [(self._count(each), each.whitening()) for each in attitudes]
+        # a column for each constant of each sensor: what it adds to a turn, and to the readings of a vector
+        errors = [gyro_errors, *(sensor.matrices() for sensor in vectors)]
+        ends = np.cumsum([len(each) for each in errors]).tolist()
+        self._columns = [slice(end - len(each), end) for each, end in zip(errors, ends, strict=True)]
+        self.constants: int = ends[-1]
+        self._turned = jacobian @ _errors(gyro_errors, turn)
+        self._read = [_errors(matrices, body) for matrices, (body, _, _) in zip(errors[1:], self._vectors, strict=True)]
 
     def _count(self, readings: VectorReadings | AttitudeReadings) -> Array:
         """Number of readings that count at each sample: those from it on until the next; none before the first."""
@@ -319,8 +355,8 @@ class _System:
         body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
         return weight[:, np.newaxis] * body, weight, place
 
-    def steps(self, k: Integers) -> tuple[Array, Array, Array]:
-        """Steps to samples by number: the transition, the covariance that it adds, and what the readings tell."""
+    def steps(self, k: Integers) -> tuple[Array, Array, Array, Array, Array]:
+        """Steps to samples by number: transition, covariance that it adds, what readings tell, and the constants'."""
         transition = np.tile(np.eye(self.size), (len(k), 1, 1))
         transition[:, :3, :3] = self._back[k]
         added = np.zeros(transition.shape)
@@ -335,25 +371,36 @@ class _System:
             added[:, columns, :3] = added[:, :3, columns].swapaxes(1, 2)
             added[:, :3, :3] = added[:, :3, columns] @ pushed.swapaxes(1, 2)
         added[:, :3, :3] += self._gyro_variance[k, np.newaxis, np.newaxis] * pushed @ pushed.swapaxes(1, 2)
-        return transition, added, self._seen(k)
+        turned = np.zeros((len(k), self.size, self.constants))
+        turned[:, :3, self._columns[0]] = self._turned[k]
+        seen, read = self._seen(k)
+        return transition, added, seen, turned, read
 
-    def _seen(self, k: Integers) -> Array:
-        """Rows of the readings at samples, of unit variance each: three for each sensor."""
-        seen = np.zeros((len(k), len(self._vectors) + len(self._attitudes), 3, self.size))
+    def _seen(self, k: Integers) -> tuple[Array, Array]:
+        """Rows of the readings at samples, of unit variance each: three for each sensor, by state and by constants."""
+        sensors = len(self._vectors) + len(self._attitudes)
+        seen = np.zeros((len(k), sensors, 3, self.size))
+        read = np.zeros((len(k), sensors, 3, self.constants))
         for i, (body, weight, place) in enumerate(self._vectors):
             seen[:, i, :, :3] = -hat(body[k])
             if place is not None:
                 seen[:, i, :, place : place + 3] = weight[k, np.newaxis, np.newaxis] * np.eye(3)
+            read[:, i, :, self._columns[i + 1]] = self._read[i][k]
         for i, (count, whitening) in enumerate(self._attitudes, len(self._vectors)):
             seen[:, i, :, :3] = np.sqrt(count[k])[:, np.newaxis, np.newaxis] * whitening
-        return seen.reshape(len(k), -1, self.size)
+        return seen.reshape(len(k), 3 * sensors, self.size), read.reshape(len(k), 3 * sensors, self.constants)
 
-    def covariances(self, initial: float) -> tuple[Array, Array, Array]:
-        """Covariances of the error state at each sample: before its readings, from those up to it, and from all."""
+    def covariances(self, initial: float) -> tuple[Covariances, Covariances]:
+        """Covariances of the error state at each sample, where the constants are known, and where they are not."""
         deviations = np.full(self.size, initial)
         for place, deviation in self._turn_on:
             deviations[place : place + 3] = deviation
-        return covariances(self.steps, len(self._stamps), np.diag(deviations**2))
+        return covariances(self.steps, len(self._stamps), np.diag(deviations**2), self.constants)
+
+
+def _errors(matrices: Array, vectors: Array) -> Array:
+    """Derivatives of the readings of vectors, (N, 3), by the constants of a sensor, shape (N, 3, c)."""
+    return np.asarray(np.einsum("cij,nj->nic", matrices, vectors))
 
 
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0

@@ -8,8 +8,8 @@ The delay b/v along the path grows:
     d/dt (b/v) = c + κ a/v,     κ = |π| (g·M⁻¹g − h·M⁻¹h).
 
 The angle of the error of the attitude about the spatial momentum grows by ω·δn a second, as ω·δπ is the error of the
-energy, and the spatial momentum of the erring motion is constant, which gives the angle across it. So the error at a
-time t is known in closed form from that at any time s before it, with S(t) = ∫κ/v² dt: near the separatrix it grows by
+energy. The spatial momentum of the erring motion is constant, which gives the angle across it. So the error at a time t
+is known in closed form from that at any time s before it, with S(t) = ∫κ/v² dt. Near the separatrix it grows by
 v(t)/v(s) and by v(t)v(s)(S(t) − S(s)). All of that but the growth with t − s repeats with the period of v.
 """
 

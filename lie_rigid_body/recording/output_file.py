@@ -31,7 +31,7 @@ class OutputFile:
     """A new file, open for writing.
 
     When another file of that name exists and may be overwritten, the new one is written beside it and takes its place
-    in `commit`; until then the old one is untouched.
+    in `commit`. Until then the old one is untouched.
 
     An unfinished file is closed by `abandon`, which keeps it for rescue unless it was to replace an older one, or by
     `discard`, which always removes it. What a killed process has left beside a file that it was to replace is removed

@@ -103,7 +103,7 @@ def simulate(
     ------
     InputError
         If the duration is not a time, a name is unknown, the parameters make no scenario, or the memory limit leaves no
-        room for the runs: this is known before anything is computed.
+        room for the runs. This is known before anything is computed.
     """
     length = exact_duration(plain(duration), "duration", "duration=60.0")
     if parameters.get("record_path"):
@@ -115,7 +115,7 @@ def simulate(
         if "sensor_seed" in parameters:
             raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
         most = max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1
-        chosen = [{"sensor_seed": plain(seed)} for seed in _chosen(seeds, most)]
+        chosen = [{"sensor_seed": seed} for seed in _chosen(seeds, most)]
     scenarios = (Scenario.from_parameters({**given, **seed}) for seed in chosen)
     first = next(scenarios)
     if first.without_effect:
@@ -146,7 +146,7 @@ def _start(start: State | None) -> dict[str, object]:
 
 
 def _given(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
-    return {**_parameters(scenario), **{name: plain(value) for name, value in parameters.items()}}
+    return {**_parameters(scenario), **parameters}
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:

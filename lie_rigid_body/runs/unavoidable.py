@@ -66,12 +66,19 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
         parts += [_of_segment(segment, stamps, end, share)] if len(stamps) else []
     if not parts:
         return None
+    calibrated = [part.calibrated for part in parts if part.calibrated is not None]
+    return _in_turn(parts, _in_turn(calibrated) if calibrated else None)
+
+
+def _in_turn(parts: Sequence[UnavoidableError], calibrated: UnavoidableError | None = None) -> UnavoidableError:
+    """The bounds of several segments as one."""
     return UnavoidableError(
         np.concatenate([part.filtered for part in parts]),
         np.concatenate([part.smoothed for part in parts]),
         np.concatenate([part.gyro_bias for part in parts]),
         np.concatenate([part.stamps_ns for part in parts]),
         next((part.unobserved for part in parts if part.unobserved), ""),
+        calibrated,
     )
 
 
@@ -92,7 +99,7 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
     """Largest constant turn, rad, that the declared errors of a run's sensors leave to a right filter; 0 if perfect.
 
     A vector that is read with an error e leaves e over the sine of the angle between two vectors, so hard iron turns
-    the heading by e / cos dip; a gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
+    the heading by e / cos dip. A gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
     independent.
     """
     return max((_left_by_errors(segment.scenario) for segment in segments), default=0.0)
@@ -131,6 +138,7 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int | Non
         vectors=vectors,
         attitudes=attitudes,
         gyro_readings=np.diff(numbers, prepend=-1),
+        gyro_linear_errors=imu.gyro.linear_errors,
     )
 
 
@@ -159,7 +167,7 @@ def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[At
         for aid in model.aids if len(stamps) else ():
             if isinstance(aid, VectorAid):
                 bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
-                vectors.append(VectorReadings(stamps, aid.reference, aid.noise, bias))
+                vectors.append(VectorReadings(stamps, aid.reference, aid.noise, bias, aid.linear_errors))
             else:
                 across, about, axis = aid.across**2, aid.about**2, np.outer(aid.axis, aid.axis)
                 attitudes.append(AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis))

@@ -119,7 +119,7 @@ class ImuModel(SensorModel):
             return ()
         triad, up = self.accelerometer, (0.0, 0.0, self.support)
         noise, step = triad.noise_density * math.sqrt(self.rate), triad.bias_random_walk / math.sqrt(self.rate)
-        return (VectorAid(up, noise, triad.turn_on_bias, step),)
+        return (VectorAid(up, noise, triad.turn_on_bias, step, triad.linear_errors),)
 
     def refusal(self, fastest: float) -> ParameterError | None:
         """The error of a body that may turn by half a turn between two readings of an integrated rate."""

@@ -24,7 +24,7 @@ from lie_rigid_body.sensors.parameters import (
 )
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Converter, Signal
-from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults
+from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults, linear_errors
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
@@ -146,9 +146,10 @@ class MagnetometerModel(SensorModel):
 
     @property
     def aids(self) -> tuple[VectorAid, ...]:
-        """The magnetic field, if there is one. Who knows the size of the hard iron is granted that."""
-        noise, iron = self.noise_density * math.sqrt(self.rate), max(map(abs, self.hard_iron))
-        return (VectorAid(self.field, noise, iron),) if any(self.field) else ()
+        """The magnetic field, if there is one. An estimator is granted to know how large the iron's errors may be."""
+        noise, hard = self.noise_density * math.sqrt(self.rate), max(map(abs, self.hard_iron))
+        soft = float(np.abs(np.array(self.soft_iron).reshape(3, 3) - np.eye(3)).max())
+        return (VectorAid(self.field, noise, hard, 0.0, linear_errors(matrix=soft)),) if any(self.field) else ()
 
 
 class Magnetometer(Instrument):

@@ -95,12 +95,15 @@ class VectorAid:
         Standard deviation of the bias at the start on each axis, same unit.
     bias_step : float
         Standard deviation of the bias' change from one reading to the next on each axis, same unit.
+    linear_errors : ndarray, shape (c, 3, 3)
+        Errors of scale, mounting and iron; see `lie_rigid_body.sensors.triad.linear_errors`.
     """
 
     reference: Vector
     noise: float
     turn_on_bias: float = 0.0
     bias_step: float = 0.0
+    linear_errors: Array = field(default_factory=lambda: np.zeros((0, 3, 3)), compare=False)
 
     __repr__ = short_repr
 

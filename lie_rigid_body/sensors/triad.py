@@ -132,6 +132,28 @@ def stuck_axes(stuck: Episodes, numbers: Integers) -> Integers:
     return axis_of(stuck.draws(np.maximum(numbers, 0))[:, 1])
 
 
+def linear_errors(*, scale: float = 0.0, misalignment: float = 0.0, matrix: float = 0.0) -> Array:
+    """Matrices L_i of the errors of three axes: a reading of x has the error Σ θ_i L_i x, to first order.
+
+    The θ_i are constants of a sensor, one for each matrix, in units of their standard deviations.
+
+    Parameters
+    ----------
+    scale, misalignment : float
+        Standard deviation of each scale factor, and of each component of the rotation vector of the mounting, rad.
+    matrix : float
+        Standard deviation of each entry of a matrix, such as that of soft iron.
+
+    Returns
+    -------
+    ndarray, shape (c, 3, 3)
+        Those whose standard deviation is not 0.
+    """
+    axes, entries = np.eye(3), np.eye(9).reshape(9, 3, 3)
+    sizes = ((scale, axes[:, :, np.newaxis] * axes[:, np.newaxis]), (misalignment, so3.hat(axes)), (matrix, entries))
+    return np.concatenate([size * kind for size, kind in sizes if size] or [np.zeros((0, 3, 3))])
+
+
 class FaultyTriad:
     """The faults of three axes at work, on readings in order.
 
@@ -188,9 +210,9 @@ class TriadModel:
         y_k = saturate(quantise(S R(μ)ᵀ x_k + b_k + n_k))
         b_(k+1) = b_k + K √(1/f) ν_k,   b_0 = σ₀ ν,   n_k = N √f ν_k
 
-    with f the sample rate and each ν independent and standard normal. The order is the signal's own: the mounting R(μ)
+    with f the sample rate and each ν independent and standard normal. The order is the signal's own. The mounting R(μ)
     decides what lies along the sensitive axes, the elements scale it by S, bias and noise add in units of the output,
-    as data sheets give them, then the converter counts in steps up to its range. So neither mounting nor scale changes
+    as data sheets give them. Then the converter counts in steps up to its range. So neither mounting nor scale changes
     the noise, and no reading leaves the range.
 
     Parameters
@@ -247,6 +269,12 @@ class TriadModel:
     def sensitivity(self) -> Array:
         """S R(μ)ᵀ, which takes body components of the truth to the sensor's axes; shape (3, 3)."""
         return np.asarray(np.array(self.scale_factor)[:, np.newaxis] * so3.exp(self.misalignment).T)
+
+    @property
+    def linear_errors(self) -> Array:
+        """Errors of scale and mounting that no estimator knows, as large as the largest that is declared."""
+        scale = float(np.abs(np.subtract(self.scale_factor, 1.0)).max())
+        return linear_errors(scale=scale, misalignment=max(map(abs, self.misalignment)))
 
     def variance(self, rate: float) -> float:
         """Variance of one reading on each axis at ``rate`` samples per second: white noise and rounding, unit²."""

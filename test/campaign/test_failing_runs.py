@@ -17,6 +17,7 @@ from campaigns import NEEDS_DASK, SCORES, finished, table_of, written
 from lie_rigid_body.campaign import Campaign, cluster
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import RESUMED, Journal
+from lie_rigid_body.campaign.judging import MORE_SCORES, Judgement
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
@@ -89,9 +90,10 @@ def test_an_estimator_without_any_score_is_an_error(
     out: Path, tmp_path: Path, said_there: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Also one that cannot be imported on the workers, whose reason ends with a remedy itself."""
-    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys(SCORES)
+    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys((*SCORES, *MORE_SCORES))
+    failed = vars(Judgement({**scores, "estimator_error": said_there}))
     with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
-        rows = [replace(row, scores={**scores, "estimator_error": said_there}) for row in journal.rows()]
+        rows = [replace(row, judgements=[failed]) for row in journal.rows()]
     heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
     (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(vars(row)) for row in rows), ""]))
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2

@@ -148,7 +148,7 @@ TAMPERED: dict[str, list[object]] = {
     "bag": ["../../secret.mcap", "bags/000005.mcap", 5],
     "run": [0.5, True, -1, 10**30],
     "residuals": [5],
-    "scores": [{"total_rms_deg": "x"}, {"estimator_error": 5}, 5],
+    "judgements": [5, [], [5], [{}], [{"scores": {}}]],
     "other": [1],
 }
 

@@ -201,7 +201,7 @@ def test_honest_errors_are_not_explained(motion, error, axes):
 def test_signs_of_quaternions_do_not_matter(motion):
     signs = np.where(np.random.default_rng(1).random(len(STAMPS)) < 0.5, -1.0, 1.0)[:, np.newaxis]
     estimate = FAULTS["inverted"](noisy(motion))
-    plain, flipped = (evaluate(STAMPS, e, truth_of(motion)).to_json() for e in (estimate, signs * estimate))
+    plain, flipped = (evaluate(STAMPS, e, truth_of(motion)).to_dict() for e in (estimate, signs * estimate))
     assert plain == flipped
 
 

@@ -100,7 +100,7 @@ def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
     live = followed(bag, kind)
     read, score = live.score()
     expected = scored(bag, diagnosed=True)
-    assert score.to_json(series=True) == expected.to_json(series=True)
+    assert score.to_dict(series=True) == expected.to_dict(series=True)
     assert (read.source, len(read.segments), read.notes) == ("poses and scenario", 2, ())
     assert len(score.broken) == 2
     # what is said on the way is the same, of all that could be compared
@@ -193,7 +193,7 @@ def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps
     assert live[0].notes == recorded.notes
     assert recorded.notes[0].startswith("20 of 169 estimates were stamped before one that had come, the first ")
     np.testing.assert_array_equal(recorded.track.stamps_ns, live[0].track.stamps_ns)
-    assert live[1].to_json(series=True) == scored(bag, diagnosed=True).to_json(series=True)
+    assert live[1].to_dict(series=True) == scored(bag, diagnosed=True).to_dict(series=True)
 
 
 @pytest.mark.parametrize(
@@ -431,7 +431,7 @@ def test_one_hostile_message_costs_itself(topic, which, place, without, own, sta
         payload = HOSTILE[which][0]
     spoilt = live_of([*heard[:at], (topic, payload), *heard[at:]])
     (read, score), (expected_read, expected) = spoilt.score(), plain.score()
-    assert score.to_json(series=True) == expected.to_json(series=True)
+    assert score.to_dict(series=True) == expected.to_dict(series=True)
     assert spoilt.tally.count == plain.tally.count
     assert read.source == expected_read.source
     kinds = {kind.removeprefix("pose ") for kind in spoilt.left_out()}
@@ -493,7 +493,7 @@ def test_a_clock_that_steps_back_by_an_hour_costs_the_time_behind(own, stamps, n
     hour = [messages_in_turn(own, stamps[:70] - 3600 * NS, noisy[:70], "/lie_rigid_body/scenario")[i] for i in (61, 63)]
     earlier = [("/pose", one_pose(stamp - 3600 * NS, IDENTITY)) for stamp in (1_200_000_000, 1_240_000_000)]
     spoilt = live_of([*heard[:60], *hour, *earlier, *heard[60:]])
-    assert spoilt.score()[1].to_json(series=True) == live_of(heard).score()[1].to_json(series=True)
+    assert spoilt.score()[1].to_dict(series=True) == live_of(heard).score()[1].to_dict(series=True)
     assert {*spoilt.left_out()} == {"disordered", "pose disordered"}
 
 

@@ -157,7 +157,7 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
         "best filter",
         "best smoother",
     ]
-    content = score.to_json(series=True)
+    content = score.to_dict(series=True)
     assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms
     assert len(content["series"]["unavoidable_deg"]) == score.samples
     write_plot(score, tmp_path / "errors.png")
@@ -198,4 +198,4 @@ def test_what_no_sensor_tells_is_said():
     run = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **{**GIVEN, "magnetometer_rate": 0.0})
     score = run.score(estimate(run, 1.0))
     assert "best filter   not known: no sensor tells a turn about the vertical" in str(score)
-    assert score.to_json()["unavoidable"]["filtered_deg"] is None
+    assert score.to_dict()["unavoidable"]["filtered_deg"] is None

@@ -53,9 +53,10 @@ class StandardState(IntEnum):
 
 
 FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
-"""Numbers of simulation_interfaces/SimulatorFeatures: categories, getting and setting of an entity's state, its info,
-reset, reset of the state, getting and setting of the simulation's state, pause, one step, many steps, their action.
-All others are unsupported, and have no service: spawning, deleting, named poses, bounds, tags, infos, worlds."""
+"""Numbers of simulation_interfaces/SimulatorFeatures. They are categories, getting and setting of an entity's state,
+its info, reset, and reset of the state. They are also getting and setting of the simulation's state, pause, one step,
+many steps, their action. All others are unsupported, and have no service: spawning, deleting, named poses, bounds,
+tags, infos, worlds."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
 CATEGORY_DYNAMIC_OBJECT: Final = 4
