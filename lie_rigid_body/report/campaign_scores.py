@@ -83,8 +83,8 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield f"{difference.sentence(first.name, second.name)}{left_out}."
     for one in comparison.standings:
         if one.points:
-            best, chosen_on = json.dumps(one.entry.parameters), counted(len(one.points), "point")
-            yield f"{one.name}: of {chosen_on} the best on runs of even number is {best}; scored on the odd ones."
+            point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
+            yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
         for what, verdict in (("", one.covariance), (" (gyro bias)", one.gyro_bias)):

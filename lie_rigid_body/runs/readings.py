@@ -79,6 +79,11 @@ class SensorArrays:
         """Stamps, s, shape (M,): doubles, in which times of day are known to 0.2 µs."""
         return self.t_ns / 1e9
 
+    @property
+    def arrays(self) -> dict[str, Array | None]:
+        """What it reads, and the biases in it, by their names; None for what is not known."""
+        return {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
+
     def to_dataframe(self) -> DataFrame:
         """Table of pandas with a row for each reading, by ``t_ns``, and columns such as ``gyro_x``.
 
@@ -149,7 +154,7 @@ class SensorArrays:
         InputError
             If something that is told on a topic of its own, as biases are, is not known.
         """
-        arrays = {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
+        arrays = self.arrays
         for topic in sensor.topics[1:]:
             columns = [arrays[field.array] for field in topic.fields]
             none = np.zeros(len(self.t_ns), dtype=np.bool_)

@@ -7,7 +7,7 @@ import json
 import os
 import resource
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -113,12 +113,12 @@ def test_a_journal_that_is_no_file_is_refused_at_once(kind: str, tmp_path: Path)
     """Of a pipe nothing would ever come."""
     campaign, out = Campaign.from_file(written(tmp_path)), tmp_path / "out"
     out.mkdir()
-    if kind == "pipe":
-        os.mkfifo(out / "runs.jsonl")
-    elif kind == "folder":
-        (out / "runs.jsonl").mkdir()
-    else:
-        (out / "runs.jsonl").symlink_to("/dev/zero")
+    make: dict[str, Callable[[Path], None]] = {
+        "pipe": os.mkfifo,
+        "folder": Path.mkdir,
+        "device": lambda path: path.symlink_to("/dev/zero"),
+    }
+    make[kind](out / "runs.jsonl")
     assert not Journal.is_begun(campaign, out)
     with pytest.raises(BagError, match=r"runs.jsonl is no regular file: move it away, or give another folder"):
         Journal(campaign, out)
