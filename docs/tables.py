@@ -28,7 +28,7 @@ MARKED: Final = re.compile(r"(?<=<!-- begin of table )([\w-]+)( -->\n).*?(?=<!--
 FAULTY: Final = ("imu", "magnetometer", "attitude_sensor", "sun_sensor", "gyro", "accelerometer")
 """Names with which the parameters of faults begin that several sensors have."""
 
-HEAD: Final = ("name", "type", "default", "allowed", "meaning")
+HEAD: Final = ("name", "type", "default", "meaning")
 KINDS: Final = {"double_array": "double{}", "string_array": "string[]"}
 
 
@@ -51,17 +51,22 @@ def default(parameter: Parameter) -> str:
     return f"`{str(value).lower()}`" if isinstance(value, bool) else f"`{value!r}`" if value == "" else f"`{value}`"
 
 
-def allowed(parameter: Parameter) -> str:
-    """The values that a parameter may have, where not all of its type are allowed."""
-    least, most = (f"{limit:g}" if math.isfinite(limit) else "" for limit in (parameter.minimum, parameter.maximum))
-    if least and most:
-        return f"{least} to {most}"
-    return f"from {least}" if least else ", ".join(f"`{choice}`" for choice in parameter.choices)
+def meaning(parameter: Parameter) -> str:
+    """What a parameter is, and the values that it may have."""
+    limits = [short(limit) for limit in (parameter.minimum, parameter.maximum) if math.isfinite(limit)]
+    choices = "" if all(c in parameter.description for c in parameter.choices) else ", ".join(parameter.choices)
+    ranges = f" ({' to '.join(limits)})" if len(limits) == 2 else f" (from {limits[0]})" if limits else ""
+    return parameter.description.rstrip(".") + ranges + (f": {choices}" if choices else "")
+
+
+def short(number: float) -> str:
+    """A number with as few characters as it needs."""
+    return re.sub(r"e([+-])0*", lambda sign: "e" + sign[1].replace("+", ""), f"{number:g}")
 
 
 def parameters(chosen: Iterable[Parameter]) -> str:
     """A row for each parameter."""
-    return table(HEAD, ((f"`{p.name}`", kind(p), default(p), allowed(p), p.description.rstrip(".")) for p in chosen))
+    return table(HEAD, ((f"`{p.name}`", kind(p), default(p), meaning(p)) for p in chosen))
 
 
 def faults(chosen: Iterable[Parameter]) -> str:
@@ -75,8 +80,7 @@ def faults(chosen: Iterable[Parameter]) -> str:
             ", ".join(f"`{p.name}`" for p in several),
             kind(several[0]),
             ", ".join(dict.fromkeys(map(default, several))),
-            ", ".join(dict.fromkeys(map(allowed, several))),
-            in_common([p.description.rstrip(".") for p in several]),
+            in_common([meaning(p) for p in several]),
         )
         for several in alike.values()
     )
@@ -96,7 +100,10 @@ def parser_of(verb: str) -> console.Parser:
     """What reads the command line of a verb: it is asked for its help. That of ``sim`` is there without ROS as well."""
     found: list[console.Parser] = []
     with patch.object(console.Parser, "print_help", lambda self, file=None: found.append(self)), suppress(SystemExit):
-        parse(["--help"]) if verb == "sim" else main([verb, "--help"])
+        if verb == "sim":
+            parse(["--help"])
+        else:
+            main([verb, "--help"])
     return found[0]
 
 

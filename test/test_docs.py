@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shlex
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
@@ -29,6 +31,41 @@ def blocks(page: Path) -> list[str]:
 )
 def test_code_blocks_of_a_page_run_as_one_program(page):
     exec(compile("\n".join(blocks(page)), page.name, "exec"), {})
+
+
+def commands(text: str) -> list[list[str]]:
+    """Command lines of the package, in blocks and within a line, without what is given to ROS."""
+    shown = re.findall(r"^```(?:bash|console)\n(.*?)^```|(?<=\n\n)((?:    .*\n)+)", text, re.MULTILINE | re.DOTALL)
+    spans = re.findall(
+        r"`(lie-rigid-body \w+ [^`]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    )
+    lines = [line.strip() for block in shown for part in block for line in part.splitlines()]
+    found = [re.match(r"(?:\$ )?(?:timeout .*)?\blie-rigid-body (\w.*)", line) for line in (*lines, *spans)]
+    words = [shlex.split(line[1], comments=True) for line in found if line]
+    return [list(takewhile(lambda word: word != "--ros-args", line)) for line in words]
+
+
+SHOWN = [(page, *line) for page in [DOCS.parent / "README.md", *PAGES] for line in commands(page.read_text("utf-8"))]
+
+
+@pytest.mark.parametrize(
+    ("page", "verb", "words"),
+    [(page, verb, words) for page, verb, *words in SHOWN if verb != "VERB"],
+    ids=lambda given: given.stem if isinstance(given, Path) else None,
+)
+def test_a_verb_understands_what_a_page_gives_it(page, verb, words):
+    tables.parser_of(verb).parse_args(words)
+
+
+def test_commands_are_found():
+    assert len(SHOWN) > 30
+    assert commands(
+        "```bash\n$ lie-rigid-body a b  # c\n```\n`lie-rigid-body d e`\n\n    lie-rigid-body f --ros-args g\n\n"
+    ) == [
+        ["a", "b"],
+        ["f"],
+        ["d", "e"],
+    ]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Final
@@ -17,6 +17,7 @@ from lie_rigid_body.campaign.run import Row
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
+from lie_rigid_body.runs import simulate
 from lie_rigid_body.wording import short_repr
 
 MOST_SERIES: Final = 1000
@@ -101,6 +102,23 @@ class Standing:
 
 
 @dataclass(frozen=True)
+class Best:
+    """What the sensors of a run leave at best.
+
+    Attributes
+    ----------
+    run : int
+    rms_deg : float
+        RMS of the total error of the best filter, degrees.
+    """
+
+    run: int
+    rms_deg: float
+
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
 class Comparison:
     """Estimators of a campaign.
 
@@ -112,6 +130,8 @@ class Comparison:
         Of each pair: difference of the RMS of the total error, degrees, over the runs in which both are scored.
     t_s : ndarray, shape (`CURVE`,)
         Times of the curves, s.
+    best : Best or None
+        What the sensors leave at best, in the first run in which every estimator is scored.
     independent : bool
         Whether the noise differs from run to run, without which nothing is said of covariances.
     has_covariances : bool
@@ -121,6 +141,7 @@ class Comparison:
     standings: tuple[Standing, ...]
     differences: tuple[tuple[Standing, Standing, Difference], ...]
     t_s: Array
+    best: Best | None
     independent: bool
     has_covariances: bool
 
@@ -153,6 +174,7 @@ def compare(campaign: Campaign, rows: Callable[[], Iterable[Row]]) -> Comparison
         standings,
         tuple((first, second, _difference(first, second)) for first, second in combinations(standings, 2)),
         np.linspace(0.0, duration, CURVE),
+        _best_possible(campaign, standings),
         independent,
         any(each.covariance for some in kept.values() for each in some),
     )
@@ -228,6 +250,18 @@ def _difference(first: Standing, second: Standing) -> Difference:
     """Difference over the runs in which both are scored."""
     _, left, right = np.intersect1d(first.runs, second.runs, return_indices=True)
     return of_runs(first.scores[_TOTAL][left], second.scores[_TOTAL][right])
+
+
+def _best_possible(campaign: Campaign, standings: Sequence[Standing]) -> Best | None:
+    """The bound in the first run in which every estimator is scored; None if there is none."""
+    runs = set.intersection(*({*one.runs[~one.failed].tolist()} for one in standings))
+    if not runs:
+        return None
+    run = min(runs)
+    bound = simulate(campaign.scenario_of(run), duration=campaign.duration).unavoidable_error()
+    if bound is None or bound.unobserved:
+        return None
+    return Best(run, float(np.degrees(bound.rms(bound.filtered))))
 
 
 def _verdict(duration_s: float, judgements: list[Judgement], of_bias: bool) -> Honesty | None:

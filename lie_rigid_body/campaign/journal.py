@@ -13,7 +13,7 @@ from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.bounded_input import LONGEST_ROW, load_json
+from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.judging import ERROR, MORE_SCORES, SCORES, Judgement
 from lie_rigid_body.campaign.run import BAGS, Row, bag_name
@@ -59,6 +59,8 @@ class Journal(AbstractContextManager["Journal"]):
         self._places = array("q", [_NONE]) * campaign.runs
         self._varied, self._entries = {*campaign.vary}, campaign.entries
         self._compared = bool(campaign.estimators)
+        if self.path.exists() and not self.path.is_file():  # of a pipe nothing would ever come
+            raise BagError(f"{self.path} is no regular file: move it away, or give another folder")
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
@@ -80,9 +82,9 @@ class Journal(AbstractContextManager["Journal"]):
     def is_begun(cls, campaign: Campaign, folder: Path) -> bool:
         """Whether a folder holds runs of this campaign, whose scenarios were then found to be possible."""
         try:
-            with (folder / JOURNAL).open("rb") as file:
+            with open_file(folder / JOURNAL) as file:
                 return _equal(file.readline(LONGEST_ROW), _heading(campaign))
-        except OSError:
+        except (InputError, OSError):
             return False
 
     def _read(self) -> None:
@@ -134,6 +136,7 @@ class Journal(AbstractContextManager["Journal"]):
             Judgement.read(judgement)
         return (
             0 <= row.run < len(self._places)
+            and (not row.certified or row.attitude_accuracy_rad >= 0.0)
             and row.bag in (None, bag_name(row.run))
             and len(row.judgements) == len(self._entries)
         )

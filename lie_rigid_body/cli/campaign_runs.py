@@ -83,16 +83,21 @@ def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
     """Forget finished runs that lack their bags, where bags are wanted, so that they are done again, and say so."""
     finished = len(journal)
     if wanted:
-        lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
-        for run in lacking:
-            journal.forget(run)
-        if lacking:
+        if lacking := _forget_without_bags(journal):
             console.say(
                 f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
                 f"or one of another size: {listed(lacking)}"
             )
     elif kept := sum(row.bag is not None for row in journal.rows()):
         console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
+
+
+def _forget_without_bags(journal: Journal) -> list[int]:
+    """Forget finished runs that lack their bags, and return their numbers."""
+    lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
+    for run in lacking:
+        journal.forget(run)
+    return lacking
 
 
 def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> dict[int, BaseException]:
@@ -178,7 +183,7 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     error = failed[min(failed)]
     reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
-    reason = reason.replace(f"{journal.folder}{os.sep}", "")
+    reason = reason.replace(f"{journal.folder.absolute()}{os.sep}", "")
     if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
     reason = shortened(reason, _LONGEST_REASON)
@@ -192,6 +197,11 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
     if failed:
         raise _failure(campaign, journal, failed)
+    if not given.no_bags and (lacking := _forget_without_bags(journal)):
+        raise BagError(
+            f"{len(lacking)} of {counted(campaign.runs, 'bag')} were deleted or changed meanwhile ({listed(lacking)}): "
+            f"keep others away, also the estimator; {RESUMED}"
+        )
     from pyarrow.parquet import read_table
 
     path = journal.write_table()

@@ -15,7 +15,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
-from lie_rigid_body.evaluation.naming import (
+from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FEWEST,
     LEAD,

@@ -344,8 +344,7 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     BagError
         If they cannot be read.
     """
-    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
-    return _attitudes(topic, message_type, RawMessages(memoryview(b"".join(payloads)), sizes, np.zeros_like(sizes)))
+    return _attitudes(topic, message_type, RawMessages.of_payloads([(0, payload) for payload in payloads]))
 
 
 def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:

@@ -83,13 +83,17 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield f"{difference.sentence(first.name, second.name)}{left_out}."
     for one in comparison.standings:
         if one.points:
-            best, chosen_on = json.dumps(one.entry.parameters), counted(len(one.points), "point")
-            yield f"{one.name}: of {chosen_on} the best on runs of even number is {best}; scored on the odd ones."
+            point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
+            yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
         for what, verdict in (("", one.covariance), (" (gyro bias)", one.gyro_bias)):
             if verdict is not None:
                 yield f"{one.name}{what}: {verdict.message}."
+    if best := comparison.best:
+        of = [(one.name, float(one.scores["total_rms_deg"][one.runs == best.run][0])) for one in comparison.standings]
+        errors = ", ".join(f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of)
+        yield f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best; there errs {errors}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
     elif comparison.has_covariances and not any(one.covariance for one in comparison.standings):

@@ -53,7 +53,7 @@ figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
 .narrow { display: none; }
 pre { background: var(--soft); padding: 0.8rem; overflow-x: auto; }
-@media (max-width: 40rem) {
+@media (max-width: 640px) {
   .wide:not(.grid) { display: none; } .narrow { display: block; } .plot.body { height: 26rem; }
   th, td { padding: 0.3rem 0.4rem; }
 }

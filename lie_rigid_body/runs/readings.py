@@ -59,6 +59,16 @@ class SensorArrays:
 
     t_ns: Integers
     arrival_ns: Integers
+    # those of the sensors that come with the package, for editors: a sensor has its own only
+    gyro: Array
+    specific_force: Array
+    gyro_bias: Any
+    accelerometer_bias: Any
+    orientation_xyzw: Any
+    field: Array
+    attitude_xyzw: Array
+    covariance: Any
+    direction: Array
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
         everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
@@ -68,6 +78,11 @@ class SensorArrays:
     def t_s(self) -> Array:
         """Stamps, s, shape (M,): doubles, in which times of day are known to 0.2 µs."""
         return self.t_ns / 1e9
+
+    @property
+    def arrays(self) -> dict[str, Array | None]:
+        """What it reads, and the biases in it, by their names; None for what is not known."""
+        return {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
 
     def to_dataframe(self) -> DataFrame:
         """Table of pandas with a row for each reading, by ``t_ns``, and columns such as ``gyro_x``.
@@ -139,7 +154,7 @@ class SensorArrays:
         InputError
             If something that is told on a topic of its own, as biases are, is not known.
         """
-        arrays = {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
+        arrays = self.arrays
         for topic in sensor.topics[1:]:
             columns = [arrays[field.array] for field in topic.fields]
             none = np.zeros(len(self.t_ns), dtype=np.bool_)

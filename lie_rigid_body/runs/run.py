@@ -21,7 +21,6 @@ from lie_rigid_body.evaluation.attitude_error import numbers
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages
-from lie_rigid_body.messages.definitions import VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.bag_writer import (
     CUT_OFF,
@@ -35,7 +34,7 @@ from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import Block, bag_segments, recorded_segments
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import FaultMessages
-from lie_rigid_body.runs.estimate import Estimate, messages_of_score
+from lie_rigid_body.runs.estimate import BIAS, Estimate, messages_of_score, vectors
 from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
@@ -57,8 +56,17 @@ OWN_TOPICS: Final = frozenset(
 END_OF_TIME: Final = 2**63 - 1
 
 
+class _NamedSensors:
+    """Sensors that come with the package, for editors: a run finds these and others by their names."""
+
+    imu: SensorArrays | None
+    magnetometer: SensorArrays | None
+    attitude_sensor: SensorArrays | None
+    sun: SensorArrays | None
+
+
 @dataclass(frozen=True, eq=False)
-class Run(Shown):
+class Run(_NamedSensors, Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -181,7 +189,8 @@ class Run(Shown):
         ----------
         path : str or Path
         estimates : mapping of str to Estimate, or to stamps and attitudes, optional
-            Estimates by their topics, such as ``/estimate``, that are put beside the truth.
+            Estimates by their topics, such as ``/estimate``, that are put beside the truth. Their biases of the gyro,
+            rad/s, are on ``TOPIC/gyro_bias``.
         scores : mapping of str to Score, optional
             Scores by the topics of their estimates. On ``TOPIC/error_deg`` are total, heading and inclination error,
             degrees, as x, y, z; on ``TOPIC/nees`` the NEES and its 95 % bounds.
@@ -223,11 +232,12 @@ class Run(Shown):
                     f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
                 )
             estimate = Estimate.of(given)
-            yield estimate.messages(
-                topic, self.stamps_of(len(estimate)) if estimate.t_ns is None else estimate.t_ns, frame
-            )
+            stamps = self.stamps_of(len(estimate)) if estimate.t_ns is None else estimate.t_ns
+            yield estimate.messages(topic, stamps, frame)
+            if estimate.gyro_bias is not None:
+                yield vectors(f"{topic}{BIAS}", stamps, estimate.gyro_bias, self.scenario.body_frame)
         for topic, score in scores.items():
-            yield from ((messages, VECTOR3_STAMPED) for messages in messages_of_score(topic, score, frame))
+            yield from messages_of_score(topic, score, frame)
 
     def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
         """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.runs.estimate import Estimate
@@ -48,6 +51,16 @@ def write_scored(
     for read, score in scored:
         track, topic = read.track, read.track.topic
         name = f"{topic}/estimate" if topic in OWN_TOPICS or track.message_type == TF_MESSAGE else topic
-        estimates[name] = Estimate(track.attitude_xyzw, track.stamps_ns, read.covariance, covariance_axes)
+        estimates[name] = Estimate(
+            track.attitude_xyzw, track.stamps_ns, read.covariance, covariance_axes, _bias_at(read, track.stamps_ns)
+        )
         scores[name] = score
     run.to_bag(path, estimates=estimates, scores=scores, overwrite=overwrite)
+
+
+def _bias_at(read: RecordedEstimate, stamps_ns: Integers) -> Array | None:
+    """Estimated biases at stamps, shape (N, 3), rad/s: the last before each; None where there are none."""
+    if read.gyro_bias is None:
+        return None
+    last = np.searchsorted(read.gyro_bias.stamps_ns, stamps_ns, side="right") - 1
+    return read.gyro_bias.estimate[np.maximum(last, 0)]

@@ -177,9 +177,11 @@ class Scenario:
     def _rate_bound(self) -> float:
         body, start = self.body(), self.start()
         smallest = float(body.principal_moments[0])
-        by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
+        twice_energy = 2.0 * float(body.kinetic_energy(start))
+        by_energy = math.sqrt(twice_energy / smallest)
         by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
-        return min(by_energy, by_momentum)
+        bound = min(by_energy, by_momentum)
+        return bound if math.isfinite(bound) else math.sqrt(twice_energy) / math.sqrt(smallest)  # quotients overflow
 
     def steps_per_sample(self, rate: float | None = None) -> int:
         """Steps of the moving chart from one sample to the next; 1 of the closed form.

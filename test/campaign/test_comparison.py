@@ -19,6 +19,7 @@ from lie_rigid_body.campaign.comparison import Comparison, Standing, compare
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.judging import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
 from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.runs import simulate
 
 pytestmark = NEEDS_DASK
 RUNS = 24
@@ -28,7 +29,8 @@ runs: {RUNS}
 seed: 7
 duration: 0.5
 scenario: tumbling_cubesat
-parameters: {{rate: 50.0, imu_rate: 50.0, sensor_grade: mems}}
+parameters:
+  {{rate: 50.0, imu_rate: 50.0, magnetometer_rate: 50.0, sensor_grade: mems, accelerometer_mode: pivot_gravity}}
 vary:
   sensor_seed: {{distribution: run}}
   gyro_noise_density: {{distribution: loguniform, low: 1.0e-5, high: 1.0e-3}}
@@ -195,6 +197,19 @@ def test_failures_are_counted_with_their_first_reason(comparison: Comparison) ->
     assert [one.reason for one in comparison.standings if one is not lost] == [""] * 5
 
 
+def test_what_the_sensors_leave_is_told_of_one_run(comparison: Comparison, said: list[str]) -> None:
+    """A covariance may be honest about an error that is many times as large."""
+    campaign = Campaign.from_file("campaign.yaml")
+    bound = simulate(campaign.scenario_of(1), duration=0.5).unavoidable_error()
+    assert bound is not None
+    assert comparison.best is not None
+    assert comparison.best.run == 1
+    assert comparison.best.rms_deg == pytest.approx(np.degrees(np.sqrt(np.trace(bound.filtered, 0, 1, 2).mean())))
+    [sentence] = [line for line in said if "at best" in line]
+    assert f" {2.0 / comparison.best.rms_deg:.3g} times" in " ".join(said)
+    assert "run 1 " in sentence
+
+
 def test_curves_hold_the_error_over_time(comparison: Comparison) -> None:
     assert comparison.t_s[[0, -1]] == pytest.approx([0.0, 0.5])
     found = named(comparison)
@@ -238,6 +253,7 @@ def test_a_finished_campaign_says_the_same_again(
     assert kept == {name: (folder / "out" / name).read_bytes() for name in kept}
 
 
+@pytest.mark.slow
 def test_the_same_scores_from_processes_of_its_own(folder: Path, scores: Any) -> None:
     assert main([str(written(folder, COMPARED)), "--out", "other", "--no-bags", "--workers", "2"]) == 0
     assert (folder / "other" / "scores.parquet").read_bytes() == (folder / "out" / "scores.parquet").read_bytes()

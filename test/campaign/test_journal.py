@@ -7,7 +7,7 @@ import json
 import os
 import resource
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -108,6 +108,22 @@ def test_a_campaign_that_ended_before_its_journal_began_is_begun_again(
         assert len(journal) == 0
 
 
+@pytest.mark.parametrize("kind", ["pipe", "folder", "device"])
+def test_a_journal_that_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
+    """Of a pipe nothing would ever come."""
+    campaign, out = Campaign.from_file(written(tmp_path)), tmp_path / "out"
+    out.mkdir()
+    make: dict[str, Callable[[Path], None]] = {
+        "pipe": os.mkfifo,
+        "folder": Path.mkdir,
+        "device": lambda path: path.symlink_to("/dev/zero"),
+    }
+    make[kind](out / "runs.jsonl")
+    assert not Journal.is_begun(campaign, out)
+    with pytest.raises(BagError, match=r"runs.jsonl is no regular file: move it away, or give another folder"):
+        Journal(campaign, out)
+
+
 @pytest.mark.parametrize("put", ["nothing", "another file"])
 def test_a_folder_that_is_taken_away_is_told(journal: Journal, put: str) -> None:
     """Else all further rows would go where nobody finds them."""
@@ -131,7 +147,7 @@ def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pyt
 
 TAMPERED: dict[str, list[object]] = {
     "parameters": [[], None, {}, {"rate": 5.0}],
-    "attitude_accuracy_rad": ["x", None],
+    "attitude_accuracy_rad": ["x", None, float("nan"), -1.0],
     "certified": ["no", 1],
     "bag": ["../../secret.mcap", "bags/000005.mcap", 5],
     "run": [0.5, True, -1, 10**30],

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from browser import PROGRAM, Browser
 
 from lie_rigid_body import Estimate, Limits, Run, simulate
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
@@ -133,6 +134,26 @@ def test_a_score_is_told_where_reports_are_made(run: Any, tmp_path: Path) -> Non
     page = (tmp_path / "e.html").read_text("utf-8")
     order = [page.index(text) for text in ("<h1>", "The attitude error is", "<svg", "Findings", "<table")]
     assert order == sorted(order)
+
+
+@pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
+@pytest.mark.parametrize(("width", "shown"), [(1400, ["wide"]), (400, ["narrow"])])
+def test_a_page_fits_a_screen_and_the_dark(width: int, shown: list[str], run: Any, tmp_path: Path) -> None:
+    page, colours = tmp_path / "e.html", {}
+    write_report(off_by(run, 5.0, Limits(1.0)), page)
+    with Browser(tmp_path) as browser:
+        for scheme in ("light", "dark"):
+            browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            browser.open(page, width, 900)
+            drawn = "[...document.querySelectorAll('figure')].filter(f => f.offsetWidth)"
+            assert browser.evaluate(f"{drawn}.map(f => f.className)") == shown
+            assert browser.evaluate("document.documentElement.scrollWidth") <= width
+            style = "getComputedStyle(document.body)"
+            of_page = browser.evaluate(f"[{style}.color, {style}.backgroundColor]")
+            colours[scheme] = [int(colour.split("(")[1].split(",")[0]) for colour in of_page]
+        assert browser.complaints == []
+    assert colours["light"][0] < 64 < 192 < colours["light"][1]
+    assert colours["dark"][1] < 64 < 192 < colours["dark"][0]
 
 
 @pytest.mark.parametrize("degrees", [1e-4, 3.0, 100.0])

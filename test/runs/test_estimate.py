@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from mcap.reader import make_reader
 
 from lie_rigid_body import Estimate, InputError, Run, certify, simulate
+from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report.scores import page
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
@@ -103,3 +106,28 @@ def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
     with pytest.raises(InputError, match="'/imu/data_raw' is no name"):
         run.to_bag(tmp_path / "x.mcap", estimates={"/imu/data_raw": (run.t_ns, attitude)})
     assert not (tmp_path / "x.mcap").exists()
+
+
+def test_estimated_biases_have_their_score_from_a_bag_too(run, attitude, tmp_path, capsys):
+    bias = run.gyro_bias_at(run.t_ns) + np.array([0.0, 0.02, 0.0])
+    estimate, path, out = Estimate(attitude, run.t_ns, gyro_bias=bias), tmp_path / "run.mcap", tmp_path / "scored.mcap"
+    run.to_bag(path, estimates={"/mine": estimate, "/plain": (run.t_ns, attitude)})
+    assert main([str(path), "--estimate", "/mine", "--json", "--out", str(out)]) == 0
+    told = json.loads(capsys.readouterr().out)["gyro_bias_rad_s"]
+    assert told == run.score(estimate, diagnosed=False).to_dict()["gyro_bias_rad_s"]
+    assert told["rms"] == pytest.approx(0.02)
+    assert main([str(path), "--estimate", "/plain", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["gyro_bias_rad_s"] is None
+    again = recorded_estimate(out, "/mine").gyro_bias
+    assert again is not None
+    assert np.array_equal(again.estimate, bias)
+    assert certify(out).passed
+
+
+def test_biases_whose_truth_is_not_known_are_told_in_a_note(run, attitude, tmp_path):
+    bag = tmp_path / "run.mcap"
+    still = simulate("tumbling_cubesat", duration=2.0)
+    still.to_bag(bag, estimates={"/mine": Estimate(attitude, run.t_ns, gyro_bias=attitude[:, :3])})
+    read = recorded_estimate(bag, "/mine")
+    assert read.gyro_bias is None
+    assert "no score" in read.notes[-1]

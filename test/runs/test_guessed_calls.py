@@ -18,6 +18,7 @@ from lie_rigid_body import (
     MovingChart,
     ParameterError,
     RigidBody,
+    Run,
     SampledTruth,
     Scenario,
     State,
@@ -26,6 +27,8 @@ from lie_rigid_body import (
     evaluate,
     simulate,
 )
+from lie_rigid_body.runs import SensorArrays
+from lie_rigid_body.sensors import SENSORS
 
 BODY = RigidBody([[2.0, 0.1, -0.2], [0.1, 2.5, 0.3], [-0.2, 0.3, 3.0]])
 START = State([0.1, -0.2, 0.3, np.sqrt(1.0 - 0.14)], [0.4, -0.3, 0.2])
@@ -130,6 +133,14 @@ def test_columns_and_tensors_are_taken_as_arrays(make):
     np.testing.assert_array_equal(
         MovingChart(BODY, START).at(t_ns).body_rate, MovingChart(BODY, START).at(run.t_ns).body_rate
     )
+
+
+def test_editors_know_the_arrays_of_the_sensors():
+    named = {*Run.__bases__[0].__annotations__}
+    assert named == {sensor.key for sensor in SENSORS.values()}
+    arrays = {field.array for sensor in SENSORS.values() for topic in sensor.topics for field in topic.fields}
+    assert {*SensorArrays.__annotations__} == {"t_ns", "arrival_ns", *arrays}
+    assert simulate(duration=0.1).sun is None
 
 
 def test_public_names_are_loaded_when_they_are_used():
