@@ -1,0 +1,233 @@
+"""The bound with unknown constants against a batch smoother: iterated least squares over the same unknowns."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import SuperLU, splu
+from scipy.spatial.transform import Rotation
+
+from lie_rigid_body import Run, simulate
+
+RATE: Final = 25.0
+SIZES: Final = {"gyro_scale": 0.01, "gyro_turn": 0.01, "accelerometer_scale": 0.005, "accelerometer_turn": 0.005}
+SOFT_IRON: Final = 0.02
+GIVEN: Final[dict[str, Any]] = {
+    "initial_body_rate": [0.3, 1.0, -0.4],
+    "gyro_rate": "integrated",
+    "imu_rate": RATE,
+    "magnetometer_rate": RATE,
+    "rate": RATE,
+    "accelerometer_mode": "pivot_gravity",
+    "motion": "closed_form",
+    "sensor_grade": "mems",
+    "gyro_resolution": 0.0,
+    "accelerometer_resolution": 0.0,
+    "magnetometer_resolution": 0.0,
+}
+CONSTANTS: Final = 27
+"""Bias of the accelerometer, hard iron, scale and mounting of gyro and accelerometer, three each, and soft iron."""
+
+
+def hats(vectors: np.ndarray) -> np.ndarray:
+    x, y, z = np.moveaxis(vectors, -1, 0)
+    zero = np.zeros_like(x)
+    return np.stack([np.stack(row, -1) for row in ([zero, -z, y], [z, zero, -x], [-y, x, zero])], -2)
+
+
+def right_jacobian(turns: np.ndarray) -> np.ndarray:
+    """Derivative of log(exp(φ)⁻¹ exp(φ + ε)) by ε, by its series: turns are small."""
+    K = hats(turns)
+    return np.eye(3) - K / 2.0 + K @ K / 6.0 - K @ K @ K / 24.0 + K @ K @ K @ K / 120.0
+
+
+class Smoother:
+    """The most probable attitudes, gyro biases and constants of a run, by the noise that a scenario declares."""
+
+    def __init__(self, declared: dict[str, Any], run: Run) -> None:
+        assert run.imu is not None
+        assert run.magnetometer is not None
+        self.gyro, self.force, self.field = run.imu.gyro, run.imu.specific_force, run.magnetometer.field
+        self.count, root = len(self.gyro), np.sqrt(RATE)
+        self.up, self.north = np.array([0.0, 0.0, declared["gravity"]]), np.array(declared["magnetic_field"])
+        self.noise = {
+            name: declared[f"{name}_noise_density"] * root for name in ("gyro", "accelerometer", "magnetometer")
+        }
+        self.walk, self.turn_on = declared["gyro_bias_random_walk"] / root, declared["gyro_turn_on_bias"]
+        hard = np.abs(declared["magnetometer_hard_iron"]).max()
+        sizes = [declared["accelerometer_turn_on_bias"], hard, *SIZES.values()]
+        self.deviations = np.concatenate([np.repeat(sizes, 3), np.repeat(SOFT_IRON, 9)])
+        self.attitude, self.bias, self.constants = self._directions(), np.zeros((self.count, 3)), np.zeros(CONSTANTS)
+
+    def _directions(self) -> Rotation:
+        """The attitude that each pair of readings tells (TRIAD)."""
+
+        def axes(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+            across = np.cross(first, second)
+            found = np.stack([first, across, np.cross(first, across)], -1)
+            return np.asarray(found / np.linalg.norm(found, axis=-2, keepdims=True))
+
+        body = axes(self.force, self.field)
+        return Rotation.from_matrix(axes(self.up, self.north) @ np.swapaxes(body, -1, -2))
+
+    def linearised(self) -> tuple[sparse.csr_array, np.ndarray]:
+        """Jacobian and residuals, each divided by its standard deviation."""
+        n, R = self.count, self.attitude
+        hard, iron = self.constants[3:6], np.eye(3) + self.constants[18:].reshape(3, 3)
+        rows: list[tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]] = []
+        each, fixed = np.arange(n), 6 * n
+
+        def at(first: Any, size: int = 3) -> np.ndarray:
+            return np.asarray(first)[..., np.newaxis] + np.arange(size)
+
+        def constants(k: int, size: int = 3) -> np.ndarray:
+            return np.tile(at(fixed + k, size), (n, 1))
+
+        def through(k: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+            """Reading of x by scale and mounting from the k-th constant on; derivatives by x, scale and mounting."""
+            scale, turn = 1.0 + self.constants[k : k + 3], self.constants[k + 3 : k + 6]
+            mounted = Rotation.from_rotvec(turn).inv()
+            y, S = mounted.apply(x), np.diag(scale)
+            return y * scale, S @ mounted.as_matrix(), y[:, :, None] * np.eye(3), S @ hats(y) @ right_jacobian(turn)
+
+        turn = (R[:-1].inv() * R[1:]).as_rotvec()
+        read, by_rate, by_scale, by_turn = through(6, turn * RATE)
+        backward, forward = np.linalg.inv(right_jacobian(-turn)), np.linalg.inv(right_jacobian(turn))
+        tile = np.tile(np.eye(3), (n, 1, 1))
+        later = each[1:]
+        rows.append(
+            (
+                (read + self.bias[1:] - self.gyro[1:]) / self.noise["gyro"],
+                [
+                    (at(6 * later - 6), -by_rate @ backward * RATE / self.noise["gyro"]),
+                    (at(6 * later), by_rate @ forward * RATE / self.noise["gyro"]),
+                    (at(6 * later + 3), tile[1:] / self.noise["gyro"]),
+                    (constants(6)[1:], by_scale / self.noise["gyro"]),
+                    (constants(9)[1:], by_turn / self.noise["gyro"]),
+                ],
+            )
+        )
+        rows.append(
+            (
+                np.diff(self.bias, axis=0) / self.walk,
+                [(at(6 * later + 3), tile[1:] / self.walk), (at(6 * later - 3), -tile[1:] / self.walk)],
+            )
+        )
+        rows.append((self.bias[:1] / self.turn_on, [(at([3]), tile[:1] / self.turn_on)]))
+        x, sigma = R.inv().apply(self.up), self.noise["accelerometer"]
+        read, by_x, by_scale, by_turn = through(12, x)
+        rows.append(
+            (
+                (read + self.constants[:3] - self.force) / sigma,
+                [
+                    (at(6 * each), by_x @ hats(x) / sigma),
+                    (constants(0), tile / sigma),
+                    (constants(12), by_scale / sigma),
+                    (constants(15), by_turn / sigma),
+                ],
+            )
+        )
+        x, sigma = R.inv().apply(self.north), self.noise["magnetometer"]
+        entries = np.einsum("ij,nk->nijk", np.eye(3), x).reshape(n, 3, 9)
+        rows.append(
+            (
+                (x @ iron.T + hard - self.field) / sigma,
+                [
+                    (at(6 * each), iron @ hats(x) / sigma),
+                    (constants(3), tile / sigma),
+                    (constants(18, 9), entries / sigma),
+                ],
+            )
+        )
+        priors = (self.constants / self.deviations)[np.newaxis]
+        rows.append((priors, [(at([fixed], CONSTANTS), np.diag(1.0 / self.deviations)[np.newaxis])]))
+        return _assembled(rows, fixed + CONSTANTS)
+
+    def solve(self) -> tuple[sparse.csr_array, SuperLU]:
+        """Iterate to the end; the Jacobian there, and the factors of its normal equations."""
+        for _ in range(20):
+            jacobian, residuals = self.linearised()
+            normal = splu((jacobian.T @ jacobian).tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+            step = -normal.solve(jacobian.T @ residuals)
+            states = step[: 6 * self.count].reshape(-1, 6)
+            self.attitude = self.attitude * Rotation.from_rotvec(states[:, :3])
+            self.bias, self.constants = self.bias + states[:, 3:], self.constants + step[6 * self.count :]
+            if np.abs(states[:, :3]).max() < 1e-7:
+                return jacobian, normal
+        raise AssertionError("the smoother does not converge")
+
+
+def _assembled(rows: list[Any], columns: int) -> tuple[sparse.csr_array, np.ndarray]:
+    """The sparse matrix of blocks (N, 3, m) at columns (N, m), and all residuals."""
+    data, row, column, begin = [], [], [], 0
+    for residuals, blocks in rows:
+        number = begin + np.arange(residuals.size).reshape(residuals.shape)
+        begin += residuals.size
+        for at, block in blocks:
+            data.append(block.ravel())
+            row.append(np.broadcast_to(number[:, :, np.newaxis], block.shape).ravel())
+            column.append(np.broadcast_to(at[:, np.newaxis], block.shape).ravel())
+    entries = np.concatenate(data), (np.concatenate(row), np.concatenate(column))
+    return sparse.csr_array(entries, shape=(begin, columns)), np.concatenate([r.ravel() for r, _ in rows])
+
+
+def drawn(seed: int, hard_iron: float) -> dict[str, Any]:
+    """Constants of a run, normal about none."""
+    random = np.random.default_rng(seed)
+    return {
+        "sensor_seed": seed,
+        "gyro_scale_factor": (1.0 + SIZES["gyro_scale"] * random.normal(size=3)).tolist(),
+        "gyro_misalignment": (SIZES["gyro_turn"] * random.normal(size=3)).tolist(),
+        "accelerometer_scale_factor": (1.0 + SIZES["accelerometer_scale"] * random.normal(size=3)).tolist(),
+        "accelerometer_misalignment": (SIZES["accelerometer_turn"] * random.normal(size=3)).tolist(),
+        "magnetometer_soft_iron": (np.eye(3) + SOFT_IRON * random.normal(size=(3, 3))).ravel().tolist(),
+        "magnetometer_hard_iron": (hard_iron * random.normal(size=3)).tolist(),
+    }
+
+
+if __name__ == "__main__":
+    import sys
+    import time
+
+    declared = {
+        "gyro_scale_factor": [1.01, 0.99, 1.01],
+        "gyro_misalignment": [0.01, -0.01, 0.01],
+        "accelerometer_scale_factor": [1.005, 1, 1],
+        "accelerometer_misalignment": [0.005, -0.005, 0.005],
+        "magnetometer_soft_iron": [1.02, 0, 0, 0, 1, 0, 0, 0, 1],
+    }
+    base = simulate(duration=20.0, **GIVEN, **declared)
+    bound = base.unavoidable_error()
+    p = base.scenario.parameters()
+    iron = max(map(abs, p["magnetometer_hard_iron"]))
+    print(
+        "bound smooth",
+        np.degrees(bound.rms(bound.smoothed)),
+        "filtered",
+        np.degrees(bound.rms(bound.filtered)),
+        "cal",
+        np.degrees(bound.rms(bound.calibrated.smoothed)),
+    )
+    sq = []
+    for seed in range(int(sys.argv[1])):
+        t = time.process_time()
+        run = simulate(duration=20.0, **GIVEN, **drawn(seed, iron))
+        t1 = time.process_time()
+        s = Smoother(p, run)
+        J, lu = s.solve()
+        e = (Rotation.from_quat(run.attitude().at(run.imu.t_ns)).inv() * s.attitude).magnitude()
+        sq.append(np.mean(e**2))
+        if seed < 3:
+            print(seed, np.degrees(np.sqrt(sq[-1])), "sim", t1 - t, "smooth", time.process_time() - t1, len(e))
+            eps = np.random.default_rng(0).normal(size=(J.shape[0], 2000))
+            d = lu.solve(J.T @ eps)[: 6 * len(e)].reshape(len(e), 6, -1)[:, :3]
+            print("own rms", np.degrees(np.sqrt((d**2).sum(1).mean())))
+            c = np.einsum("kir,kjr->kij", d, d) / 2000
+            print(np.abs(np.trace(c, axis1=1, axis2=2) / np.trace(bound.smoothed, axis1=1, axis2=2) - 1).max())
+    print(
+        "ratio",
+        np.degrees(np.sqrt(np.mean(sq))) / np.degrees(bound.rms(bound.smoothed)),
+        np.degrees(np.sqrt(np.quantile(sq, [0, 0.1, 0.5, 0.9, 1]))),
+    )
