@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
+import pytest
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 from scipy.spatial.transform import Rotation
@@ -187,47 +188,41 @@ def drawn(seed: int, hard_iron: float) -> dict[str, Any]:
     }
 
 
-if __name__ == "__main__":
-    import sys
-    import time
+DURATION: Final = 20.0
+LARGEST: Final[dict[str, Any]] = {
+    "gyro_scale_factor": [1.0 + SIZES["gyro_scale"], 1.0, 1.0],
+    "gyro_misalignment": [0.0, SIZES["gyro_turn"], 0.0],
+    "accelerometer_scale_factor": [1.0, 1.0, 1.0 - SIZES["accelerometer_scale"]],
+    "accelerometer_misalignment": [0.0, 0.0, -SIZES["accelerometer_turn"]],
+    "magnetometer_soft_iron": [1.0, SOFT_IRON, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+}
+"""Declared errors whose largest components are the standard deviations of what is drawn."""
+DRAWS: Final = 4000
 
-    declared = {
-        "gyro_scale_factor": [1.01, 0.99, 1.01],
-        "gyro_misalignment": [0.01, -0.01, 0.01],
-        "accelerometer_scale_factor": [1.005, 1, 1],
-        "accelerometer_misalignment": [0.005, -0.005, 0.005],
-        "magnetometer_soft_iron": [1.02, 0, 0, 0, 1, 0, 0, 0, 1],
-    }
-    base = simulate(duration=20.0, **GIVEN, **declared)
-    bound = base.unavoidable_error()
-    p = base.scenario.parameters()
-    iron = max(map(abs, p["magnetometer_hard_iron"]))
-    print(
-        "bound smooth",
-        np.degrees(bound.rms(bound.smoothed)),
-        "filtered",
-        np.degrees(bound.rms(bound.filtered)),
-        "cal",
-        np.degrees(bound.rms(bound.calibrated.smoothed)),
-    )
-    sq = []
-    for seed in range(int(sys.argv[1])):
-        t = time.process_time()
-        run = simulate(duration=20.0, **GIVEN, **drawn(seed, iron))
-        t1 = time.process_time()
-        s = Smoother(p, run)
-        J, lu = s.solve()
-        e = (Rotation.from_quat(run.attitude().at(run.imu.t_ns)).inv() * s.attitude).magnitude()
-        sq.append(np.mean(e**2))
-        if seed < 3:
-            print(seed, np.degrees(np.sqrt(sq[-1])), "sim", t1 - t, "smooth", time.process_time() - t1, len(e))
-            eps = np.random.default_rng(0).normal(size=(J.shape[0], 2000))
-            d = lu.solve(J.T @ eps)[: 6 * len(e)].reshape(len(e), 6, -1)[:, :3]
-            print("own rms", np.degrees(np.sqrt((d**2).sum(1).mean())))
-            c = np.einsum("kir,kjr->kij", d, d) / 2000
-            print(np.abs(np.trace(c, axis1=1, axis2=2) / np.trace(bound.smoothed, axis1=1, axis2=2) - 1).max())
-    print(
-        "ratio",
-        np.degrees(np.sqrt(np.mean(sq))) / np.degrees(bound.rms(bound.smoothed)),
-        np.degrees(np.sqrt(np.quantile(sq, [0, 0.1, 0.5, 0.9, 1]))),
-    )
+
+@pytest.mark.parametrize("runs", [3, pytest.param(200, marks=pytest.mark.slow)])
+def test_a_batch_smoother_comes_as_near_as_the_bound_and_no_nearer(runs: int) -> None:
+    """Constants are drawn for each run, and no run is nearer than its smoother's own covariance lets it be by chance."""
+    base = simulate(duration=DURATION, **GIVEN, **LARGEST)
+    declared, bound = base.scenario.parameters(), base.unavoidable_error()
+    assert bound is not None
+    iron = float(np.abs(np.array(declared["magnetometer_hard_iron"])).max())
+    random, squares = np.random.default_rng(7), []
+    for seed in range(runs):
+        run = simulate(duration=DURATION, **GIVEN, **drawn(seed, iron))
+        assert run.imu is not None
+        smoother = Smoother(dict(declared), run)
+        jacobian, normal = smoother.solve()
+        true = Rotation.from_quat(run.attitude().at(run.imu.t_ns))
+        squares.append(float(np.mean((true.inv() * smoother.attitude).magnitude() ** 2)))
+        if seed == 0:  # errors of estimates by chance, of covariance (JᵀJ)⁻¹
+            noise = random.normal(size=(jacobian.shape[0], DRAWS))
+            states = normal.solve(jacobian.T @ noise)[: 6 * smoother.count]
+            chance = np.square(states.reshape(smoother.count, 6, DRAWS)[:, :3]).sum(axis=1).mean(axis=0)
+    least = bound.rms(bound.smoothed)
+    assert np.sqrt(chance.mean()) == pytest.approx(least, rel=0.03)
+    spread = chance.std() / chance.mean() / np.sqrt(runs)
+    assert np.mean(squares) / least**2 == pytest.approx(1.0, abs=max(0.19, 3.0 * spread))
+    assert min(squares) > np.quantile(chance, 0.01 / runs)
+    assert bound.calibrated is not None
+    assert np.sqrt(np.mean(squares)) > 3.0 * bound.calibrated.rms(bound.calibrated.smoothed)
