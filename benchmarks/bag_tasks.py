@@ -25,7 +25,7 @@ from peers.table import exchanged, markdown
 
 T = TypeVar("T")
 
-PAGE: Final = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
+PAGE: Final = Path(__file__).resolve().parent.parent / "docs" / "reference" / "costs.md"
 NOISE: Final = {
     "gyro_noise_density": 1e-3,
     "gyro_bias_random_walk": 1e-4,
@@ -190,7 +190,7 @@ def _with_memory(function: Callable[..., T], given: tuple[Any, ...]) -> tuple[T,
 def arguments(about: str | None, *, longest: int = DAY) -> argparse.Namespace:
     """The arguments that these benchmarks have in common."""
     parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
-    parser.add_argument("--save", action="store_true", help="write the table of docs/benchmarks.md")
+    parser.add_argument("--save", action="store_true", help="write the table of docs/reference/costs.md")
     parser.add_argument("--longest", type=int, default=longest, metavar="SECONDS", help="leave out longer runs")
     return parser.parse_args()
 

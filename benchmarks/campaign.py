@@ -2,11 +2,12 @@
 
     python benchmarks/campaign.py                      # runs of a minute, ten minutes, an hour at 100 Hz with an IMU
     python benchmarks/campaign.py --longest 60
-    python benchmarks/campaign.py --save               # also writes the table of docs/benchmarks.md
+    python benchmarks/campaign.py --save               # also writes the table of docs/reference/costs.md
 
 A run is simulated, recorded and certified in a process of its own, as a worker does it. Its cost is the processor time
 of all threads, the median of some runs; compiling is over before. To the library only its own time is charged. The
-last line is the whole command on its workers, Dask, journal and table included: what more runs cost more.
+last line but one is the whole command on its workers, Dask, journal and table included: what more runs cost more. The
+last is the same with two compiled filters that are compared.
 """
 
 from __future__ import annotations
@@ -35,6 +36,9 @@ VARY: Final = {
 }
 RUNS: Final = {MINUTE: 21, 10 * MINUTE: 5, HOUR: 3}
 """Of each length, s, of which the median counts."""
+ESTIMATORS: Final = {
+    f"gain {gain}": {"function": "compiled_filter:estimate", "parameters": {"gain": gain}} for gain in (0.1, 0.5)
+}
 FEW, MANY = 10, 70
 """Runs of the whole command."""
 
@@ -63,14 +67,14 @@ def _costs(campaign: Campaign, number: int, folder: Path) -> tuple[float, float]
     return ours.cpu, plain.spent.cpu
 
 
-def whole_command(runs: int) -> float:
+def whole_command(runs: int, estimators: dict[str, Any]) -> float:
     """Processor time of the command with so many runs of a minute, of all its processes, s."""
     with TemporaryDirectory() as folder:
         path = Path(folder, "campaign.yaml")
-        path.write_text(json.dumps(definition(runs, MINUTE)), encoding="utf-8")  # JSON is YAML
+        path.write_text(json.dumps({**definition(runs, MINUTE), **estimators}), encoding="utf-8")  # JSON is YAML
         command = [sys.executable, "-m", "lie_rigid_body", "campaign", str(path), "--out", str(Path(folder, "out"))]
         before = os.times()
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, cwd=Path(__file__).parent)
         after = os.times()
     return after.children_user + after.children_system - before.children_user - before.children_system
 
@@ -87,9 +91,10 @@ def main() -> None:
         of_minute = of_minute or plain
         print(f"{names[duration]}: {ours:.3f} s, the library's writer alone {plain:.3f} s", flush=True)
         lines.append((names[duration], f"{ours / plain:.2f}", "1", f"{memory:.0f} MiB"))
-    whole = (whole_command(MANY) - whole_command(FEW)) / (MANY - FEW)
-    print(f"a minute, by the whole command: {whole:.3f} s")
-    lines.append(("a minute, by the whole command", f"{whole / of_minute:.2f}", "1", ""))
+    for estimators, name in (({}, ""), ({"estimators": ESTIMATORS}, ", two filters compared")):
+        whole = (whole_command(MANY, estimators) - whole_command(FEW, estimators)) / (MANY - FEW)
+        print(f"a minute, by the whole command{name}: {whole:.3f} s", flush=True)
+        lines.append((f"a minute, by the whole command{name}", f"{whole / of_minute:.2f}", "1", ""))
     tell("campaign", lines, save=given.save)
 
 

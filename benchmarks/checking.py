@@ -2,7 +2,7 @@
 
     python benchmarks/checking.py                      # from a minute to a day, two minutes on an idle machine
     python benchmarks/checking.py --longest 600
-    python benchmarks/checking.py --save               # also writes the table of docs/benchmarks.md
+    python benchmarks/checking.py --save               # also writes the table of docs/reference/costs.md
 
 Processor times of all threads. Each bag is recorded and checked in a process of its own, between two turns of the
 library, which reads a bag of the run's first minute. All loops are compiled before: a check loads from the cache what a

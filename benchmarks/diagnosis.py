@@ -29,8 +29,8 @@ from league.readings import Readings
 from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
-from lie_rigid_body.diagnosis.repairs import FITTED, SENSORS, Answer, Job, Repair, exact_repairs
-from lie_rigid_body.diagnosis.search import FLOOR, Search, plain
+from lie_rigid_body.diagnosis.repairs import SENSORS, Answer, Job, Repair, exact_repairs, factor, late
+from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
@@ -183,24 +183,19 @@ def estimator(number: int) -> Estimate:
 
 
 class Watched:
-    """A search in this process, and the number of runs that it took; the error below which all are equal."""
+    """A search in this process, for a filter that may have a mistake put into it."""
 
     def __init__(self, estimate: Estimate, put: Put | None = None) -> None:
-        courses, self.runs = courses_of({}), 0
         self._crew, self._put = Alone(put.into(estimate) if put else estimate), put
-        self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self.search = Search(self._ask, courses, self.floor, lambda: self.runs < MOST_RUNS)
+        self.search = Search(self._each, courses_of({}), MOST_RUNS)
 
-    def _ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
+    def _each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()
-        for answer in self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs]):
-            self.runs += 1
-            yield answer
+        return self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs])
 
-    def error(self) -> float:
-        """The error without a repair, rad."""
-        self.search.fully([()])
-        return plain(self.search.trials).error
+    def is_right(self) -> bool:
+        """Whether the filter errs by less than the floor without a repair."""
+        return plain(list(self.search.fully([()]))).error <= self.search.floor
 
 
 def _on_body_axes(readings: Any) -> Any:
@@ -215,22 +210,21 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     """What is named of a mistake in a filter, without probes: ``named``, ``other`` or ``nothing``, and what."""
     put = MISTAKES[mistake]
     watched = Watched(estimator(number), put)
-    if watched.error() <= watched.floor:
+    if watched.is_right():
         return number, mistake, "no effect", ""
     watched.search.run()
     choice = watched.search.choice()
     if choice is None:
-        return number, mistake, "nothing", f"{watched.runs} runs"
+        return number, mistake, "nothing", f"{watched.search.runs} runs"
     told = any(sorted(trial.codes) == sorted(put.codes) for trial in (choice.named, *choice.others))
-    what = f"{' + '.join(choice.named.codes)}, {np.degrees(choice.named.error):.2g}°, {watched.runs} runs"
+    what = f"{' + '.join(choice.named.codes)}, {np.degrees(choice.named.error):.2g}°, {watched.search.runs} runs"
     return number, mistake, "named" if told else "other", what
 
 
 def is_right(number: int) -> bool:
     """Whether a filter errs by less than the floor with perfect sensors, perhaps ahead by a sample."""
-    watched = Watched(estimator(number))
     try:
-        return watched.error() <= watched.floor
+        return Watched(estimator(number)).is_right()
     except LieRigidBodyError:
         return False
 
@@ -257,8 +251,8 @@ def separation() -> None:
     course = replace(courses_of({})[0], moving_s=4.0)
     repairs = [repair for repair in exact_repairs() if not repair.code.endswith("_units")]
     repairs += [repair for repair in exact_repairs() if repair.code == "gyro_units" and "degrees a" in repair.fact]
-    repairs += [FITTED[f"{sensor}_late"].of(count) for sensor in SENSORS for count in (-4, -1, 1, 4)]
-    repairs += [FITTED["time_step"].of(factor) for factor in (0.9, 1.1)]
+    repairs += [late(sensor, count) for sensor in SENSORS for count in (-4, -1, 1, 4)]
+    repairs += [factor(value) for value in (0.9, 1.1)]
     least: dict[tuple[str, str], float] = {}
     codes = list(dict.fromkeys(repair.code for repair in repairs))
     puts = [next(r for r in repairs if r.code == code and r.text in TYPICAL.get(code, (r.text,))) for code in codes]

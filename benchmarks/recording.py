@@ -2,7 +2,7 @@
 
     python benchmarks/recording.py                     # from a minute to a day, two minutes on an idle machine
     python benchmarks/recording.py --longest 600
-    python benchmarks/recording.py --save              # also writes the table of docs/benchmarks.md
+    python benchmarks/recording.py --save              # also writes the table of docs/reference/costs.md
 
 Each run is recorded in a process of its own, between two turns of the library, which writes the run's first minute:
 what a message costs it does not depend on how many there are. Neither the simulation nor the encoding of messages is

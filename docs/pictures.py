@@ -1,4 +1,4 @@
-"""Draw the pictures of paper.md, and the first one of the README, into docs/images: ``python docs/pictures.py``."""
+"""Draw the pictures of paper.md, of the README and of the first page into docs/images: ``python docs/pictures.py``."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.colors import hsv_to_rgb
 from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
-from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
+from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State, simulate
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.groups import (
     SO,
@@ -29,6 +30,7 @@ from lie_rigid_body.groups import (
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.samples import recorded_segments
+from lie_rigid_body.report import write_plot
 from lie_rigid_body.report.recording_picture import draw
 
 if TYPE_CHECKING:
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from mpl_toolkits.mplot3d import Axes3D
+
+    from lie_rigid_body.evaluation import Score
 
 IMAGES: Final = Path(__file__).parent / "images"
 
@@ -131,6 +135,23 @@ def dzhanibekov() -> Figure:
         bag = f"{folder}/flips.mcap"
         record([bag, "--scenario", "dzhanibekov", "--duration", "60", "--quiet"])
         return draw(recorded_segments(read_bag(bag)))
+
+
+def first_score() -> Score:
+    """The score of the filter of docs/tutorials/first_filter.md, which takes magnetic north for north."""
+    run = simulate(
+        "tumbling_cubesat",
+        duration=60.0,
+        imu_rate=100.0,
+        magnetometer_rate=100.0,
+        accelerometer_mode="pivot_gravity",
+        sensor_grade="mems",
+    )
+    assert run.imu is not None
+    assert run.magnetometer is not None
+    rows = zip(run.imu.specific_force, run.magnetometer.field, strict=True)
+    world = [[0.0, 0.0, 1.0], [0.0, 21.0e-6, -43.5e-6]]
+    return run.score(np.array([Rotation.align_vectors(world, row)[0].as_quat() for row in rows]))
 
 
 def symmetric_top() -> Figure:
@@ -331,6 +352,7 @@ def main() -> None:
     IMAGES.mkdir(exist_ok=True)
     for name, picture in PICTURES.items():
         picture().savefig(IMAGES / f"{name}.png")
+    write_plot(first_score(), IMAGES / "first_filter.png", title="the first filter", overwrite=True)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from importlib.util import find_spec
 
 from lie_rigid_body import __version__, console
 from lie_rigid_body.errors import InputError
@@ -30,6 +31,15 @@ VERBS = {
     "league": "rank an attitude filter among known ones, over the same cases",
 }
 """Verbs and what they do."""
+EXTRAS = {
+    "campaign": ("cryptography", "dask", "distributed", "pyarrow"),
+    "fast": ("numba",),
+    "proof": ("flint",),
+    "report": ("plotly",),
+    "ros": ("rclpy",),
+    "sqlite": ("rosbags",),
+}
+"""Extras of the package, and the modules that each brings."""
 
 
 def usage() -> str:
@@ -43,9 +53,18 @@ def usage() -> str:
             "",
             *verbs,
             "",
-            f"'{PROGRAM} VERB --help' explains one of them; '{PROGRAM} --version' tells the version.",
+            f"'{PROGRAM} VERB --help' explains one of them; '{PROGRAM} --version' tells the version and the extras.",
         ]
     )
+
+
+def version() -> str:
+    """Return the version, and which extras are installed."""
+    lines = [f"{PROGRAM} {__version__}", "extras:"]
+    for name, modules in EXTRAS.items():
+        missing = [module for module in modules if find_spec(module) is None]
+        lines.append(f"  {name:10} " + (f"not installed: pip install '{PROGRAM}[{name}]'" if missing else "installed"))
+    return "\n".join(lines)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -73,7 +92,7 @@ def _main(arguments: list[str]) -> int:
         return evaluate(rest) if name == "evaluate" else run(name, rest)
     if name not in ("-h", "--help", "--version"):
         raise InputError(f"unknown verb {name!r}; known are {', '.join(VERBS)}; see '{PROGRAM} --help'")
-    console.say(f"{PROGRAM} {__version__}" if name == "--version" else usage())
+    console.say(version() if name == "--version" else usage())
     return console.SUCCESS
 
 

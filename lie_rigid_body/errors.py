@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from lie_rigid_body.wording import LONGEST_VALUE, shortened
 
 
@@ -20,7 +22,12 @@ class LieRigidBodyError(Exception):
 
 def said(error: BaseException) -> str:
     """The message of an error, with its class where the error is none of the package."""
-    return str(error) if isinstance(error, LieRigidBodyError) else f"{type(error).__name__}: {error}"
+    if isinstance(error, LieRigidBodyError):
+        return str(error)
+    words = ""
+    with suppress(Exception):  # of a class whose own words fail
+        words = str(error)
+    return f"{type(error).__name__}: {words}"
 
 
 class InputError(LieRigidBodyError, ValueError):

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 import reprlib
+import sys
 from collections.abc import Collection, Iterable, Mapping
 from itertools import islice
 from typing import Any, Final
@@ -29,6 +31,7 @@ _SHORT_PATH: Final = 40
 _MOST_READ: Final = 50
 _MOST_NUMBERS: Final = 7
 _MOST_BITS: Final = 128
+_NUMERAL: Final = re.compile(r"(?<!\w)[-+]?\d[\d.]*(?:[eE][-+]?\d+)?")
 
 
 class _ShortRepr(reprlib.Repr):
@@ -39,7 +42,7 @@ class _ShortRepr(reprlib.Repr):
         self.maxlevel = 3
         self.maxlist = self.maxtuple = _MOST_NUMBERS
         self.maxdict = self.maxset = self.maxfrozenset = 4
-        self.maxstring = self.maxother = LONGEST_VALUE - 8
+        self.maxstring, self.maxother = LONGEST_VALUE - 8, sys.maxsize
 
     def repr_float(self, x: float, level: int) -> str:
         """Nine digits of a number that has more."""
@@ -49,6 +52,12 @@ class _ShortRepr(reprlib.Repr):
     def repr_int(self, x: int, level: int) -> str:
         """All digits, or how many there are: Python refuses to print very many."""
         return repr(x) if x.bit_length() <= _MOST_BITS else f"<{'-' if x < 0 else ''}2**{x.bit_length() - 1} or more>"
+
+    def repr_instance(self, x: Any, level: int) -> str:
+        """Repr of an object; of a long one in the form of a call its name alone."""
+        text, call = super().repr_instance(x, level), f"{type(x).__name__}("
+        is_long_call = text.startswith(call) and len(text) > self.maxstring
+        return f"{call}{_GAP})" if is_long_call else _without_middle(text, self.maxstring)
 
     def repr_ndarray(self, x: Any, level: int) -> str:
         """The numbers of a short row, or shape and ends of more."""
@@ -94,8 +103,9 @@ def printable(text: str) -> str:
 def shortened(text: str, most: int = LONGEST_LINE) -> str:
     """A text on one line of bounded length.
 
-    Words that are long lose their middle first, such as values and paths, those after the last colon, in a message the
-    remedy, only if the others do not suffice; then the text loses words of its own. What is left ends with its end.
+    Words that are long, such as values and paths, lose their middle first. Those after the last colon, in a message the
+    remedy, do so only if the others do not suffice. Then the text loses words of its own. What is left ends with its
+    end.
 
     Parameters
     ----------
@@ -125,18 +135,31 @@ def _short_word(word: str, most: int) -> str:
 
 def _without_middle_words(words: list[str], most: int) -> str:
     """Words, as many from the start and, of what room there is twice as many, from the end."""
-    text = " ".join(words)
+    text, room = " ".join(words), most - len(_GAP)
     if len(text) <= most:
         return text
-    head, room = text[: (most - len(_GAP)) // 3], most - len(_GAP)
-    head = head[: head.rfind(" ") + 1] or head
-    tail = text[len(text) - (room - len(head)) :]
-    return f"{head}{_GAP}{tail[tail.find(' ') :] if ' ' in tail else tail}"
+    head = text.rfind(" ", 0, room // 3) + 1 or _outside_numbers(text, room // 3, len(text))[0]
+    begin = len(text) - room + head
+    space = text.find(" ", begin)
+    return f"{text[:head]}{_GAP}{text[space if space >= 0 else _outside_numbers(text, 0, begin)[1] :]}"
 
 
 def _without_middle(text: str, most: int) -> str:
+    if len(text) <= most:
+        return text
     head = (most - len(_GAP)) // 3
-    return text if len(text) <= most else f"{text[:head]}{_GAP}{text[head + len(_GAP) - most :]}"
+    head, tail = _outside_numbers(text, head, len(text) + head + len(_GAP) - most)
+    return f"{text[:head]}{_GAP}{text[tail:]}"
+
+
+def _outside_numbers(text: str, head: int, tail: int) -> tuple[int, int]:
+    """Ends of the two parts of a text that are left, moved so that no number is cut but one of very many digits."""
+    for number in _NUMERAL.finditer(text):
+        start, end = number.span()
+        if end - start <= LONGEST_VALUE // 3:
+            head = start if start < head <= end else head
+            tail = end if start <= tail < end else tail
+    return head, tail
 
 
 def listed(names: Collection[object]) -> str:
@@ -201,7 +224,7 @@ def short_repr(instance: Any) -> str:
 
 
 def call_repr(instance: object, arguments: Mapping[str, object]) -> str:
-    """A repr in the form of a call of the instance's class, with the arguments `shown`.
+    """A repr in the form of a call of the instance's class, with as many arguments, `shown`, as there is room for.
 
     Parameters
     ----------
@@ -213,5 +236,9 @@ def call_repr(instance: object, arguments: Mapping[str, object]) -> str:
     str
         Of at most `LONGEST_LINE` characters.
     """
-    given = ", ".join(f"{name}={shown(value)}" for name, value in arguments.items())
-    return shortened(f"{type(instance).__name__}({given})")
+    given = [f"{name}={shown(value)}" for name, value in arguments.items()]
+    call = f"{type(instance).__name__}({', '.join(given)})"
+    while len(call) > LONGEST_LINE:
+        given.pop()
+        call = f"{type(instance).__name__}({', '.join(given)}, {_GAP})"
+    return call

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Set
 from graphlib import CycleError, TopologicalSorter
 
@@ -9,8 +10,8 @@ import pytest
 
 from rooms import MODULES, PACKAGE, imports, room
 
-# What each room may import of the package besides itself, `wording`, `errors` and `arrays`. A room is a folder
-# or a module of the package, and its own __init__ is the room "".
+# What each room may import of the package besides itself and what is for all. A room is a folder or a module of the
+# package, and its own __init__ is the room "".
 SCENARIO = {
     "arithmetic",
     "bounded_input",
@@ -29,6 +30,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "arrays": set(),
     "bounded_input": set(),
+    "showing": set(),
     "system": set(),
     "compilation": {"system"},
     "arithmetic": {"compilation"},
@@ -47,18 +49,18 @@ MAY_IMPORT: dict[str, set[str]] = {
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
     "diagnosis": SCENARIO | {"evaluation", "runs", "system"},
-    "campaign": BAG | {"certificate", "interruption", "runs", "system"},
+    "campaign": BAG | {"certificate", "evaluation", "interruption", "runs", "system"},
     "league": SCENARIO | {"evaluation", "runs", "diagnosis"},
     "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "scenario", "interruption"},
-    "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "league", "console"},
+    "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "campaign", "league", "console"},
     "cli": EDGE | {"campaign", "diagnosis", "league", "system"},
-    "ros": EDGE,
+    "ros": EDGE | {"system"},
     "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},
     "__main__": {"console", "report"},
 }
-FOR_ALL = {"wording", "errors", "arrays"}
+FOR_ALL = {"wording", "errors", "arrays", "showing"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
@@ -135,6 +137,13 @@ def test_progress_bars_are_made_in_one_place() -> None:
     """`console.progress`, in which no signal leaves half a bar."""
     found = {module for module, path in MODULES.items() if "tqdm" in imports(path.read_text("utf-8"), module)}
     assert found == {f"{PACKAGE}.console"}
+
+
+def test_one_door_leads_upwards() -> None:
+    """Imports of names that are made as the program runs: of the verbs, and of what `report` shows of results."""
+    made = re.compile(r'import_module\(f"(lie_rigid_body|\{__package__\})')
+    found = {module for module, path in MODULES.items() if made.search(path.read_text("utf-8"))}
+    assert found == {f"{PACKAGE}.__main__", f"{PACKAGE}.showing"}
 
 
 def circle(graph: Mapping[str, Set[str]]) -> list[str]:

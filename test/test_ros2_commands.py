@@ -61,7 +61,8 @@ def test_what_the_pages_show_is_the_list() -> None:
 def test_what_the_package_prints_is_in_the_list() -> None:
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "lie_rigid_body").rglob("*.py"))
     found = set(re.findall(r"\bros2 [a-z]+ [a-z_]+", sources))
-    assert found - {start(command) for command in COMMANDS} == set()
+    own = {"ros2 run my_package"}  # stands for a package of the user's
+    assert found - own - {start(command) for command in COMMANDS} == set()
 
 
 def test_no_option_of_quality_hides_what_is_latched() -> None:

@@ -40,6 +40,16 @@ def test_a_short_value_is_shown_as_it_is() -> None:
         assert shown(value) == repr(value)
 
 
+def test_a_cut_leaves_no_part_of_a_number() -> None:
+    for size in range(1, 60):
+        numbers = [1.0 / (7 * k + 1) * (-1) ** k * 10.0 ** (-k % 9) for k in range(1, size)]
+        for text in (str(numbers), f"<of {numbers}, {numbers}>", " ".join(map(str, numbers)) * 3):
+            parts = shortened(text, 60).split("...")
+            left = {float(number) for part in parts for number in re.findall(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?", part)}
+            assert left <= {*numbers}
+    assert len(shortened("7" * 500, 60)) == 60
+
+
 def refusal(parameter: Parameter, value: object) -> str:
     """What a value is refused with."""
     with pytest.raises(ParameterError) as caught:

@@ -23,7 +23,7 @@ BLURRED: Final = 5.0
 """With perfect sensors a filter errs by no more than this, degrees, or its wiring is in doubt."""
 DIGITS: Final = 10
 """Decimals of a number in the file: what is smaller is round-off, which is another on other machines."""
-BEST_POSSIBLE: Final = "best possible, were scale and mounting known"
+BEST_POSSIBLE: Final = "best possible"
 
 Ranking = Sequence[tuple[Filter, list[Result], list[Result]]]
 

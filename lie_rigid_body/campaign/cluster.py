@@ -313,11 +313,9 @@ def finished(
     from distributed import KilledWorker, as_completed
 
     waiting, numbers, killed, in_a_row = iter(runs), dict[str, int](), list[int](), 0
-    do: Any = (
-        partial(carry_out_elsewhere, campaign, keep=bags)
-        if elsewhere
-        else partial(carry_out, campaign, folder=str(folder) if bags else None)
-    )
+    do: Any = partial(carry_out_elsewhere, campaign, keep=bags)
+    if not elsewhere:  # by its whole path, as an estimator may change the working folder
+        do = partial(carry_out, campaign, folder=str(folder.absolute()) if bags else None)
 
     def submitted(some: list[int]) -> Any:
         """Runs on their way, together, as each way takes Dask milliseconds."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
+from lie_rigid_body.campaign.estimators import FUNCTION, Contender, Entry, contenders
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
 from lie_rigid_body.scenario import Scenario
@@ -27,14 +28,17 @@ MOST_RUNS: Final = 1_000_000
 LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
+SCORES_TABLE: Final = "scores.parquet"
+"""File of the table of the scores, where estimators are compared, written beside it."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
 _NUMBERS: Final = (
     Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=MOST_RUNS),
     Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=LARGEST_SEED),
 )
-_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator")
-_FUNCTION: Final = r"\w+(\.\w+)*:\w+"
+_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
+_LEFT_OUT: Final = ("estimator", "estimators")
+"""Keys that a campaign's line has only where they are given."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,9 @@ class Campaign:
     estimator : str, optional
         ``module:function`` that estimates the attitudes of a `Run`, to be scored in each run. It returns them
         world-from-body, scalar last, shape (N, 4), at the stamps of the IMU; or a tuple of stamps, ns, and attitudes.
+    estimators : mapping of str to mapping, optional
+        Several that are compared, by their names: each a ``function`` with ``parameters`` and a ``grid`` of them, or a
+        ``command``; see `Contender`.
 
     Raises
     ------
@@ -71,6 +78,7 @@ class Campaign:
     parameters: Mapping[str, object] = field(default_factory=dict, hash=False)
     vary: Mapping[str, object] = field(default_factory=dict, hash=False)
     estimator: str | None = None
+    estimators: Mapping[str, object] = field(default_factory=dict, hash=False)
 
     __repr__ = short_repr
 
@@ -98,8 +106,13 @@ class Campaign:
                 f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
             )
         self._draws  # noqa: B018 refuses what is no distribution
-        if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
+        if self.estimator is not None and not re.fullmatch(FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
+        if self.estimators and self.estimator is not None:
+            raise InputError("estimator and estimators are given: give one of them")
+        grids = [name for name, one in self.contenders.items() if one.grid]
+        if grids and self.runs < 2:
+            raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
         try:
             self.to_json()
         except TypeError as error:
@@ -162,6 +175,18 @@ class Campaign:
     def _base(self) -> Mapping[str, object]:
         return {**gather(self.scenario, [], []), **self.parameters}
 
+    @cached_property
+    def contenders(self) -> Mapping[str, Contender]:
+        """The estimators by their names; a single one has none, ``""``."""
+        if self.estimator is not None:
+            return {"": Contender("", self.estimator)}
+        return contenders(self.estimators)
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """What is called in each run: every estimator at every point of its grid."""
+        return tuple(entry for one in self.contenders.values() for entry in one.entries)
+
     @property
     def exact_duration(self) -> Fraction:
         """The duration as the decimal number that was written, s."""
@@ -203,7 +228,7 @@ class Campaign:
 
     def to_json(self) -> str:
         """One line that says all of the campaign: campaigns with equal lines have equal runs."""
-        content = {key: getattr(self, key) for key in _KEYS if key != "estimator" or self.estimator is not None}
+        content = {key: getattr(self, key) for key in _KEYS if key not in _LEFT_OUT or getattr(self, key)}
         return json.dumps(content, sort_keys=True, ensure_ascii=False)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, ExitStack, suppress
 from itertools import chain, islice
 from pathlib import Path
@@ -13,11 +13,12 @@ from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.bounded_input import LONGEST_ROW, load_json
-from lie_rigid_body.campaign.definition import OF_TABLE, TABLE, Campaign
-from lie_rigid_body.campaign.run import BAGS, ERROR, Row, bag_name
+from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
+from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
+from lie_rigid_body.campaign.judging import ERROR, MORE_SCORES, SCORES, Judgement
+from lie_rigid_body.campaign.run import BAGS, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.recording.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system import lock
 
@@ -27,6 +28,8 @@ RESUMED: Final = "the same command does the rest"
 """Remedy at the end of a line about a campaign that is not finished."""
 _NONE: Final = -1
 """Place of a row that is not in the file."""
+_SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
+_MORE_SCORES: Final = dict.fromkeys(MORE_SCORES, "double")
 _ROWS_AT_ONCE: Final = 10_000
 """Number of rows of the table that are in memory together."""
 
@@ -54,14 +57,17 @@ class Journal(AbstractContextManager["Journal"]):
         self.folder, self.path = folder, folder / JOURNAL
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
-        self._varied = {*campaign.vary}
+        self._varied, self._entries = {*campaign.vary}, campaign.entries
+        self._compared = bool(campaign.estimators)
+        if self.path.exists() and not self.path.is_file():  # of a pipe nothing would ever come
+            raise BagError(f"{self.path} is no regular file: move it away, or give another folder")
         try:
             _require_own(folder)
             folder.mkdir(exist_ok=True)
-            (folder / BAGS).mkdir(exist_ok=True)
             with ExitStack() as parts:
-                self._file = parts.enter_context(self.path.open("a+b"))
+                self._file = parts.enter_context(self.path.open("a+b"))  # before all else: a kill leaves a campaign
                 parts.enter_context(lock(self._file))
+                (folder / BAGS).mkdir(exist_ok=True)
                 self._read()
                 self._open = parts.pop_all()
         except FileExistsError as error:
@@ -76,9 +82,9 @@ class Journal(AbstractContextManager["Journal"]):
     def is_begun(cls, campaign: Campaign, folder: Path) -> bool:
         """Whether a folder holds runs of this campaign, whose scenarios were then found to be possible."""
         try:
-            with (folder / JOURNAL).open("rb") as file:
+            with open_file(folder / JOURNAL) as file:
                 return _equal(file.readline(LONGEST_ROW), _heading(campaign))
-        except OSError:
+        except (InputError, OSError):
             return False
 
     def _read(self) -> None:
@@ -120,19 +126,19 @@ class Journal(AbstractContextManager["Journal"]):
 
     def _is_own(self, row: Row) -> bool:
         """Whether a row that was read is one of this campaign, with a bag in this folder."""
-        kinds = (int, bool, float, dict, dict, dict)
-        fields = (row.run, row.certified, row.attitude_accuracy_rad, row.parameters, row.residuals, row.scores)
+        kinds = (int, bool, float, dict, dict, list)
+        fields = (row.run, row.certified, row.attitude_accuracy_rad, row.parameters, row.residuals, row.judgements)
         if [*map(type, fields)] != [*kinds] or row.parameters.keys() != self._varied:
             return False
         for name, value in row.parameters.items():
             BY_NAME[name].read(value)
-        texts = {type(value) for name, value in row.scores.items() if name == ERROR}
-        numbers = {type(value) for name, value in row.scores.items() if name != ERROR}
+        for judgement in row.judgements:
+            Judgement.read(judgement)
         return (
             0 <= row.run < len(self._places)
+            and (not row.certified or row.attitude_accuracy_rad >= 0.0)
             and row.bag in (None, bag_name(row.run))
-            and texts <= {str, type(None)}
-            and numbers <= {float, type(None)}
+            and len(row.judgements) == len(self._entries)
         )
 
     def __len__(self) -> int:
@@ -149,8 +155,12 @@ class Journal(AbstractContextManager["Journal"]):
         """The rows of the finished runs in the order of their numbers."""
         for place in self._places:
             if place != _NONE:
-                self._file.seek(place)
-                yield self._row(self._file.readline(), place)
+                try:
+                    self._file.seek(place)
+                    line = self._file.readline()
+                except OSError as error:
+                    raise BagError(f"{self.path} cannot be read: {error.strerror}: copy it to a better place") from None
+                yield self._row(line, place)
 
     def add(self, row: Row) -> None:
         """Keep the row of a run that is finished.
@@ -165,8 +175,11 @@ class Journal(AbstractContextManager["Journal"]):
         try:
             self._write(f"{json.dumps(vars(row))}\n".encode())
         except OSError as error:
-            raise BagError(f"{self.path} cannot be written: {error.strerror}: make room, and {RESUMED}") from None
+            raise self._unwritten(error) from None
         self._places[row.run] = place
+
+    def _unwritten(self, error: OSError) -> BagError:
+        return BagError(f"{self.path} cannot be written: {error.strerror}: {remedy(error)}, and {RESUMED}")
 
     def _write(self, line: bytes) -> None:
         self._file.write(line)
@@ -187,30 +200,60 @@ class Journal(AbstractContextManager["Journal"]):
             raise BagError(f"{self.path} was deleted or moved meanwhile: keep others away, and begin anew")
 
     def write_table(self) -> Path:
-        """Write the table of all rows, in the order of their numbers, and return its path.
+        """Write the table of all rows, in the order of their numbers, and that of the scores where estimators compare.
+
+        Returns
+        -------
+        Path
+            Of the first.
 
         Raises
         ------
         BagError
-            If it cannot be written.
+            If one cannot be written.
         """
+        first = next(self.rows())
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise self._unwritten(error) from None
+        if self._compared:
+            kinds = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
+            self._write_parquet(self.folder / SCORES_TABLE, kinds, chain.from_iterable(map(self._scores, self.rows())))
+        path = self.folder / TABLE
+        scores = {} if self._compared or not self._entries else _SCORES
+        kinds = {
+            "run": "int",
+            **{name: BY_NAME[name].kind for name in first.parameters},
+            "certified": "bool",
+            "attitude_accuracy_rad": "double",
+            "bag": "string",
+            **scores,
+        }
+        self._write_parquet(path, kinds, (_cells(row, scores) for row in self.rows()))
+        return path
+
+    def _scores(self, row: Row) -> Iterator[dict[str, Any]]:
+        """Cells of the scores of a run."""
+        for entry, judgement in zip(self._entries, row.judgements, strict=True):
+            parameters = json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False)
+            yield {
+                "run": row.run,
+                "estimator": entry.contender.name,
+                "parameters": parameters,
+                **judgement["scores"],
+            }
+
+    def _write_parquet(self, path: Path, kinds: dict[str, str], rows: Iterator[dict[str, Any]]) -> None:
         import pyarrow.parquet
 
-        path = self.folder / TABLE
-        whole, rows = path.with_suffix(".part"), self.rows()
-        first = next(rows)
-        schema = _schema(first).with_metadata({OF_TABLE: self._heading.strip()})
+        schema = _schema(kinds).with_metadata({OF_TABLE: self._heading.strip()})
         try:
-            with pyarrow.parquet.ParquetWriter(whole, schema) as writer:
-                rows = chain([first], rows)
+            with written(path, overwrite=True) as stream, pyarrow.parquet.ParquetWriter(stream, schema) as writer:
                 while some := list(islice(rows, _ROWS_AT_ONCE)):
-                    writer.write_table(pyarrow.Table.from_pylist([_cells(row) for row in some], schema))
-            os.replace(whole, path)
-        except OSError as error:
-            with suppress(OSError):
-                whole.unlink()
-            raise BagError(f"{path} cannot be written: {reason(error)}: make room, and {RESUMED}") from None
-        return path
+                    writer.write_table(pyarrow.Table.from_pylist(some, schema))
+        except BagError as error:
+            raise BagError(f"{error}; {RESUMED}") from None
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -242,8 +285,8 @@ def _canonical(heading: bytes) -> str:
     return json.dumps(json.loads(heading, parse_float=number))
 
 
-def _schema(row: Row) -> Any:
-    """The columns of the table, which are those of any row."""
+def _schema(columns: dict[str, str]) -> Any:
+    """Columns of a table by the kinds of parameters."""
     import pyarrow
 
     kinds: dict[str, Any] = {
@@ -253,20 +296,12 @@ def _schema(row: Row) -> Any:
         "string": pyarrow.string(),
         "bool": pyarrow.bool_(),
     }
-    columns = {
-        "run": "int",
-        **{name: BY_NAME[name].kind for name in row.parameters},
-        "certified": "bool",
-        "attitude_accuracy_rad": "double",
-        "bag": "string",
-        **{name: "string" if name == ERROR else "double" for name in row.scores},
-    }
     return pyarrow.schema([(name, kinds[kind]) for name, kind in columns.items()])
 
 
-def _cells(row: Row) -> dict[str, Any]:
+def _cells(row: Row, scores: Iterable[str]) -> dict[str, Any]:
     own = {name: getattr(row, name) for name in ("run", "certified", "attitude_accuracy_rad", "bag")}
-    return {**own, **row.parameters, **row.scores}
+    return {**own, **row.parameters, **{name: row.judgements[0]["scores"][name] for name in scores}}
 
 
 def _require_own(folder: Path) -> None:

@@ -6,25 +6,17 @@ import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Any, Final
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.errors import BagError, said
+from lie_rigid_body.campaign.judging import judged
+from lie_rigid_body.errors import BagError
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
-from lie_rigid_body.runs import Run, simulate
-from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.estimators import Estimator, estimator
+from lie_rigid_body.runs import simulate
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.wording import shortened
 
-Scores: TypeAlias = dict[str, float | str | None]
-
-ERROR: Final = "estimator_error"
-"""Column of the table that says why a run has no score."""
-SCORES: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s")
-"""Columns of a score: root mean squares of the errors, degrees, and the time to converge, s, if they do."""
 BAGS: Final = "bags"
 """Name of the folder of the bags in the folder of a campaign."""
 LARGEST_IN_MEMORY: Final = 8 * 2**20
@@ -51,8 +43,8 @@ class Row:
         The size of that bag, bytes; None also in rows of before sizes were kept.
     residuals : dict of str to list of float
         The worst residual of each law, and its limit.
-    scores : dict of str to float, str or None
-        Those of the estimator, by column; empty if none was asked for.
+    judgements : list of dict
+        Fields of a `Judgement` for each of the campaign's entries.
     """
 
     run: int
@@ -62,7 +54,7 @@ class Row:
     bag: str | None = None
     bag_bytes: int | None = None
     residuals: dict[str, list[float]] = field(default_factory=dict)
-    scores: Scores = field(default_factory=dict)
+    judgements: list[dict[str, Any]] = field(default_factory=list)
 
     def has_bag(self, folder: Path) -> bool:
         """Whether its bag is in the folder of the campaign, and has the size that it had when it was finished."""
@@ -126,25 +118,13 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
         name,
         None if name is None else size,
         {law: list(pair) for law, pair in certificate.residuals.items()},
-        scores(campaign, scenario),
+        judgements(campaign, scenario),
     )
 
 
-def scores(campaign: Campaign, scenario: Scenario) -> Scores:
-    """The scores of the campaign's estimator in the run of a scenario, by column; empty without an estimator.
-
-    An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
-    raise anything, also KeyboardInterrupt: no signal raises that here, in a thread of a worker.
-    """
-    if campaign.estimator is None:
-        return {}
-    try:
-        return {**_scored(estimator(campaign.estimator), simulate(scenario, duration=campaign.duration)), ERROR: None}
-    except BaseException as error:
-        return {**dict.fromkeys(SCORES), ERROR: shortened(said(error))}
-
-
-def _scored(estimate: Estimator, run: Run) -> Scores:
-    score = run.score(Estimate.of(estimate(run)), diagnosed=False)
-    errors = (score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms)
-    return dict(zip(SCORES, (*errors, score.time_to_converge_s), strict=True))
+def judgements(campaign: Campaign, scenario: Scenario) -> list[dict[str, Any]]:
+    """What the campaign's estimators are worth in the run of a scenario: they are given the same run."""
+    if not campaign.entries:
+        return []
+    run = simulate(scenario, duration=campaign.duration)
+    return [vars(judged(entry, run)) for entry in campaign.entries]

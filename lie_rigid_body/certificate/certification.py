@@ -23,6 +23,7 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
+from lie_rigid_body.showing import Shown
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -72,7 +73,7 @@ class SegmentCertificate:
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Certificate(Shown):
     """The certificates of all segments of a bag, and the laws of the bag as a whole.
 
     Parameters

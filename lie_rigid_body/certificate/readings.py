@@ -6,7 +6,7 @@ A reading is computed by the simulation's own instruments, from the exact motion
 - by what the declared stepper errs, δA of the attitude and δω of the body rate, as far as they reach the signal.
 
 No declared parameter enters otherwise: what does not happen widens nothing. At last the sensor rounds and saturates,
-which keeps the order of numbers: a faithful reading lies between what becomes of the two bounds, which is one number
+which keeps the order of numbers. A faithful reading lies between what becomes of the two bounds, which is one number
 unless a step lies between them.
 """
 
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -207,4 +207,4 @@ def limits_of(segment: Segment, name: str, duration: float) -> Tolerance:
     rate = scenario.sensors.on[name].rate
     own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
     has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
-    return tolerance(scenario if has_same else replace(scenario, rate=rate), duration)
+    return tolerance(scenario if has_same else scenario.resampled(rate=rate), duration)

@@ -221,7 +221,9 @@ class SegmentSensor:
         """Take the messages that come next, by topic; return how many are not logged when their readings arrive."""
         for name, own in placed.items():
             self.topics[name].take(own)
-        numbers = np.unique(np.concatenate([own.numbers for own in placed.values()]))
+        # as np.unique, which takes five times as long where topics are sorted and alike
+        numbers = np.sort(np.concatenate([own.numbers for own in placed.values()]), kind="stable")
+        numbers = numbers[np.diff(numbers, prepend=numbers[:1] - 1) > 0]
         off = sum(int(np.count_nonzero(own.numbers < self.first)) for own in placed.values())
         numbers = numbers[np.searchsorted(numbers, self.first) :]
         while len(numbers) and not self.is_too_far:

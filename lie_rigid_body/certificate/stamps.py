@@ -177,8 +177,9 @@ def stamp_law(
     Returns
     -------
     LawResult
-        ``worst`` is how far a stamp is off the grid, ns; where all are on it, the number of samples that are missing
-        (unit ``gap``), doubled (``dup``) or out of order (``ord``), and ``sample`` the first. The message names all.
+        ``worst`` is how far a stamp is off the grid, ns. Where all are on it, it is the number of samples that are
+        missing (unit ``gap``), doubled (``dup``) or out of order (``ord``), and ``sample`` the first. The message names
+        all.
     """
     clock = segment.clock()
     end = max((tally.high for tally in tallies.values() if tally.count), default=segment.first_sample)

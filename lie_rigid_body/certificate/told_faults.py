@@ -1,8 +1,8 @@
 """The faults of sensors that a bag tells of, held against those that its scenarios make.
 
 Which faults there are, and when, follows from the seed to the bit. So the messages of a bag must be the first ones of
-the scenarios' list, in order, up to the last time of anything else in the bag; those of a recorder, which may begin
-late, a part of it without a gap. A size may differ in the last bits where a library makes a normal deviate of it.
+the scenarios' list, in order, up to the last time of anything else in the bag. Those of a recorder, which may begin
+late, are a part of it without a gap. A size may differ in the last bits where a library makes a normal deviate of it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The limits of the laws: what a sample in doubles can carry, and how far the declared motion may drift.
 
-- Reading. A recorded state carries a few roundings, and so does the state of the closed form that it is held against;
-  both of these and the closed form's own error, twice, make ``READING``. Products of inertia enlarge it in momentum
-  and energy (`ConditionNumbers`).
+- Reading. A recorded state carries a few roundings, and so does the state of the closed form that it is held against.
+  Both of these and the closed form's own error, twice, make ``READING``. Products of inertia enlarge it in momentum and
+  energy (`ConditionNumbers`).
 - Drift. A closed form has none; Moser–Veselov steps lose the phase alone, Runge–Kutta steps energy and momentum as
   well. Their errors are bounded with the growth that they have along the motion until the end (`error_growth`).
 - Between neighbours the flow is summed in doubles, ``FLOW`` roundings in each of its substeps, and carries the
@@ -56,7 +56,7 @@ _NODES: Final = 257
 """Number of states along the motion, or along one of its periods."""
 _ASIDE: Final = 2.0**-30 * np.array([0.61, -0.53, 0.59])
 """Change of the initial body rate, relative to its size, that takes it off a steady rotation, where errors of the rate
-would seem not to grow; a growth by more than its inverse makes every limit its cap."""
+would seem not to grow. A growth by more than its inverse makes every limit its cap."""
 
 
 @dataclass(frozen=True)
@@ -146,8 +146,8 @@ class Tolerance:
     def stepper_mean_rate(self, t: Array, span: float) -> Array:
         """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
 
-        That is the difference of the errors of two attitudes: at most the sum of both, and at most what the steps
-        between them add, and an error of the rate before them, which is capped as that of any gyro.
+        That is the difference of the errors of two attitudes. It is at most the sum of both. It is also at most what
+        the steps between them add, and an error of the rate before them, which is capped as that of any gyro.
         """
         spans = np.array([span])
         turn, growth = self.fastest * spans, self._growth(self.fastest * spans)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -20,15 +20,17 @@ from lie_rigid_body.campaign.cluster import (
     is_open,
     require_address,
 )
+from lie_rigid_body.campaign.comparison import Comparison, compare
+from lie_rigid_body.campaign.definition import SCORES_TABLE
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import ERROR, SCORES
+from lie_rigid_body.campaign.judging import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
-from lie_rigid_body.report import html_page
+from lie_rigid_body.report import campaign_scores, html_page
 from lie_rigid_body.report.overview import Line, page
-from lie_rigid_body.runs.estimators import MENDED, estimator
+from lie_rigid_body.runs.estimators import MENDED
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
 
 MOST_TRIED: Final = 1000
@@ -46,8 +48,8 @@ def run_campaign(given: argparse.Namespace) -> int:
         _require_scenarios(campaign, given.campaign)
     if given.scheduler is not None:
         require_address(given.scheduler)
-    if campaign.estimator is not None:
-        estimator(campaign.estimator)
+    for one in campaign.contenders.values():
+        one.require_parameters()
     with Interruption.current().noted() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
@@ -81,10 +83,7 @@ def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
     """Forget finished runs that lack their bags, where bags are wanted, so that they are done again, and say so."""
     finished = len(journal)
     if wanted:
-        lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
-        for run in lacking:
-            journal.forget(run)
-        if lacking:
+        if lacking := _forget_without_bags(journal):
             console.say(
                 f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
                 f"or one of another size: {listed(lacking)}"
@@ -93,10 +92,18 @@ def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
         console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
 
 
+def _forget_without_bags(journal: Journal) -> list[int]:
+    """Forget finished runs that lack their bags, and return their numbers."""
+    lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
+    for run in lacking:
+        journal.forget(run)
+    return lacking
+
+
 def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> dict[int, BaseException]:
     """Carry out the runs that are not finished, and return the errors of those that failed, by their numbers."""
     failed: dict[int, BaseException] = {}
-    errors: list[float | str | None] = []
+    errors: list[list[str | None]] = []
     if len(journal) == campaign.runs:
         return failed
     if given.scheduler is not None and is_open(given.scheduler):
@@ -129,9 +136,9 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
                 else:
                     journal.add(row)
                     if len(errors) < MOST_FAILURES:
-                        errors.append(row.scores.get(ERROR))
-                        if len(errors) == MOST_FAILURES and None not in errors:  # the estimator has a mistake
-                            raise _without_a_score(campaign, f"{MOST_FAILURES} runs", f"{errors[0]}")
+                        errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
+                        if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
+                            _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
                 bar.update()
         except SchedulerGoneError as error:
             if len(journal) + len(failed) < campaign.runs:
@@ -147,19 +154,36 @@ def _say_alone(bar: Any, address: str) -> None:
         )
 
 
-def _without_a_score(campaign: Campaign, runs: str, error: str) -> InputError:
-    """Error of an estimator that gave no score, with the reason in the first of its runs."""
-    reason = shortened(error.removesuffix(f": {MENDED}"), _LONGEST_REASON)
-    return InputError(
-        f"estimator {campaign.estimator} gave no score in {runs}: {reason}: mend it, and give a new folder"
-    )
+def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], runs: str) -> None:
+    """Refuse an estimator that gave no score in any run, with the reason in the first of them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    errors : iterable of sequence of str or None
+        Of each run: why each of the campaign's entries has no score.
+    runs : str
+        What the runs are called.
+    """
+    failed: dict[str, str] = dict.fromkeys(campaign.contenders, "")
+    for of_run in errors:
+        for entry, error in zip(campaign.entries, of_run, strict=True):
+            name = entry.contender.name
+            if error is None:
+                failed.pop(name, None)
+            elif name in failed:
+                failed[name] = failed[name] or error
+    for name, error in failed.items():
+        reason = shortened(error.removesuffix(f": {MENDED}"), _LONGEST_REASON)
+        what = shown(name) if name else campaign.estimator
+        raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 
 
 def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     error = failed[min(failed)]
     reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
-    reason = reason.replace(f"{journal.folder}{os.sep}", "")
+    reason = reason.replace(f"{journal.folder.absolute()}{os.sep}", "")
     if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
     reason = shortened(reason, _LONGEST_REASON)
@@ -173,6 +197,11 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
     if failed:
         raise _failure(campaign, journal, failed)
+    if not given.no_bags and (lacking := _forget_without_bags(journal)):
+        raise BagError(
+            f"{len(lacking)} of {counted(campaign.runs, 'bag')} were deleted or changed meanwhile ({listed(lacking)}): "
+            f"keep others away, also the estimator; {RESUMED}"
+        )
     from pyarrow.parquet import read_table
 
     path = journal.write_table()
@@ -185,37 +214,47 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     ]
     if broken:
         lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
-    errors = {run: error for run, error in zip(runs, table.get(ERROR, ()), strict=False) if error is not None}
+    comparison = None
     if campaign.estimator is not None:
-        totals = sorted(total or 0.0 for run, total in zip(runs, table[SCORES[0]], strict=True) if run not in errors)
-        median = f", median {totals[len(totals) // 2]:.3g}° rms" if totals else ""
-        unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
-        lines.append(f"{len(totals)} scored{median}{unscored}")
-        lines.append(f"what is wrong with it: {console.program('diagnose')} {campaign.estimator}")
+        lines += _of_one(table)
+    elif campaign.estimators:
+        comparison = compare(campaign, journal.rows)
+        lines += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
+    functions = {one.function: None for one in campaign.contenders.values() if one.function}
+    lines += [f"what is wrong with it: {console.program('diagnose')} {name}" for name in functions]
     if given.report is not None:
-        _write_page(campaign, journal, given)
+        _write_page(campaign, journal, comparison, given)
         lines.append(f"wrote {printable(given.report)}")
     console.say("\n".join(lines), done=f"{path} is written")
     if broken:
         return console.BROKEN
-    if len(errors) == len(runs):
-        raise _without_a_score(campaign, "any run", errors[runs[0]])
+    if campaign.contenders:
+        errors = ([judgement["scores"][ERROR] for judgement in row.judgements] for row in journal.rows())
+        _require_scores(campaign, errors, "any run")
     return console.SUCCESS
 
 
-def _write_page(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> None:
-    """Write the page of all runs: what was drawn for each, and its residuals."""
-    lines = [
-        Line(
-            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
-            row.certified,
-            row.attitude_accuracy_rad,
-            row.residuals,
-        )
-        for row in journal.rows()
-    ]
+def _of_one(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
+    """What is said of the only estimator."""
+    errors = {run: error for run, error in zip(table["run"], table[ERROR], strict=True) if error is not None}
+    totals = sorted(
+        total or 0.0 for run, total in zip(table["run"], table[SCORES[0]], strict=True) if run not in errors
+    )
+    median = f", median {totals[len(totals) // 2]:.3g}° rms" if totals else ""
+    unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
+    yield f"{len(totals)} scored{median}{unscored}"
+
+
+def _write_page(campaign: Campaign, journal: Journal, comparison: Comparison | None, given: argparse.Namespace) -> None:
+    """Write the page of all runs: estimators that are compared, what was drawn for each run, and its residuals."""
+    lines, varied = [], {}
+    for row in journal.rows():
+        varied[row.run] = row.parameters
+        cells = (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary))
+        lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, row.residuals))
+    first = () if comparison is None else campaign_scores.sections(campaign, comparison, varied)
     declared = html_page.details("Campaign", campaign.to_json())
-    content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, [declared])
+    content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, [declared], first=tuple(first))
     write_file(given.report, content, overwrite=given.force)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator, name_of
 from lie_rigid_body.errors import InputError
 
 
@@ -18,7 +18,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     console.require_suffix("--report", given.report, ".html")
     estimate = given_estimator(given)
     if estimate is None:
-        raise InputError("no estimator: give MODULE:FUNCTION, such as my_filter:estimate, or --command PROGRAM")
+        raise InputError(
+            "no estimator: give MODULE:FUNCTION, such as my_filter:estimate, --command PROGRAM, or --node COMMAND"
+        )
 
     from lie_rigid_body.diagnosis import diagnose
     from lie_rigid_body.recording.output_file import require_room
@@ -40,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         )
     files = {}
     if given.report is not None:
-        files[given.report] = page(given.command or given.estimator, found)
+        files[given.report] = page(name_of(given), found)
     text = json.dumps(found.to_dict(), indent=2, ensure_ascii=False) if given.json else as_text(found)
     answer(text, files, overwrite=given.force, named=not given.json)
     if found.interrupted:
@@ -50,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> console.Parser:
-    from lie_rigid_body.diagnosis.examination import MOST_RUNS, TIMEOUT_S
+    from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S
 
     parser = console.Parser(
         "diagnose",
@@ -64,8 +66,8 @@ def _parser() -> console.Parser:
             "--max-runs",
             metavar="N",
             type=int,
-            default=MOST_RUNS,
-            help="runs of the filter after which no more pairs of repairs are begun (default: %(default)s)",
+            help="runs of the filter after which no more repairs are tried "
+            f"(default: {MOST_RUNS}, and {MOST_RUNS_OF_NODE} of a node)",
         ),
         console.argument(
             "--timeout",

@@ -1,4 +1,4 @@
-"""Estimators on the command line: a function, or a program that reads and writes CSV."""
+"""Estimators on the command line: a function, a program that reads and writes CSV, or a ROS 2 node."""
 
 from __future__ import annotations
 
@@ -23,6 +23,12 @@ ESTIMATOR: Final = (
         metavar="PROGRAM",
         help="in its place: a program that reads readings as CSV and prints attitudes, t_ns,x,y,z,w",
     ),
+    argument(
+        "--node",
+        metavar="COMMAND",
+        help="in its place: a ROS 2 node that hears imu/data_raw and imu/mag and publishes attitudes on imu/data; one "
+        "process a run, in lock-step",
+    ),
 )
 """Arguments that `given_estimator` reads."""
 
@@ -33,14 +39,25 @@ def given_estimator(given: argparse.Namespace) -> CommandEstimator | str | None:
     Raises
     ------
     InputError
-        If there are two.
+        If there are several.
     """
-    if given.command is None:
-        found: str | None = given.estimator
-        return found
-    if given.estimator is not None:
-        raise InputError(f"two estimators, {given.estimator} and --command {given.command}: give one of them")
+    kinds = {"": given.estimator, "--command ": given.command, "--node ": given.node}
+    there = [f"{kind}{name}" for kind, name in kinds.items() if name is not None]
+    if len(there) > 1:
+        raise InputError(f"{len(there)} estimators, {' and '.join(there)}: give one of them")
+    if given.node is not None:
+        from lie_rigid_body.runs.node import NodeEstimator
 
-    from lie_rigid_body.runs.command import CommandEstimator
+        return NodeEstimator(given.node, given.timeout)
+    if given.command is not None:
+        from lie_rigid_body.runs.command import CommandEstimator
 
-    return CommandEstimator(given.command, given.timeout)
+        return CommandEstimator(given.command, given.timeout)
+    found: str | None = given.estimator
+    return found
+
+
+def name_of(given: argparse.Namespace) -> str:
+    """The words by which the estimator was given."""
+    name: str = given.node or given.command or given.estimator
+    return name

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator, name_of
 
 
 @console.run
@@ -32,7 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         source = source_of(estimate)
         assert source is not None  # it is no function
         source.load()
-        workers, name = given.workers or cores(), given.command or given.estimator
+        workers, name = given.workers or cores(), name_of(given)
         with console.progress(total=len(CASES), desc="league", unit=" cases") as bar:
             row = play(name, source, workers=workers, timeout_s=given.timeout, progress=bar.update)
         own.insert(0, row)

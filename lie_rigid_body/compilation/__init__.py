@@ -1,6 +1,6 @@
 """Compilation by numba, where it is installed, of the loops that long work spends its time in.
 
-Compiled or not, the source is the same, and so are the bits: it has only sums, products, quotients and square roots of
+Compiled or not, the source is the same, and so are the bits. It has only sums, products, quotients and square roots of
 doubles, which are correctly rounded either way, and nothing is contracted or reordered. Numba is imported when the
 first long piece of work comes, never before. Compiled code is kept in the user's cache folder, under a name that
 changes with the source.

@@ -32,8 +32,9 @@ class Loop(Work):
     ----------
     plain : callable
         A function of ``state`` (list or array of float, changed in place), ``constants`` (floats), ``spans``,
-        ``counts`` and ``takes`` (integers for each sample: the time since the sample before, ns, the number of steps
-        that divide it, and how many of these to take now) and ``out`` (array with a row for each sample).
+        ``counts``, ``takes`` and ``out`` (array with a row for each sample). The three before ``out`` are integers for
+        each sample. They are the time since the sample before, ns, the number of steps that divide it, and how many of
+        these to take now.
     """
 
     def __init__(self, plain: Callable[..., None]) -> None:

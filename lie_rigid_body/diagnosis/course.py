@@ -7,10 +7,10 @@ freely.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -68,9 +68,7 @@ NOISE: Final = {
     "magnetometer_noise_density": "magnetometer_rate",
 }
 """Parameters of the noise of the three sensors, and of their rates."""
-EVEN: Final = "even"
-ALTERNATING: Final = "alternating"
-WALK: Final = "walk"
+Grid = Literal["even", "alternating", "walk"]
 
 
 @dataclass(frozen=True)
@@ -97,10 +95,14 @@ class Course:
     scenario: Scenario
     moving_s: float = MOVING
     rest_s: float = REST
-    grid: str = EVEN
+    grid: Grid = "even"
     gaps_s: tuple[float, ...] = ()
     off: tuple[str, tuple[float, ...]] | None = None
     seed: int = 0
+
+    def of_kind(self, kind: str) -> Course:
+        """The course with a kind of gyro."""
+        return self.of_scenario(gyro_rate=kind)
 
     def of_scenario(self, **parameters: object) -> Course:
         """The course with some parameters of its scenario changed."""
@@ -130,15 +132,6 @@ class Course:
         """Mean turn between two readings of the gyro while the body moves, rad."""
         times = np.linspace(self.rest_s, self.rest_s + self.moving_s, 500) * 1e9
         return float(np.mean(sizes(self.truth.states(times.astype(np.int64))[1]))) / self.number("imu_rate")
-
-    def readings(self) -> Readings:
-        """What the sensors read."""
-        return _readings(self)
-
-
-def of_kind(courses: Sequence[Course], kind: str) -> tuple[Course, ...]:
-    """Courses with another kind of gyro."""
-    return tuple(course.of_scenario(gyro_rate=kind) for course in courses)
 
 
 class PathTruth(Truth):
@@ -210,13 +203,12 @@ class Readings:
         return np.asarray(inside)
 
 
-@lru_cache(maxsize=16)
-def _truth(scenario: Scenario, rest_s: float) -> PathTruth:
-    return PathTruth(scenario, rest_s)
+_truth: Final = lru_cache(maxsize=16)(PathTruth)
 
 
 @lru_cache(maxsize=16)
-def _readings(course: Course) -> Readings:
+def readings(course: Course) -> Readings:
+    """What the sensors read in a course."""
     truth, draw = course.truth, np.random.default_rng(course.seed)
     t_ns, field_t_ns = (_stamps(course, course.number(name)) for name in ("imu_rate", "magnetometer_rate"))
     attitude, rate = truth.states(t_ns)
@@ -242,9 +234,9 @@ def _stamps(course: Course, rate: float) -> Integers:
     """Stamps with a margin before and after; the first that a filter is given is 0."""
     numbers = np.arange(-MARGIN, int(np.ceil((course.rest_s + course.moving_s) * rate)) + MARGIN)
     steps = numbers.astype(np.float64)
-    if course.grid == ALTERNATING:
+    if course.grid == "alternating":
         steps -= (numbers % 2) / 3.0
-    elif course.grid == WALK:
+    elif course.grid == "walk":
         steps = np.cumsum(1.0 + np.random.default_rng(0).uniform(-1.0, 1.0, len(numbers)) / 3.0)
         steps -= steps[MARGIN]
     return np.round(steps * (1e9 / rate)).astype(np.int64)

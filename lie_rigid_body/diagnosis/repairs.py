@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import permutations, product
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings
+from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
+from lie_rigid_body.evaluation.causes import Part, Track, undone
+from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator
@@ -53,24 +55,24 @@ class Repair:
     __repr__ = short_repr
 
 
-def _multiplied(sensors: Sequence[str], matrix: Array, readings: Readings) -> Readings:
+def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
     """Readings of some sensors with a matrix, shape (3, 3), from the left."""
-    return readings.changed(**{SENSORS[name]: readings.vectors[SENSORS[name]] @ matrix.T for name in sensors})
+    return given.changed(**{SENSORS[name]: given.vectors[SENSORS[name]] @ matrix.T for name in sensors})
 
 
-def _moved(sensors: Sequence[str], count: int, readings: Readings) -> Readings:
+def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
     """Readings from so many samples later; before the first that a filter is given there is none."""
     moved = {}
     for name in (SENSORS[sensor] for sensor in sensors):
-        rows = readings.vectors[name]
+        rows = given.vectors[name]
         places = np.arange(len(rows))
         moved[name] = rows[np.clip(places + count, np.minimum(places, MARGIN), len(rows) - 1)]
-    return readings.changed(**moved)
+    return given.changed(**moved)
 
 
-def _on_world_axes(readings: Readings) -> Readings:
-    attitude = readings.course.truth.at(readings.t_ns)
-    return readings.changed(gyro=quaternion.rotate(attitude, readings.vectors["gyro"]))
+def _on_world_axes(given: Readings) -> Readings:
+    attitude = given.course.truth.at(given.t_ns)
+    return given.changed(gyro=quaternion.rotate(attitude, given.vectors["gyro"]))
 
 
 JOINT: Final = Repair(
@@ -162,6 +164,13 @@ def late(sensor: str, samples: float) -> Repair:
     )
 
 
+def of_output(part: Part) -> Repair:
+    """What is told of a repair of the output, which leaves the readings as they are."""
+    cause, constants = part
+    text = " ".join(f"{constant:.5g}" for constant in constants) if cause.price else "undone"
+    return Repair(cause.code, text, cause.price, lambda given: given, cause.fact(constants), cause.deed(constants))
+
+
 def exact_repairs() -> tuple[Repair, ...]:
     """Every repair without a fitted constant, in the order of the table of mistakes."""
     world = Repair(
@@ -176,17 +185,11 @@ def exact_repairs() -> tuple[Repair, ...]:
     return tuple(sorted((*_axes(), *units, world, factor(2.0), factor(0.5)), key=lambda each: ORDER.index(each.code)))
 
 
-class Fitted(NamedTuple):
-    """A repair with one constant, and the constants that are tried at first, in order."""
-
-    of: Callable[[float], Repair]
-    tried: tuple[float, ...]
-
-
-FITTED: Final = {
-    "time_step": Fitted(factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
-    **{f"{sensor}_late": Fitted(partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSORS},
+FITTED: Final[dict[str, tuple[Callable[[float], Repair], tuple[float, ...]]]] = {
+    "time_step": (factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
+    **{f"{sensor}_late": (partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSORS},
 }
+"""Repairs with one constant, and the constants that are tried at first, in order."""
 
 ORDER: Final = (
     "inverted",
@@ -221,24 +224,38 @@ class Answer:
 
     Attributes
     ----------
+    course : Course
     stamps_ns : ndarray of int64, shape (N,)
     attitude_xyzw : ndarray, shape (N, 4)
         Its attitudes, divided by their norms; the identity where one is not finite or zero.
     broken : ndarray of int64
         Numbers of the samples that are not finite or zero.
-    norm_error : float
-        Largest | |q|² − 1 |.
     given : Estimate
         As it was returned.
     """
 
+    course: Course
     stamps_ns: Integers
     attitude_xyzw: Array
     broken: Integers
-    norm_error: float
     given: Estimate
 
     __repr__ = short_repr
+
+    @property
+    def track(self) -> Track:
+        """The attitudes beside the truth."""
+        return Track(self.stamps_ns, self.attitude_xyzw, self.course.truth)
+
+    def without(self, parts: Sequence[Part]) -> Answer:
+        """The answer with causes of errors in the output undone."""
+        track = undone(self.track, parts)
+        return replace(self, stamps_ns=track.stamps_ns, attitude_xyzw=track.attitude_xyzw)
+
+    def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
+        """RMS of the total error between two shares of the samples, rad."""
+        errors = self.track.errors()
+        return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
 
 
 @dataclass(frozen=True)
@@ -256,13 +273,12 @@ class Job:
         FilterError
             With the line in the user's file, or with the shape.
         """
-        readings = self.course.readings()
+        given = readings(self.course)
         for repair in self.repairs:
-            readings = repair.change(readings)
-        found = called(estimate, readings.run())
-        attitude = np.array(found.attitude_xyzw)
-        norms = quaternion.norm(attitude)
-        broken = np.flatnonzero(~(np.isfinite(norms) & (norms > SMALLEST_NORM)))
-        attitude[broken], norms[broken] = (0.0, 0.0, 0.0, 1.0), 1.0
-        norm_error = float(np.abs(norms**2 - 1.0).max(initial=0.0))
-        return Answer(found.t_ns, attitude / norms[:, np.newaxis], broken, norm_error, found)
+            given = repair.change(given)
+        found = called(estimate, given.run())
+        norms = quaternion.norm(found.attitude_xyzw)
+        good = np.isfinite(norms) & (norms > SMALLEST_NORM)
+        attitude = np.where(good[:, np.newaxis], found.attitude_xyzw, (0.0, 0.0, 0.0, 1.0))
+        unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
+        return Answer(self.course, found.t_ns, unit, np.flatnonzero(~good), found)

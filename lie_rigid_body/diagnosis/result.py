@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.showing import Shown
+from lie_rigid_body.wording import short_repr, shortened
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class ErrorOverTime:
 
 
 @dataclass(frozen=True)
-class FilterDiagnosis:
+class FilterDiagnosis(Shown):
     """What is wrong with a filter, and what it can do.
 
     Attributes
@@ -130,7 +131,9 @@ class FilterDiagnosis:
     errors: tuple[ErrorOverTime, ...] = ()
     interrupted: bool = False
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The verdict; no call, as only `diagnose` makes one."""
+        return shortened(f"<FilterDiagnosis: {' '.join(self.sentences)}>")
 
     @property
     def passed(self) -> bool:

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from lie_rigid_body.diagnosis.course import KINDS, Course, of_kind
+from lie_rigid_body.diagnosis.course import KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs
-from lie_rigid_body.evaluation.causes import CAUSES, Cause, Track, Tracks, error_of
+from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, Track, Tracks, error_of, undone
 from lie_rigid_body.runs.workers import FilterError
 from lie_rigid_body.wording import short_repr
 
@@ -41,25 +41,15 @@ UNCHANGED: Final = 1e-6
 """Change of the error, rad, below which a repair is none."""
 FINEST_FACTOR: Final = 1e-6
 """Accuracy to which a factor is fitted."""
-_OF_TIME: Final = ("lagging", "leading", "clock_rate")
-QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in _OF_TIME)
+QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
 
-BY_CODE: Final = {cause.code: cause for cause in CAUSES}
-
 Repairs = tuple[Repair, ...]
-Outputs = tuple[tuple[str, tuple[float, ...]], ...]
-"""Repairs of the output: codes with their constants, in the order in which they are applied."""
+Outputs = tuple[Part, ...]
+"""Repairs of the output, in the order in which they are applied."""
 
 
-def undo(track: Track, outputs: Outputs) -> Track:
-    """A track with the causes of errors in the output undone."""
-    for code, constants in outputs:
-        track = BY_CODE[code].undo(track, np.array(constants))
-    return track
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """Runs with one kind of gyro and with repairs, and the error that they leave.
 
@@ -67,18 +57,18 @@ class Trial:
     ----------
     repairs : tuple of Repair
         Repairs of the input, with `JOINT` last where it is applied.
-    outputs : tuple of (str, tuple of float)
-        Repairs of the output.
+    outputs : tuple of (Cause, ndarray)
+        Repairs of the output with their constants.
     kind : str
         The kind of gyro.
     error : float
         RMS of the total error over the last two thirds of all runs, rad.
     parts : tuple of float
-        RMS of the error of the vertical, and of that of the turns, rad, where it is known; in the choice of pairs after
+        RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
         the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
     """
 
-    repairs: tuple[Repair, ...]
+    repairs: Repairs
     outputs: Outputs
     kind: str
     error: float
@@ -92,27 +82,27 @@ class Trial:
         return JOINT in self.repairs
 
     @property
-    def inputs(self) -> tuple[Repair, ...]:
+    def inputs(self) -> Repairs:
         """The repairs of the input that are of mistakes."""
         return tuple(repair for repair in self.repairs if repair != JOINT)
 
     @property
     def codes(self) -> tuple[str, ...]:
         """The mistakes."""
-        return (*(repair.code for repair in self.inputs), *(code for code, _ in self.outputs))
+        return (*(repair.code for repair in self.inputs), *(cause.code for cause, _ in self.outputs))
 
     @property
     def rank(self) -> tuple[int, int, list[int]]:
         """Number of repairs, price, and places in the table: the least is named."""
-        price = sum(repair.price for repair in self.inputs) + sum(BY_CODE[code].price for code, _ in self.outputs)
+        price = sum(repair.price for repair in self.inputs) + sum(cause.price for cause, _ in self.outputs)
         return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
 
     @property
-    def steps(self) -> list[tuple[tuple[Repair, ...], Outputs]]:
+    def steps(self) -> list[tuple[Repairs, Outputs]]:
         """The repairs one after the other: the first, the first two, and so on, each with `JOINT` as it is here."""
         joint = (JOINT,) * self.joint
-        inputs = [((*self.inputs[:count], *joint), ()) for count in range(1, len(self.inputs) + 1)]
-        return inputs + [(self.repairs, self.outputs[:count]) for count in range(1, len(self.outputs) + 1)]
+        inputs = [((*self.inputs[: count + 1], *joint), ()) for count in range(len(self.inputs))]
+        return inputs + [(self.repairs, self.outputs[: count + 1]) for count in range(len(self.outputs))]
 
 
 @dataclass(frozen=True)
@@ -147,11 +137,9 @@ def choose(trials: Sequence[Trial], floor: float) -> Choice | None:
         The error below which all count as equal, rad.
     """
     before = plain(trials).error
-    if before <= floor:
-        return None
     limit = max(MENDED * before, min(floor, HALVED * before))
     mending = [t for t in trials if t.codes and t.error <= limit]
-    if not mending:
+    if before <= floor or not mending:
         return None
     best = min(t.error for t in mending)
     as_good = [t for t in mending if t.error <= (floor if best <= floor else NEAR * best)]
@@ -159,13 +147,8 @@ def choose(trials: Sequence[Trial], floor: float) -> Choice | None:
     return Choice(named, tuple(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes))
 
 
-Ask = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
+Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
 """Runs the filter, as many times as there are jobs."""
-
-
-def track(course: Course, answer: Answer) -> Track:
-    """What a filter answered, beside the truth."""
-    return Track(answer.stamps_ns, answer.attitude_xyzw, course.truth)
 
 
 def settled(whole: Track) -> Track:
@@ -178,6 +161,12 @@ class Search:
 
     Attributes
     ----------
+    courses : tuple of Course
+        Those that are run; with a longer rest before the motion where the filter is right after it.
+    floor : float
+        The error below which nothing is looked for, rad.
+    runs : int
+        How often the filter was run.
     trials : list of Trial
         Those on all courses.
     is_cut : bool
@@ -187,29 +176,57 @@ class Search:
 
     Parameters
     ----------
-    ask : callable
+    each : callable
     courses : tuple of Course
-        The ordinary ones, with an integrated gyro.
-    floor : float
-        The error below which nothing is looked for, rad.
-    has_room : callable
-        Whether the budget allows more runs of the filter.
+        The ordinary ones.
+    most_runs : int
+        Runs of the filter after which no more pairs are begun.
+    tell : callable
+        Told the number of runs after each.
     """
 
-    def __init__(self, ask: Ask, courses: tuple[Course, ...], floor: float, has_room: Callable[[], bool]) -> None:
-        self._ask, self._courses, self._floor, self._has_room = ask, courses, floor, has_room
-        self._short = (replace(courses[0], moving_s=SCREENED_S),)
+    def __init__(
+        self, each: Each, courses: tuple[Course, ...], most_runs: int, tell: Callable[[int], object] = lambda runs: None
+    ) -> None:
+        self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
+        self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
+        self._short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
-        self.is_cut = self.is_broken = False
+        self.runs, self.is_cut, self.is_broken = 0, False, False
+
+    def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
+        """What the filter makes of courses, in their order."""
+        for answer in self._each(jobs):
+            self.runs += 1
+            self._tell(self.runs)
+            yield answer
 
     def choice(self) -> Choice | None:
         """What is named so far."""
-        return choose(self.trials, self._floor)
+        return choose(self.trials, self.floor)
+
+    @property
+    def chosen(self) -> Trial:
+        """The filter with its mistakes repaired, or as it is."""
+        choice = self.choice()
+        return choice.named if choice else plain(self.trials)
 
     def run(self) -> None:
+        """Look for repairs of a filter that is wrong, also after a longer rest: one that is right then goes on so."""
+        self.trials += self.fully([()])
+        if self.is_broken or plain(self.trials).error <= self.floor:
+            return
+        longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
+        rested = list(self.fully([()], courses=longer))
+        if plain(rested).error <= self.floor:
+            self.courses, self.trials = longer, rested
+        else:
+            self.look()
+
+    def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
-        self.fully([()], CAUSES, pairs=True)
+        self.trials += self.fully([()], CAUSES, pairs=True)
         if self._is_mended(1, 0):
             return
         ((unrepaired,),) = self.tried([((), self._short)])
@@ -221,17 +238,19 @@ class Search:
         firsts = [trial.inputs for trial in _most_promising(singles)[:BEAM]]
         for pairs_with in (self._exact_beside, self._fitted_beside):
             for first in firsts:
-                if self._is_mended(2, 0):
-                    return
-                self.is_cut = not self._has_room()
-                if self.is_cut:
+                if self._is_mended(2, 0) or not self._may_go_on():
                     return
                 pairs_with(first)
+
+    def _may_go_on(self) -> bool:
+        """Whether the budget allows more runs; that it did not is noted."""
+        self.is_cut = self.runs >= self.most_runs
+        return not self.is_cut
 
     def _is_mended(self, count: int, price: int) -> bool:
         """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
         choice = self.choice()
-        return choice is not None and choice.named.error <= self._floor and choice.named.rank[:2] <= (count, price)
+        return choice is not None and choice.named.error <= self.floor and choice.named.rank[:2] <= (count, price)
 
     def _exact_beside(self, first: Repairs) -> list[Trial]:
         """Try each repair of the input without a constant beside another."""
@@ -241,26 +260,36 @@ class Search:
         """Try those with a constant, alone or beside another."""
         codes = [code for code in FITTED if code not in [repair.code for repair in first]]
         rests = [(*first, *joint) for joint in ((), (JOINT,))]
-        return self._screened([(self._fitted(code, rest), *rest) for code in codes for rest in rests])
+        pairs = [(code, rest) for code in codes for rest in rests]
+        return self._screened([(self._fitted(code, rest), *rest) for code, rest in pairs if self._may_go_on()])
 
     def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
         """Try repairs shortly, a single one also with each of the output's, and the best of them on all courses."""
+        if not chosen:
+            return []
         single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
         found = list(self.tried([(repairs, self._short) for repairs in chosen], QUICK if single else ()))
         least = {trials[0]: min(trial.error for trial in trials) for trials in found}
         best = sorted(least, key=least.__getitem__)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
-        far = FAR * max(self._floor, least[best[0]])
+        far = FAR * max(self.floor, least[best[0]])
         finals = dict.fromkeys(trial.inputs for trial in (*alone, *best) if least[trial] <= far)
-        self.fully(finals, CAUSES if single else ())
+        self.trials += self.fully(finals, CAUSES if single else ())
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
-    def fully(self, chosen: Iterable[Repairs], causes: Sequence[Cause] = (), *, pairs: bool = False) -> None:
-        """Try repairs on all courses, with both kinds of gyro, with and without `JOINT`."""
-        by_kind = [of_kind(self._courses, kind) for kind in KINDS]
+    def fully(
+        self,
+        chosen: Iterable[Repairs],
+        causes: Sequence[Cause] = (),
+        *,
+        pairs: bool = False,
+        courses: tuple[Course, ...] = (),
+    ) -> Iterator[Trial]:
+        """Try repairs on all courses, or on others, with both kinds of gyro, with and without `JOINT`."""
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
-        for found in self.tried([(each, courses) for each in jointly for courses in by_kind], causes, pairs=pairs):
-            self.trials += found
+        by_kind = [tuple(course.of_kind(kind) for course in courses or self.courses) for kind in KINDS]
+        for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
+            yield from found
 
     def _fitted(self, code: str, rest: Repairs) -> Repair:
         """The best constant of a repair beside others."""
@@ -293,7 +322,7 @@ class Search:
         FilterError
             If the filter fails without a repair.
         """
-        answers = self._ask([Job(course, repairs) for repairs, courses in asked for course in courses])
+        answers = self.ask([Job(course, repairs) for repairs, courses in asked for course in courses])
         for repairs, courses in asked:
             given, kind = [next(answers) for _ in courses], courses[0].kind
             failed = [answer for answer in given if isinstance(answer, FilterError)]
@@ -304,13 +333,13 @@ class Search:
             if len(right) < len(courses):
                 yield [Trial(repairs, (), kind, np.pi, (np.pi, np.pi))]
                 continue
-            tracks = [settled(track(*each)) for each in zip(courses, right, strict=True)]
+            tracks = [settled(answer.track) for answer in right]
             parts = tracks[0].partial_errors()
             if courses == self._short:
                 tracks = [each.few(SCREENED) for each in tracks]
-            undone = _undone(tracks, causes, pairs=pairs)
             alone = Trial(repairs, (), kind, error_of(tracks), parts)
-            yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in undone)]
+            mended = _without(tracks, causes, pairs=pairs)
+            yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in mended)]
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
@@ -320,13 +349,13 @@ def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
     return [trials[number] for number in np.argsort(places, kind="stable")]
 
 
-def _undone(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:
+def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:
     """Each cause, or every two of which the first has no constant, with what is left without them."""
     for cause in causes:
         constants, error = cause.fitted(tracks)
-        undone = ((cause.code, tuple(constants.tolist())),)
-        yield undone, error
+        part = cause, constants
+        yield (part,), error
         if pairs and not cause.price:
-            without = [cause.undo(track, constants) for track in tracks]
             others = (other for other in CAUSES if other.code != cause.code)
-            yield from ((undone + second, left) for second, left in _undone(without, others, pairs=False))
+            rest = _without([undone(track, [part]) for track in tracks], others, pairs=False)
+            yield from (((part, *second), left) for second, left in rest)

@@ -83,6 +83,8 @@ def shape_remedy(shape: tuple[int, ...], size: tuple[int, ...]) -> str:
     """Words that tell what to do about an array of a wrong shape, whose last axes should have some size."""
     if len(shape) == 2 and size == shape[:1] != shape[1:]:
         return "its rows are columns: transpose it, as array.T"
+    if size == (4,) and shape[-2:] == (3, 3):
+        return "give quaternions, as by scipy's Rotation.from_matrix(...).as_quat()"
     if size == (4,) and len(shape) > 1 and shape[-1] == 3:
         return "Euler angles are no quaternions: convert them, as by scipy's Rotation.from_euler(...).as_quat()"
     return "give such an array"

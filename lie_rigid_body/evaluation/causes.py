@@ -3,10 +3,11 @@
 A cause is a transform of attitudes and their stamps, with constants or without. Undone with the right constants it
 leaves no error. Estimates of several runs share the constants.
 
-Most causes turn the quaternion as a vector of four numbers: the inverse, another order of the components and turns of
-the world and of the body are orthogonal 4 × 4 matrices U, and of a cause with constants U = Σ cᵢ Bᵢ with |c| = 1. With
-true attitudes q and estimates p the mean of cos² of half of the error is (1/N) Σ (qᵀ U p)² = uᵀ T u with the 16 numbers
-u of U and T = (1/N) Σ (q ⊗ p)(q ⊗ p)ᵀ: one matrix of sums judges them all, and the best c is an eigenvector.
+Most causes turn the quaternion as a vector of four numbers. The inverse, another order of the components and turns of
+the world and of the body are orthogonal 4 × 4 matrices U. Of a cause with constants it is U = Σ cᵢ Bᵢ with |c| = 1.
+With true attitudes q and estimates p the mean of cos² of half of the error is (1/N) Σ (qᵀ U p)² = uᵀ T u. Here u are
+the 16 numbers of U, and T = (1/N) Σ (q ⊗ p)(q ⊗ p)ᵀ. One matrix of sums judges them all, and the best c is an
+eigenvector.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitude_error import angles
-from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
+from lie_rigid_body.evaluation.attitudes import angle_and_axis, angles_between, places, sizes, times, turns
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
@@ -38,6 +39,8 @@ LONGEST_LAG: Final = 0.5
 """Largest lag that is looked for, s."""
 LARGEST_CLOCK_RATE: Final = 2.0
 """Largest rate of a clock that is looked for, and the inverse of the smallest."""
+FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
+"""What is said of a cause that a mistake at the input of the filter may feign."""
 _SCANNED: Final = 40
 """Samples of a track at which starts of a fit are compared."""
 _FITTED: Final = 200
@@ -127,6 +130,8 @@ class Cause:
         What is wrong with the estimate, a sentence without a full stop, from the constants.
     deed : callable
         The repair in a few words, as a part of speech before "leaves", from the constants.
+    remedy : callable
+        What to do about an estimate whose filter is not at hand, from the constants; empty where `fact` has it.
     maps : tuple of ndarray, shape (d, 4, 4) each
         Matrices of the repair, of several that there may be; of one with constants the base B. None of time.
     slopes : callable
@@ -144,6 +149,12 @@ class Cause:
     maps: tuple[Array, ...] = ()
     slopes: Slopes = field(default=lambda track, truth, rate: np.zeros((len(truth), 3, 0)), repr=False)
     moved: Callable[[Array, Array], Array] = field(default=np.add, repr=False)
+    remedy: Callable[[Array], str] = field(default=lambda constants: "", repr=False)
+
+    def sentence(self, constants: Array) -> str:
+        """What is wrong, and what to do about an estimate whose filter is not at hand; without a full stop."""
+        fact, remedy = self.fact(constants), self.remedy(constants)
+        return f"{fact.partition(':')[0]}: {remedy}" if remedy else fact
 
     def fitted(self, tracks: Tracks) -> tuple[Array, float]:
         """The best constants, and the RMS of the total error that they leave, rad."""
@@ -227,13 +238,9 @@ def _turned(track: Track, left: Array | None = None, right: Array | None = None)
     return replace(track, attitude_xyzw=q if right is None else quaternion.multiply(q, right))
 
 
-def _by_map(maps: Array) -> Callable[[Track, Array], Track]:
-    """The repair by a matrix without constants."""
-    return lambda track, constants: replace(track, attitude_xyzw=track.attitude_xyzw @ maps[0].T)
-
-
-def _z_up(track: Track, frd_body: Array) -> Track:
-    return _turned(track, ENU_TO_NED, FLU_TO_FRD if frd_body[0] else None)
+def _by_map(*maps: Array) -> Callable[[Track, Array], Track]:
+    """The repair by a matrix without constants, chosen by its number."""
+    return lambda track, chosen: replace(track, attitude_xyzw=track.attitude_xyzw @ maps[int(chosen[0])].T)
 
 
 def _reordered(track: Track, orders: Array) -> Track:
@@ -318,20 +325,15 @@ def _euler(tracks: Tracks) -> Sequence[Array]:
     return [np.array(pair, dtype=np.float64) for pair in permutations(range(len(_ORDERS)), 2)]
 
 
-def angle_and_axis(rotation: Array) -> str:
-    """Angle and axis of a rotation, shape (4,), in words."""
-    turn = quaternion.log(rotation)
-    angle = float(np.sqrt(turn @ turn))
-    return f"{np.degrees(angle):.4g}° about ({components(turn / angle if angle else turn, 3)})"
-
-
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
 _ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _NONE: Final = _fixed(0.0)
 _I, _J, _K, _ONE = np.eye(4)
-_INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])[np.newaxis]
-_SHIFT: Final = np.roll(np.eye(4), -1, axis=0)[np.newaxis]
+_INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
+_SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
+_Z_UP: Final = _left(ENU_TO_NED)[0]
+_Z_UP_AND_FLU: Final = _Z_UP @ _right(FLU_TO_FRD)[0]
 _ABOUT_UP: Final = _left(_ONE, _K)
 _OF_WORLD: Final = _left(_ONE, _I, _J, _K)
 _OF_BODY: Final = _right(_ONE, _I, _J, _K)
@@ -350,7 +352,7 @@ CAUSES: Final = (
         _NONE,
         _said("The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"),
         _said("Conjugated it"),
-        (_INVERSE,),
+        (_INVERSE[np.newaxis],),
     ),
     Cause(
         "scalar_first",
@@ -359,16 +361,20 @@ CAUSES: Final = (
         _NONE,
         _said("The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"),
         _said("With the scalar last it"),
-        (_SHIFT,),
+        (_SHIFT[np.newaxis],),
     ),
     Cause(
         "ned_world",
         0,
-        _z_up,
+        _by_map(_Z_UP, _Z_UP_AND_FLU),
         _fixed(0.0, 1.0),
         lambda c: f"The world of the estimate is north-east-down{' and its body forward-right-down' if c[0] else ''}",
         lambda c: f"Turned to z up from the left{', and half a turn about x from the right' if c[0] else ''}, it",
-        (_left(ENU_TO_NED), _left(ENU_TO_NED) @ _right(FLU_TO_FRD)),
+        (_Z_UP[np.newaxis], _Z_UP_AND_FLU[np.newaxis]),
+        remedy=lambda c: (
+            f"turn it to z up by (√½, √½, 0, 0) from the left{', and by (1, 0, 0, 0) from the right' if c[0] else ''}; "
+            "if it should not be, see whether the sign of the accelerometer turns it upside down"
+        ),
     ),
     Cause(
         "euler_order",
@@ -390,6 +396,10 @@ CAUSES: Final = (
         lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° from the left the estimate",
         (_ABOUT_UP,),
         lambda track, truth, rate: quaternion.rotate(quaternion.conjugate(truth), UP)[..., np.newaxis],
+        remedy=lambda c: (
+            f"turn the estimate by {-np.degrees(c[0]):+.6g}° from the left, or tell the filter its magnetic "
+            f"declination or what its x axis is; hard iron and a bias of the gyro turn it too, and {FEIGNED}"
+        ),
     ),
     Cause(
         "world_turned",
@@ -401,6 +411,10 @@ CAUSES: Final = (
         (_OF_WORLD,),
         lambda track, truth, rate: np.swapaxes(quaternion.to_matrix(truth), 1, 2),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(turn), quaternion.exp(step))),
+        lambda c: (
+            "see whether nothing corrects a wrong first attitude, or the accelerometer, the magnetometer or what they "
+            f"are held against has the wrong sign or other axes; {FEIGNED}"
+        ),
     ),
     Cause(
         "lagging",
@@ -425,9 +439,13 @@ CAUSES: Final = (
         1,
         _by_clock,
         _of_time(8, np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)),
-        lambda c: f"The clock of the estimate's stamps runs {1.0 / c[0]:.5g} times as fast as that of the readings",
+        lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
         _said("Stamped with the time of the readings it"),
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
+        remedy=lambda c: (
+            "stamp it with the time of the readings it is made of, in their unit and with their period, not by another "
+            "clock beside a replay"
+        ),
     ),
     Cause(
         "body_mounting",
@@ -439,6 +457,11 @@ CAUSES: Final = (
         (_OF_BODY,),
         lambda track, truth, rate: np.broadcast_to(np.eye(3), (len(truth), 3, 3)),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(step), quaternion.exp(turn))),
+        lambda c: (
+            "tell the filter how the sensor is mounted, or multiply the estimate by "
+            f"({components(quaternion.exp(-c), 6)}) from the right{places(quaternion.exp(c))}; biases of the sensors "
+            f"turn them as well, and {FEIGNED}"
+        ),
     ),
 )
 """The causes, in the order in which they are named where several do as well and cost as much."""

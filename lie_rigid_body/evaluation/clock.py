@@ -15,7 +15,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
-from lie_rigid_body.evaluation.naming import (
+from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FEWEST,
     LEAD,
@@ -105,7 +105,8 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
     """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
 
     Where it does not, the lag is fitted beside the turns that are named. It is told where it is named, where it is
-    sure, and where it is none, to an error that is small beside a lag that would turn the body by what is left.
+    sure, and where it is none. The latter is to an error that is small beside a lag that would turn the body by what is
+    left.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
     given = track.part(spread(len(track.stamps_ns), SAMPLES))
@@ -172,7 +173,7 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     """Standard error of the lag, the last of fitted constants, s.
 
     The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
-    circle, is what errors of that spectrum make of a lag where there is none: its root mean square over all shifts
+    circle, is what errors of that spectrum make of a lag where there is none. Its root mean square over all shifts
     counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
     those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
     tell nothing: errors that are independent are counted as well. The largest value counts.

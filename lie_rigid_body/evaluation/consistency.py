@@ -106,7 +106,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     ------
     InputError
         If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
-        large beside it that the NEES overflows; or if the probability is not between 0 and 1.
+        large beside it that the NEES overflows. Also if the probability is not between 0 and 1.
     """
     from scipy.stats import chi2  # loading it takes longer than all the rest of the package
 

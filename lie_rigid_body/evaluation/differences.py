@@ -155,7 +155,7 @@ def blocks_of(values: Array) -> tuple[int, float]:
     int
         Samples.
     float
-        What deviations are multiplied by, at least 1: blocks of length L miss correlations across their ends, which are
+        What deviations are multiplied by, at least 1. Blocks of length L miss correlations across their ends, which are
         a share g / (L v) of the variance v, where g = Σ |k| R(k).
     """
     n = len(values)

@@ -28,9 +28,6 @@ FARTHEST_NS: Final = 2**31 * 10**9
 NOT_UNIT: Final = 0.002
 """Largest | |q|² − 1 | that is taken for unit norm: what remains of one written with three decimals. tf2 takes 0.01."""
 
-FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
-"""What is said of a cause that a mistake at the input of the filter may feign."""
-
 
 @dataclass(frozen=True)
 class Remark:

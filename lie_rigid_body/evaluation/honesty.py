@@ -1,8 +1,8 @@
 """Whether a covariance is honest over many runs, and what is wrong with it.
 
 Errors of a filter are correlated in time, so the samples of one run are not independent; runs are, where the seeds of
-their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time; over honest runs
-its mean is the number of degrees of freedom, whatever the correlation, and its distribution is close to a gamma
+their sensors differ. So whole runs are the samples here. Of each run the NEES is averaged over time. Over honest runs
+its mean is the number of degrees of freedom, whatever the correlation. Its distribution is close to a gamma
 distribution of unknown shape, by whose likelihood ratio the mean is tested. A band of the mean NEES over time that
 holds for all times at once comes from resampling whole runs (bootstrap-t: B. Efron, R. Tibshirani, An Introduction to
 the Bootstrap, 1993, chapter 12, with the largest deviation over time). What is wrong is named by repair: of the
@@ -55,6 +55,13 @@ class Interval:
     end_s: float
     verdict: str
 
+    @property
+    def when(self) -> str:
+        """The time in words."""
+        if self.begin_s == self.end_s:
+            return f"at {self.begin_s:.4g} s"
+        return f"from {self.begin_s:.4g} s to {self.end_s:.4g} s"
+
 
 @dataclass(frozen=True)
 class Honesty:
@@ -104,7 +111,7 @@ class Honesty:
     def message(self) -> str:
         """The verdict in one sentence."""
         said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
-        times = "; ".join(f"{i.verdict} from {i.begin_s:.4g} s to {i.end_s:.4g} s" for i in self.outside)
+        times = "; ".join(f"{i.verdict} {i.when}" for i in self.outside)
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 

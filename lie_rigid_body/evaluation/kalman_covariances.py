@@ -1,30 +1,29 @@
 """Covariances of the Kalman filter and the smoother of a linear system with unknown constants, many samples at a time.
 
-For x_k = F_k x_(k−1) + B_k θ + w_k and y_k = H_k x_k + D_k θ + m_k, with covariances Q_k of w_k and 1 of m_k, a block
-of samples acts as one step does on the covariance P of the state before it, and on the information Y of later readings
-about its end:
+The system is x_k = F_k x_(k−1) + B_k θ + w_k and y_k = H_k x_k + D_k θ + m_k, with covariances Q_k of w_k and 1 of m_k.
+A block of samples acts as one step does. It changes the covariance P of the state before it, and the information Y of
+later readings about its end:
 
     P ↦ C + A (P⁻¹ + J)⁻¹ Aᵀ,    Y ↦ J + Aᵀ (Y⁻¹ + C)⁻¹ A
 
 C is the covariance after the block of a filter that knew the state before it, J the information of the block's readings
-about that state, and A its transition. They are found for all blocks side by side; a loop over the blocks then finds P
-and Y at their ends, and the samples within follow, again side by side. It is exact, and takes a sixth of the time of a
-loop over the samples.
+about that state, and A its transition. They are found for all blocks side by side. A loop over the blocks then finds P
+and Y at their ends. The samples within follow, again side by side. It is exact, and takes a sixth of the time of a loop
+over the samples.
 
 The constants θ begin with the covariance 1, independent of the state. Their number costs little, as they are no part of
-the state: an estimate that takes them to be 0 errs by Ψ θ more, where the sensitivity Ψ follows the estimate's own
-recursion, with B θ for a step and D θ for a reading. An innovation of covariance S tells of them S^(−½) (H Ψ + D); with
+the state. An estimate that takes them to be 0 errs by Ψ θ more. Its sensitivity Ψ follows the estimate's own recursion,
+with B θ for a step and D θ for a reading. An innovation of covariance S tells of them the rows S^(−½) (H Ψ + D). With
 the triangular R of all these rows, RᵀR = 1 + Σ rowsᵀ rows, the covariance is P + Ψ (RᵀR)⁻¹ Ψᵀ.
 
-Every covariance and information is kept as a root, P = rootᵀ root, which orthogonal transformations change: none is
-squared, so that noises may be smaller than what they are compared with by any factor that float64 tells from 1.
+Each covariance and information is kept as a root, P = rootᵀ root, which orthogonal transformations change. None is
+squared on the way, so that it stays right where noises are tiny beside the first deviations.
 
 References
 ----------
 S. Särkkä, Á. F. García-Fernández, "Temporal parallelization of Bayesian smoothers", IEEE Transactions on Automatic
 Control 66 (2021) 299. B. Friedland, "Treatment of bias in recursive filtering", IEEE Transactions on Automatic Control
-14 (1969) 359. G. J. Bierman, "Factorization methods for discrete sequential estimation", Academic Press (1977): roots,
-and the adjoint of the smoother.
+14 (1969) 359. G. J. Bierman, "Factorization methods for discrete sequential estimation", Academic Press (1977).
 """
 
 from __future__ import annotations

@@ -15,6 +15,8 @@ from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.wording import short_repr, shown
 
+Largest = tuple[float, float] | None
+"""Time, s, and size, degrees, of the largest of some errors; None of no samples."""
 ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
 TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
 """Units of a limit, in degrees and in seconds."""
@@ -82,14 +84,10 @@ class Limits:
         total_deg : ndarray, shape (N,)
             Total error, degrees.
         """
-        worst = []
-        for start, _ in self.max_after:
-            late = np.flatnonzero(t_s >= start)
-            k = late[np.argmax(total_deg[late])] if late.size else None
-            worst.append(None if k is None else (float(t_s[k]), float(total_deg[k])))
+        worst = [largest(start, t_s, total_deg) for start, _ in self.max_after]
         return self.broken_by(rms(total_deg), worst, float(t_s[-1]))
 
-    def broken_by(self, rms_deg: float, worst: Sequence[tuple[float, float] | None], end_s: float) -> tuple[str, ...]:
+    def broken_by(self, rms_deg: float, worst: Sequence[Largest], end_s: float) -> tuple[str, ...]:
         """Sentences about the limits that the facts of a run break, one for each.
 
         Parameters
@@ -105,14 +103,12 @@ class Limits:
         sentences = []
         if self.max_rms_deg is not None and rms_deg > self.max_rms_deg:
             sentences.append(f"the error is {rms_deg:.4g}° rms, above the limit of {self.max_rms_deg:g}°")
-        for (start, limit), largest in zip(self.max_after, worst, strict=True):
-            if largest is None:
+        for (start, limit), found in zip(self.max_after, worst, strict=True):
+            if found is None:
                 sentences.append(f"the estimate ends at {end_s:g} s, before the limit after {start:g} s begins")
-            elif largest[1] > limit:
-                when, size = largest
-                sentences.append(
-                    f"the error is {size:.4g}° at {when:g} s, above the limit of {limit:g}° after {start:g} s"
-                )
+            elif found[1] > limit:
+                when = f"at {found[0]:g} s, above the limit of {limit:g}° after {start:g} s"
+                sentences.append(f"the error is {found[1]:.4g}° {when}")
         return tuple(sentences)
 
     def too_little(self, compared: int, given: int, span_s: float, due_s: float) -> tuple[str, ...]:
@@ -138,6 +134,15 @@ class Limits:
                 "half of them"
             )
         return tuple(sentences)
+
+
+def largest(start_s: float, t_s: Array, total_deg: Array, before: Largest = None) -> Largest:
+    """The time, s, and size of the first of the largest errors from a time on, `before` the samples or among them."""
+    late = np.flatnonzero(t_s >= start_s)
+    k = late[np.argmax(total_deg[late])] if late.size else 0
+    if not late.size or (before is not None and before[1] >= total_deg[k]):
+        return before
+    return float(t_s[k]), float(total_deg[k])
 
 
 def angle_deg(text: str) -> float:

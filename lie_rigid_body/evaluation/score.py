@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Final
+from typing import TYPE_CHECKING, Final, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -15,8 +15,13 @@ from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.findings import Finding
 from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, bias_error
+from lie_rigid_body.showing import Shown, data_frame, report
+from lie_rigid_body.wording import counted, listed, short_repr
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 LARGEST_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
@@ -26,8 +31,25 @@ HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 """Headings of the columns of statistics."""
 
 
+class BiasEstimate(NamedTuple):
+    """Estimated biases of a gyro beside the true ones, rad/s.
+
+    Attributes
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+    estimate, truth : ndarray, shape (N, 3)
+    """
+
+    stamps_ns: Integers
+    estimate: Array
+    truth: Array
+
+    def __repr__(self) -> str:
+        return short_repr(self)
+
+
 @dataclass(frozen=True)
-class Score:
+class Score(Shown):
     """Errors of an estimate, and their causes.
 
     Attributes
@@ -55,8 +77,8 @@ class Score:
         Bound of the error of the truth by interpolation, degrees.
     consistency : Consistency or None
         Where a covariance was given.
-    gyro_bias_rad_s : Statistics or None
-        Of the error of an estimated gyro bias, where one was given.
+    gyro_bias : BiasEstimate or None
+        Where one was given.
     best : BestPossible or None
         What the sensors' noise leaves at best, where it is known.
     limits : Limits
@@ -79,18 +101,33 @@ class Score:
     outside: int
     truth_uncertainty_deg: float
     consistency: Consistency | None = None
-    gyro_bias_rad_s: Statistics | None = None
+    gyro_bias: BiasEstimate | None = None
     best: BestPossible | None = None
     limits: Limits = field(default_factory=Limits)
     of_sensors_deg: float | None = None
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
+        found = f"; {listed([finding.code for finding in self.findings])}" if self.findings else ""
+        broken = "" if self.passed else "; a limit is broken"
+        return f"<Score: {self.total_deg.rms:.4g}° rms of {counted(self.samples, 'sample')}{found}{broken}>"
 
     def __str__(self) -> str:
         """Table and findings in several lines, as ``evaluate`` prints them."""
         return "\n".join(
             [*table(self), "", *findings(self), *(line for text in verdict(self) for line in wrapped(text))]
         )
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            how = {"report": ": call write_report(score, 'score.html') of lie_rigid_body.report"}.get(name, "")
+            raise AttributeError(f"a score has no {name}{how}")
+
+    @property
+    def gyro_bias_rad_s(self) -> Statistics | None:
+        """Statistics of the norm of the error of an estimated gyro bias, rad/s; None where none was given."""
+        return None if self.gyro_bias is None else bias_error(self.gyro_bias.estimate, self.gyro_bias.truth)
 
     @property
     def samples(self) -> int:
@@ -107,7 +144,22 @@ class Score:
         """Whether no limit is broken."""
         return not self.broken
 
-    def to_json(self, *, series: bool = False) -> dict[str, object]:
+    def plot(self, title: str = "attitude estimate") -> Figure:
+        """Figure of Matplotlib: the errors over time, with the limits and the best that the noise allows."""
+        figure: Figure = report("score_picture").draw(title, self)
+        return figure
+
+    def to_dataframe(self) -> DataFrame:
+        """Table of pandas with the errors of every sample, degrees, by ``t_ns``; NEES and bound where they are known.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If pandas is not installed: ``to_dict(series=True)`` has the same numbers.
+        """
+        return data_frame(self.stamps_ns, self._columns())
+
+    def to_dict(self, *, series: bool = False) -> dict[str, object]:
         """JSON-serialisable data of the score, with its series if they are wanted."""
         content: dict[str, object] = {
             "samples": self.samples,
@@ -131,10 +183,13 @@ class Score:
 
     def series(self) -> dict[str, list[float] | list[int]]:
         """Stamps, ns, and error angles, degrees, of every sample; NEES and bound where they are known."""
-        angles = {f"{name}_deg": np.degrees(angle).tolist() for name, angle in self.error._asdict().items()}
-        nees = {"nees": self.consistency.nees.tolist()} if self.consistency else {}
-        best = {"unavoidable_deg": self.best.filtered_deg.tolist()} if self.best and not self.best.unobserved else {}
-        return {"stamps_ns": self.stamps_ns.tolist(), **angles, **nees, **best}
+        return {"stamps_ns": self.stamps_ns.tolist(), **{name: of.tolist() for name, of in self._columns().items()}}
+
+    def _columns(self) -> dict[str, Array]:
+        angles = {f"{name}_deg": np.degrees(angle) for name, angle in self.error._asdict().items()}
+        nees = {"nees": self.consistency.nees} if self.consistency else {}
+        best = {"unavoidable_deg": self.best.filtered_deg} if self.best and not self.best.unobserved else {}
+        return {**angles, **nees, **best}
 
 
 def seconds(stamps_ns: Integers) -> Array:
@@ -205,6 +260,9 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
         )
         if consistency.remark:
             yield "remark", consistency.remark
+    bias = score.gyro_bias_rad_s
+    if bias is not None:
+        yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
     if score.best is not None and score.best.unobserved:
         yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
     if score.best is not None and score.best.beaten:

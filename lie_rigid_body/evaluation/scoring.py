@@ -1,8 +1,8 @@
-"""The scoring of an attitude estimate: compared with the truth at its stamps, and diagnosed."""
+"""The scoring of an attitude estimate: compared with the truth at its stamps, and diagnosed; or as its samples come."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -11,15 +11,15 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import quantity, real_numbers
-from lie_rigid_body.evaluation.attitude_error import attitude_error
+from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
 from lie_rigid_body.evaluation.best_possible import BestPossible
 from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.clock import Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.estimate import GAP, ReadEstimate, Remark, period_ns
-from lie_rigid_body.evaluation.findings import Finding, clock_finding, findings
-from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.naming import TIE, choose
+from lie_rigid_body.evaluation.explanations import TIE
+from lie_rigid_body.evaluation.findings import Finding, choose, clock_finding, findings
+from lie_rigid_body.evaluation.limits import Largest, Limits, largest
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import HasTruth, Truth
@@ -265,3 +265,62 @@ def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Arr
         )
     first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
     return np.asarray(covariance[first_of_stamp][known])
+
+
+class Tally:
+    """Number, RMS and largest error of all samples so far, and what limits need to know of them.
+
+    Parameters
+    ----------
+    limits : Limits
+
+    Attributes
+    ----------
+    count : int
+    largest_deg : ndarray, shape (3,)
+        Largest total, heading and inclination error, degrees.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits, self.count = limits, 0
+        self._squares, self.largest_deg = np.zeros(3), np.zeros(3)
+        self._first_ns = self._last_ns = 0
+        self._worst: list[Largest] = [None for _ in limits.max_after]
+
+    def add(self, stamps_ns: Integers, error: AttitudeError) -> None:
+        """Take samples that come next: at least one, with their errors, rad."""
+        angles_deg = np.degrees(np.stack(error))
+        self._first_ns = int(stamps_ns[0]) if not self.count else self._first_ns
+        self._last_ns = int(stamps_ns[-1])
+        self.count += len(stamps_ns)
+        self._squares += np.sum(angles_deg**2, axis=1)
+        self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
+        t_s = (stamps_ns - self._first_ns) / 1e9
+        before = zip(self.limits.max_after, self._worst, strict=True)
+        self._worst = [largest(start, t_s, angles_deg[0], worst) for (start, _), worst in before]
+
+    @property
+    def rms_deg(self) -> Array:
+        """RMS of the total, heading and inclination error, degrees, shape (3,)."""
+        return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
+
+    def broken(self) -> tuple[str, ...]:
+        """Sentences about the limits that the samples so far break, one for each."""
+        return self.limits.broken_by(float(self.rms_deg[0]), self._worst, (self._last_ns - self._first_ns) / 1e9)
+
+    def exact(self, score: Score, given: int, due_ns: int) -> Score:
+        """Replace RMS, largest error and limits in a score of some of the samples by those of all.
+
+        Parameters
+        ----------
+        score : Score
+        given : int
+            Estimates, of which those that were compared were added.
+        due_ns : int
+            The stamp until which they are due.
+        """
+        span_s, due_s = ((end - self._first_ns) / 1e9 for end in (self._last_ns, due_ns))
+        broken = (*self.broken(), *self.limits.too_little(self.count, given, span_s, due_s))
+        parts = zip(("total_deg", "heading_deg", "inclination_deg"), self.rms_deg, self.largest_deg, strict=True)
+        exact = {name: replace(getattr(score, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
+        return replace(score, broken=broken, **exact)

@@ -1,8 +1,8 @@
 """Turns of an estimate beside those of the body: not at all, to and fro, too fast, or about other axes.
 
-The turn of the estimate from one sample to the next, on its own body axes, is held against that of the truth times a
-scale and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a left-handed frame leave
-attitudes that no constant rotation explains, and turns that this explains to a few percent.
+The turn of the estimate from one sample to the next, on its own body axes, is held against that of the truth. The
+latter is taken times a scale, and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a
+left-handed frame leave attitudes that no constant rotation explains, and turns that this explains to a few percent.
 """
 
 from __future__ import annotations
@@ -13,10 +13,11 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers, runs_of
-from lie_rigid_body.evaluation.attitudes import angles_between, sizes, turns
+from lie_rigid_body.evaluation.attitudes import angles_between, named, sizes, times, turns
+from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import FAR
-from lie_rigid_body.evaluation.estimate import FEIGNED, GAP, Remark, period_ns
-from lie_rigid_body.evaluation.naming import FORMS, spread
+from lie_rigid_body.evaluation.estimate import GAP, Remark, period_ns
+from lie_rigid_body.evaluation.explanations import FORMS, spread
 from lie_rigid_body.lie import quaternion
 
 STEPS: Final = 400
@@ -135,14 +136,14 @@ class Turns:
             return ()
         scale, axes = fitting[0]
         if axes == 0:  # also where the motion does not tell it from others
-            message = f"The estimate turns {_times(scale)}: {SCALES[scale]}; {FEIGNED}."
+            message = f"The estimate turns {times(scale)} the body: {SCALES[scale]}; {FEIGNED}."
             return () if scale == 1.0 else (Remark("turn_rate", message),)
         if len(fitting) > 1:
             return ()
         mirrored = ", which are right-handed; these are not" if np.linalg.det(AXES[axes]) < 0.0 else ""
         message = (
             f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
-            f"{f', {_times(scale)}' if scale != 1.0 else ''}: give the filter its gyro on the "
+            f"{f', {times(scale)} the body' if scale != 1.0 else ''}: give the filter its gyro on the "
             f"axes of the body{mirrored}; {FEIGNED}."
         )
         return (Remark("turn_axes", message),)
@@ -154,24 +155,13 @@ class Turns:
         return min(float(_missed(turns(p[first], p[first + 1]), true)) for p in written)
 
 
-def named(axes: Array) -> str:
-    """Rows of a matrix of axes that change places and signs, as ``y, -x, z``."""
-    return ", ".join(f"{'-' if row.sum() < 0.0 else ''}{'xyz'[int(np.argmax(np.abs(row)))]}" for row in axes)
-
-
 def _other_rate(ours: Array, true: Array) -> tuple[Remark, ...]:
     """Remark that an estimate turns about the body's axes at any other rate, by turns of shape (n, 3)."""
     scale = float(np.sum(ours * true) / np.sum(true**2))
     if not max(scale, 1.0 / max(scale, 1e-300)) > FAR or _missed(ours, scale * true) > LARGEST_MISS:
         return ()
-    message = (
-        f"The estimate turns {_times(scale)}: see the time step of the filter, and the unit of its gyro; {FEIGNED}."
-    )
-    return (Remark("turn_rate", message),)
-
-
-def _times(scale: float) -> str:
-    return f"{max(scale, 1.0 / scale):.3g} times as {'fast' if scale > 1.0 else 'slow'} as the body"
+    remedy = "see the time step of the filter, and the unit of its gyro"
+    return (Remark("turn_rate", f"The estimate turns {times(scale)} the body: {remedy}; {FEIGNED}."),)
 
 
 def _missed(ours: Array, predicted: Array) -> Array:

@@ -1,17 +1,18 @@
 """The attitude error that the noise of the sensors makes unavoidable: the Cramér–Rao bound along the true motion.
 
 An estimator that reads a gyro and known directions (gravity, the magnetic field) and knows nothing of the body has the
-error state x = (δ, β, ...): the attitude's error δ as a rotation vector on the body's axes, R̂ = R exp(δ), the gyro's
-bias, and a bias of each other sensor that has one. Beside it are constants θ that it does not know: scale, mounting and
-soft iron add Σ θ_i L_i x to the reading of a vector x. Linearised at the true motion and at sensors without them,
+error state x = (δ, β, ...). The attitude's error δ is a rotation vector on the body's axes, R̂ = R exp(δ). Then come
+the gyro's bias, and a bias of each other sensor that has one. Beside it are constants θ that it does not know: scale,
+mounting and soft iron add Σ θ_i L_i x to the reading of a vector x. Linearised at the true motion and at sensors
+without them,
 
     δ_k = exp(−hω) δ_(k−1) + h J_r (β_k + Σ θ_i L_i ω_k + n_k),   b_k = b_(k−1) + w_k
     y_k = −[Rᵀv]× δ_k + a_k + Σ θ_i L_i Rᵀv + m_k
 
 with the right Jacobian J_r at hω, known variances of the noises n, w and m, and the reading y of a world vector v. For
 Gaussian noise the covariances of the Kalman filter of this system are the posterior Cramér–Rao bound of every filter
-that uses readings up to a time, and those of its Rauch–Tung–Striebel smoother of every estimator that uses all of them,
-as far as the error is small enough for the linearisation.
+that uses readings up to a time. Those of its Rauch–Tung–Striebel smoother are the bound of every estimator that uses
+all of them. Both hold as far as the error is small enough for the linearisation.
 
 References
 ----------
@@ -400,7 +401,7 @@ class _System:
 
 def _errors(matrices: Array, vectors: Array) -> Array:
     """Derivatives of the readings of vectors, (N, 3), by the constants of a sensor, shape (N, 3, c)."""
-    return np.einsum("cij,nj->nic", matrices, vectors)
+    return np.asarray(np.einsum("cij,nj->nic", matrices, vectors))
 
 
 SMALLEST: Final = 1e-6

@@ -49,7 +49,7 @@ def flattened(matrices: Matrix) -> Array:
 def dual_basis(flat: Array) -> Array:
     """The dual basis: linear forms that give the coordinates of vectors, by least squares outside the span.
 
-    The normal equations are solved and refined by Newton steps for the pseudo-inverse, D ← (2 − D Fᵀ) D, which restore
+    The normal equations are solved and refined by Newton steps for the pseudo-inverse, D ← (2 − D Fᵀ) D. These restore
     the digits that the normal equations lose, and leave an orthogonal basis exact.
 
     Parameters

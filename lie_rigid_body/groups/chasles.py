@@ -94,10 +94,11 @@ def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None =
     ------
     InputError
         If shapes do not match, numbers are not finite, weights are negative or all 0, or the rotation is not
-        determined. It is not determined if the points span fewer than n−1 dimensions about their centre, or if they
-        are reflected and the direction of the mirror is not unique; both within round-off of squared lengths, so that
-        a body thinner than about 1e-7 of its length counts as a line. Nor is it determined if the width of a thin body
-        may be noise: less than a tenth of its length, and less than the misfit of the best orthogonal map.
+        determined. It is not determined if the points span fewer than n−1 dimensions about their centre, or if they are
+        reflected and the direction of the mirror is not unique. Both are within round-off of squared lengths, so that a
+        body thinner than about 1e-7 of its length counts as a line. Nor is it determined if the width of a thin body
+        may be noise. That is a width of less than a tenth of its length, and less than the misfit of the best
+        orthogonal map.
     """
     x, y = _point_pairs(points, displaced)
     w = _fractions(weights, len(x))

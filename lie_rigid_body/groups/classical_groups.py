@@ -50,9 +50,9 @@ def SO(n: int) -> MatrixLieGroup:  # noqa: N802
 def SU(n: int) -> MatrixLieGroup:  # noqa: N802
     """The group of unitary n×n matrices of determinant 1, of dimension n² − 1; eq. (31) is SU(2).
 
-    The generators are Tᵃ = −iλᵃ/2 with the generalised Gell-Mann matrices λᵃ in their usual order: for each column j
-    the symmetric and the antisymmetric matrix of each row i < j, then the diagonal one. Those of SU(2) are −iσᵃ/2 and
-    obey [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, as those of SO(3).
+    The generators are Tᵃ = −iλᵃ/2 with the generalised Gell-Mann matrices λᵃ in their usual order. That is, for each
+    column j the symmetric and the antisymmetric matrix of each row i < j, then the diagonal one. Those of SU(2) are
+    −iσᵃ/2 and obey [Tᵃ, Tᵇ] = +εᵃᵇᶜTᶜ, as those of SO(3).
 
     Parameters
     ----------

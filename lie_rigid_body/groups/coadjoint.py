@@ -81,9 +81,9 @@ def killing_form(group: MatrixLieGroup) -> Array:
 def invariant_form(group: MatrixLieGroup) -> Array:
     """An invariant quadratic form g of the algebra: ω ↦ gω makes rates momenta, with ad*_ω gω = 0.
 
-    It is the trace metric where that is invariant, as on groups of orthogonal or unitary matrices; else −Re tr(TᵃTᵇ),
-    which is regular on every semisimple group (Cartan), and indefinite where that is not compact. The paper takes
-    tr(TᵃTᵇ) ∝ δᵃᵇ before eq. (23), which can be had on compact groups only.
+    It is the trace metric where that is invariant, as on groups of orthogonal or unitary matrices. Else it is −Re
+    tr(TᵃTᵇ), which is regular on every semisimple group (Cartan), and indefinite where that is not compact. The paper
+    takes tr(TᵃTᵇ) ∝ δᵃᵇ before eq. (23), which can be had on compact groups only.
 
     Parameters
     ----------

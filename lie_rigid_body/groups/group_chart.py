@@ -35,8 +35,8 @@ class ChartReach(NamedTuple):
         Multiple below which `MatrixLieGroup.log` takes exp(tξ) back to tξ. There the coordinates of a point cease to be
         unique, on SO(3) for a half turn.
     regular : ndarray, shape (...)
-        Multiple at which dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi, on SO(3) for a full turn:
-        velocities have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
+        Multiple at which dexp(tξ) first loses rank, as an eigenvalue of ad(tξ) is ±2πi; on SO(3) for a full turn.
+        Velocities have no coordinates there, and geodesics of a bi-invariant metric have their first conjugate point.
     """
 
     one_to_one: Array

@@ -56,7 +56,7 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
     """The symmetric matrices C for which p·Cp is conserved by every motion on the group, whatever its metric.
 
     They are the solutions of f[a,b,c] Cᵇᵈ p_c p_d = 0 for all p. Eqs. (23) and (24) have the case C = 1, of totally
-    antisymmetric structure constants. On a compact simple group it is the inverse of the invariant form and no other; a
+    antisymmetric structure constants. On a compact simple group it is the inverse of the invariant form and no other. A
     product has one for each simple factor, and products of the charges of its circles. On groups that are not
     semisimple C may be singular, as on rigid motions of the plane, and there may be none, as on x ↦ ax + b.
 

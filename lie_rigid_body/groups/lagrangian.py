@@ -111,9 +111,9 @@ class Lagrangian:
     def chart_force(self, rate: ArrayLike) -> Array:
         """The force ∂L/∂βᵃ = ½ f[c,a,d] ωᶜ p_d at the centre β = 0 of the chart A₀ exp(βᵃTᵃ), where β̇ = ω.
 
-        The derivative is taken at constant β̇, as Lagrange's equations ask: ω = β̇ − ½[β, β̇] + … gives the factor ½. In
-        the paper's chart exp(αᵃTᵃ)A₀ the rate of the space frame, α̇ + ½[α, α̇] + …, gives the opposite, and M, which
-        depends on α there, twice this: the sum is the same. Eqs. (16) and (18) have the derivative of M alone, at
+        The derivative is taken at constant β̇, as Lagrange's equations ask: ω = β̇ − ½[β, β̇] + … gives the factor ½.
+        In the paper's chart exp(αᵃTᵃ)A₀ the rate of the space frame, α̇ + ½[α, α̇] + …, gives the opposite. There M
+        depends on α and gives twice this. The sum is the same. Eqs. (16) and (18) have the derivative of M alone, at
         constant rate in the space frame, and so twice this. The other half of eq. (21) comes from the left-hand side of
         Lagrange's equations, d/dt ∂L/∂β̇ = Mβ̈ − `chart_force`, where eq. (20) has Mβ̈ alone: two errors cancel.
 

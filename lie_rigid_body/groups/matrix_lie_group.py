@@ -42,9 +42,9 @@ class MatrixLieGroup:
     algebra : MatrixLieAlgebra
         Generators and structure constants.
     trace_metric : ndarray, shape (d, d)
-        gᵃᵇ = c Re tr(Tᵃ†Tᵇ), positive definite. For the antisymmetric and anti-Hermitian generators of a compact
-        group it is −c tr(TᵃTᵇ). The scale c is ½ for SO(n) and 2 for SU(n), for which g is the identity in their
-        bases, and 1 for U(1) and for groups from generators; g of a product has the blocks of its factors.
+        gᵃᵇ = c Re tr(Tᵃ†Tᵇ), positive definite. For the antisymmetric and anti-Hermitian generators of a compact group
+        it is −c tr(TᵃTᵇ). The scale c is ½ for SO(n) and 2 for SU(n), for which g is the identity in their bases. It is
+        1 for U(1) and for groups from generators, and g of a product has the blocks of its factors.
     elements : Elements
         Membership, projection, logarithm and random elements.
     factors : tuple of MatrixLieGroup, optional
@@ -64,12 +64,12 @@ class MatrixLieGroup:
         Generators give no equations for the elements, so that membership can be decided only in part:
 
         - `contains` and `log` recognise an element by its principal logarithm. An element whose principal logarithm
-          leaves the span, does not exist, or is lost to rounding is not recognised: exp(xᵃTᵃ) with an eigenvalue of
-          xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
+          leaves the span, does not exist, or is lost to rounding is not recognised. Such is exp(xᵃTᵃ) with an
+          eigenvalue of xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
         - `project` returns an element near the matrix, and refuses where the principal logarithm leads to none.
-        - `Ad`, `inverse` and motions accept every matrix that is not ruled out: finite, invertible, of a determinant
-          that elements may have, and with an Ad that maps the algebra to itself. Other matrices of the normaliser pass
-          as well, as diag(2, 2, 2, ⅛) for rigid motions of space.
+        - `Ad`, `inverse` and motions accept every matrix that is not ruled out. It is finite, invertible, of a
+          determinant that elements may have, and with an Ad that maps the algebra to itself. Other matrices of the
+          normaliser pass as well, as diag(2, 2, 2, ⅛) for rigid motions of space.
 
         Parameters
         ----------

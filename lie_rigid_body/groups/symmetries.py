@@ -53,9 +53,9 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     """The directions ξ of the algebra whose momentum ξᵃpᵃ in the body frame is constant in every motion.
 
     They are the solutions of ξᵃ (f[c,a,d] Mᵈᵇ + f[b,a,d] Mᵈᶜ) = 0 for all b, c, and generate the subgroup of Ad that
-    leaves M unchanged: on SO(3) the axis of a symmetric top, eq. (30), every direction for M ∝ 1, none for an
-    asymmetric top. Eq. (22) is the condition 0 = fᵃᵈᶜMᵈᵇ + fᵃᵈᵇMᵈᶜ for one generator Tᵃ and totally antisymmetric f;
-    here ξ is any direction, and the indices are placed so that the condition holds on any group.
+    leaves M unchanged. On SO(3) it is the axis of a symmetric top, eq. (30), every direction for M ∝ 1, none for an
+    asymmetric top. Eq. (22) is the condition 0 = fᵃᵈᶜMᵈᵇ + fᵃᵈᵇMᵈᶜ for one generator Tᵃ and totally antisymmetric f.
+    Here ξ is any direction, and the indices are placed so that the condition holds on any group.
 
     Parameters
     ----------

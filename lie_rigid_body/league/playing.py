@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.evaluation import attitude_error, bias_error
 from lie_rigid_body.evaluation.statistics import rms, settling_limit, time_to_converge
 from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
 from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
@@ -65,14 +65,17 @@ def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
     try:
         found = called(estimate, BlindRun.without_truth(run))
         error = attitude_error(found.attitude_xyzw, run.attitude().at(found.t_ns))
+        t_s = (found.t_ns - run.t_ns[0]) / 1e9
+        settled, bias = t_s >= SETTLED_S, found.gyro_bias
+        if not settled.any():
+            raise InputError(f"no attitude after {SETTLED_S:g} s: return a row for each reading of the IMU")
+        off = None if bias is None else bias_error(bias[settled], run.gyro_bias_at(found.t_ns[settled])).rms
     except InputError as failure:
         return lost(failure)
-    t_s, total = (found.t_ns - run.t_ns[0]) / 1e9, np.degrees(error.total)
-    settled = t_s >= SETTLED_S
-    if not settled.any():
-        return lost(InputError(f"no attitude after {SETTLED_S:g} s: return a row for each reading of the IMU"))
+    total = np.degrees(error.total)
     of_axis = [float(np.degrees(rms(angle[settled]))) for angle in (error.total, error.heading, error.inclination)]
-    return CaseResult(of_axis[0], of_axis[1], of_axis[2], time_to_converge(t_s, total, settling_limit(t_s, total)))
+    converged = time_to_converge(t_s, total, settling_limit(t_s, total))
+    return CaseResult(of_axis[0], of_axis[1], of_axis[2], converged, gyro_bias_rms_rad_s=off)
 
 
 def lost(failure: InputError) -> CaseResult:

@@ -40,6 +40,8 @@ class CaseResult:
         Time to converge, s; None where it never does.
     failure : str
         What the filter failed of; '' if it did not.
+    gyro_bias_rms_rad_s : float or None
+        RMS error of the gyro's bias from `SETTLED_S` on, rad/s, of a filter that gives it.
     """
 
     total_deg: float
@@ -47,6 +49,7 @@ class CaseResult:
     inclination_deg: float
     converged_s: float | None = None
     failure: str = ""
+    gyro_bias_rms_rad_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -228,10 +231,17 @@ def _place(table: LeagueTable, row: FilterRow, case: Case) -> int:
 
 
 def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> Sequence[str]:
-    """What differs between two tables: rows that came, went, or whose errors differ by more than a share."""
+    """What differs between two tables: readings, rows, versions, and errors and bounds by more than a share."""
     old, new = ({row.name: row for row in table.rows} for table in (before, after))
-    lines = [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
-    for name in old.keys() & new.keys():
+    lines = [f"{case}: other readings" for case in CASES if before.readings[str(case)] != after.readings[str(case)]]
+    for case, now in after.best_possible_deg.items():
+        was = before.best_possible_deg.get(case, 0.0)
+        if abs(now - was) > tolerance * max(was, _SMALLEST_DEG):
+            lines.append(f"best possible, {case}: {was:.4g}° is {now:.4g}° now")
+    lines += [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
+    for name in sorted(old.keys() & new.keys()):
+        if old[name].version != new[name].version:
+            lines.append(f"{name}: version {old[name].version or 'unknown'} is {new[name].version} now")
         for case, result in new[name].results.items():
             was, now = old[name].results[case].total_deg, result.total_deg
             if abs(now - was) > tolerance * max(was, 1e-3):

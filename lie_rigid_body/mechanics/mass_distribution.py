@@ -92,17 +92,17 @@ def moments_of_density(
 ) -> MassMoments:
     """The moments of a density given as a function, eq. (10), by Gauss-Legendre quadrature in a box or a curved region.
 
-    A coordinate on which limits of later ones depend is substituted by x = ½(a + b) + ½(b − a) sin θ: at an end where
-    the boundary is smooth the extent of the region goes to 0 like a square root of x, and is smooth in θ. The result
-    is compared with that of two nodes fewer, and refused when the two disagree.
+    A coordinate on which limits of later ones depend is substituted by x = ½(a + b) + ½(b − a) sin θ. At an end where
+    the boundary is smooth the extent of the region goes to 0 like a square root of x, and is smooth in θ. The result is
+    compared with that of two nodes fewer, and refused when the two disagree.
 
     Parameters
     ----------
     density : callable, (N, n) ↦ (N,)
         ρ at N points at once, kg/mⁿ. Smooth inside the limits, and not negative.
     limits : sequence of n pairs or callables
-        Ends of each coordinate, m: two numbers, or a function of the coordinates before it, which takes them at N
-        points as an array of shape (N, k) and gives the N lower and the N upper ends.
+        Ends of each coordinate, m: two numbers, or a function of the coordinates before it. The function takes these at
+        N points as an array of shape (N, k), and gives the N lower and the N upper ends.
     nodes : int
         Points along each coordinate, at least 4. There are nodesⁿ points in all, at most `MOST_EVALUATIONS`.
     tolerance : float

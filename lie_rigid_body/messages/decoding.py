@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -84,21 +84,34 @@ def decode_places(
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
     frames = _Frames(len(starts))
-    sizes = ends - starts
-    for size in np.unique(sizes).tolist():
-        indices = np.flatnonzero(sizes == size)
-        rows = windows(data, size)[starts[indices]]
+    for indices, rows in _of_one_size(data, starts, ends - starts):
         for alike in _alike(rows, stamped=stamped):
             _decode_alike(rows[alike], indices[alike], first, stamped, stamps, values, frames)
     return Decoded(stamps if stamped else None, values, *frames.in_order())
 
 
+def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) -> Iterator[tuple[Integers, Bytes]]:
+    """Group payloads by their sizes; those that follow each other are not copied."""
+    indices = np.arange(len(starts))
+    if len(starts) and (sizes == sizes[0]).all() and (np.diff(starts) == sizes[0]).all():
+        size = int(sizes[0])
+        yield indices, windows(data, size)[int(starts[0]) :: size][: len(starts)]
+        return
+    for size in np.unique(sizes).tolist():
+        own = indices[sizes == size]
+        yield own, windows(data, size)[starts[own]]
+
+
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
     """Group rows of one size by what determines their layout: the encapsulation and the length of the frame name."""
-    keys = np.concatenate([rows[:, :2], rows[:, 12:FRAME]], axis=1) if stamped else rows[:, :2]
-    if (keys == keys[:1]).all():
+    if rows.shape[1] < 4:  # too short for any layout
         return [slice(None)]
-    _, group = np.unique(keys, axis=0, return_inverse=True)
+    keys = _column(rows, 0, 2, "u2")[:, 0].astype(np.int64)
+    if stamped and rows.shape[1] >= FRAME:
+        keys += _column(rows, 12, 4, "u4")[:, 0].astype(np.int64) << 16
+    if (keys == keys[0]).all():
+        return [slice(None)]
+    _, group = np.unique(keys, return_inverse=True)
     return [np.flatnonzero(group == i) for i in range(int(group.max()) + 1)]
 
 
@@ -113,14 +126,14 @@ def _decode_alike(
     start = numbers_after(FRAME + length) if stamped else 4
     count = values.shape[1]
     _require_size(head, start + 8 * count, first + at)
-    values[indices] = _column(rows, start, 8 * count, f"{order}f8").reshape(-1, count)
+    values[indices] = _column(rows, start, 8 * count, f"{order}f8")
     if stamped:
         stamps[indices] = _stamps(rows, order, first + indices)
         frames.add(rows[:, FRAME : FRAME + length], indices, first)
 
 
 def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic]:
-    return np.ascontiguousarray(rows[:, start : start + size]).view(kind)
+    return rows[:, start : start + size].view(kind)
 
 
 def _stamps(rows: Bytes, order: str, indices: Integers) -> Integers:

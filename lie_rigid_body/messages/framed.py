@@ -81,16 +81,18 @@ class _Fields:
 
     def read(self, found: dict[Frames, FramedNumbers], count: int) -> None:
         """Read a header, a child frame and so many numbers."""
-        stamp = self.word() * NS + self.word()
+        sec, nanosec = self.word("i"), self.word()
+        if nanosec >= NS:
+            raise BagError(f"message {self._index} has a stamp of {nanosec} nanosec, not below 1e9")
         frames = (self._text(), self._text())
         of_frames = found.setdefault(frames, FramedNumbers())
-        of_frames.stamps_ns.append(stamp)
+        of_frames.stamps_ns.append(sec * NS + nanosec)
         self._at = numbers_after(self._at)
         of_frames.numbers.append(self._unpack(f"{count}d"))
 
-    def word(self) -> int:
+    def word(self, kind: str = "I") -> int:
         self._at = -(-self._at // 4) * 4
-        value: int = self._unpack("I")[0]
+        value: int = self._unpack(kind)[0]
         return value
 
     def _text(self) -> str:

@@ -35,7 +35,7 @@ SUDDEN_RAD: Final = math.pi / 6.0
 """Largest angle between the momentum and the intermediate axis at which flips count as sudden, rad: nearer than this,
 the body seems to spin steadily between flips."""
 LINGERING: Final = 0.01
-"""Largest 1 − m at which flips count as sudden: below it, the momentum lingers near the intermediate axis for most of
+"""Largest 1 − m at which flips count as sudden. Below it, the momentum lingers near the intermediate axis for most of
 the time, while that of a nearly symmetric top circles evenly."""
 
 
@@ -72,7 +72,7 @@ class Circulation:
     ----------
     axis : tuple of 3 float
         Unit vector in the body frame, at an acute angle with the momentum: the principal axis which the body rate
-        circles; on the separatrix, where the body rate tends to the intermediate axis, that of the largest moment.
+        circles. On the separatrix, where the body rate tends to the intermediate axis, that of the largest moment.
     separatrix_distance : float
         1 − m, the complementary parameter of the elliptic functions: 0 on the separatrix, 1 for a symmetric top and
         for small wobbles about the axis.

@@ -1,7 +1,7 @@
 """Bounds of how far a computed motion drifts from the exact one, for each family of steppers.
 
 The rounding of the samples themselves is not counted. In these formulas Ω bounds the body rate, Θ = Ωt is the angle
-turned at most, h the step and x = Ωh the angle turned in it at most; u = 2⁻⁵³ is the unit round-off.
+turned at most, h the step and x = Ωh the angle turned in it at most. The number u = 2⁻⁵³ is the unit round-off.
 """
 
 from __future__ import annotations
@@ -122,8 +122,8 @@ class NoDrift:
 class MoserVeselovDrift:
     """The drift of Moser–Veselov steps, which keep energy and momentum, so that only the phase goes wrong.
 
-    Two things move it: the terms that the preprocessed inertia leaves out, the same at every step; and round-off of the
-    increments, u x a step, at random, which grows near the separatrix until the next projection onto the energy.
+    Two things move it. The terms that the preprocessed inertia leaves out are the same at every step. Round-off of the
+    increments, u x a step, is at random, and grows near the separatrix until the next projection onto the energy.
 
     Parameters
     ----------
@@ -197,9 +197,10 @@ def _growth(frame: ScaledMotion, step: float) -> float:
 class MuntheKaasDrift:
     """The drift of Runge–Kutta–Munthe-Kaas steps, which conserve neither energy nor spatial momentum.
 
-    Errors of the momentum grow along the motion, and turn the attitude. They are made by truncation; by rounding the
-    rate and the slopes, alike in all steps; and by rounding each sum of a momentum and its increment, at random where
-    increments change from step to step by more than a rounding, and alike where they do not.
+    Errors of the momentum grow along the motion, and turn the attitude. They are made by truncation, and by rounding
+    the rate and the slopes, alike in all steps. They are also made by rounding each sum of a momentum and its
+    increment. These roundings are at random where increments change from step to step by more than a rounding, and
+    alike where they do not.
 
     Parameters
     ----------
@@ -207,8 +208,8 @@ class MuntheKaasDrift:
         Ω, rad/s, and h, s.
     conditions : ConditionNumbers
     turned, moved, quickened, heated : float
-        Largest errors that truncation, and roundings that are alike, make in a second: of the attitude by truncation,
-        rad; of the momentum and of the rate, relative to the norm and to Ω; of the energy, relative.
+        Largest errors that truncation, and roundings that are alike, make in a second. They are of the attitude by
+        truncation, rad; of the momentum and of the rate, relative to the norm and to Ω; of the energy, relative.
     attitudes, rates : tuple of Errors
         Errors of the attitude, rad, and of the rate, rad/s, that those of the momentum lead to.
     """

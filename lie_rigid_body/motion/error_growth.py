@@ -8,8 +8,8 @@ The delay b/v along the path grows:
     d/dt (b/v) = c + κ a/v,     κ = |π| (g·M⁻¹g − h·M⁻¹h).
 
 The angle of the error of the attitude about the spatial momentum grows by ω·δn a second, as ω·δπ is the error of the
-energy, and the spatial momentum of the erring motion is constant, which gives the angle across it. So the error at a
-time t is known in closed form from that at any time s before it, with S(t) = ∫κ/v² dt: near the separatrix it grows by
+energy. The spatial momentum of the erring motion is constant, which gives the angle across it. So the error at a time t
+is known in closed form from that at any time s before it, with S(t) = ∫κ/v² dt. Near the separatrix it grows by
 v(t)/v(s) and by v(t)v(s)(S(t) − S(s)). All of that but the growth with t − s repeats with the period of v.
 """
 
@@ -167,12 +167,12 @@ class ErrorGrowth:
         momentum = so3.norm(apply_tensor(body.inertia, self.frame.axes)) / self.frame.size
         later = max(math.ceil(duration / self.times[-1]) - 1, 0) if self.times[-1] > 0.0 else 0
         lag, shear = self._lags()
-        grown = max(
-            float(np.max(np.einsum("kij,kj->ij", factors, momentum)))
-            for gains, unit in ((self._rate_gains, 1.0), (self._attitude_gains, rate_bound))
-            for factors in [unit * (gains(lag, shear, 1.0) + later * gains(*self._period(), 0.0))]
+        gains = (
+            unit * (of(lag, shear, 1.0) + later * of(*self._period(), 0.0))
+            for of, unit in ((self._rate_gains, 1.0), (self._attitude_gains, rate_bound))
         )
-        return 1.0 + grown
+        grown = [np.max(np.einsum("kij,kj->ij", each, momentum)) for each in gains]
+        return math.inf if np.isnan(grown).any() else 1.0 + float(max(grown))  # NaN where products overflow
 
     def _errors(self, gains: Callable[[Array, Array, float], Array], local: Array, power: int) -> Errors:
         step = self.times[-1] / (len(self.times) - 1)

@@ -37,7 +37,7 @@ def batch_shape(body: object, start: object) -> tuple[int, ...]:
     """Leading axes of the states that result from broadcasting body against start.
 
     They follow numpy's rules of broadcasting, but where both have leading axes the body must not have fewer than the
-    start: its axes then are the first of every result, and ``body.kinetic_energy(states)`` takes them so.
+    start. Its axes then are the first of every result, and ``body.kinetic_energy(states)`` takes them so.
 
     Parameters
     ----------

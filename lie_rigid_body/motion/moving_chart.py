@@ -90,10 +90,9 @@ class MovingChart:
 
     The ``dmv`` methods are the discrete Moser–Veselov algorithm with preprocessed inertia, which keeps the energy and
     the spatial momentum vector. ``dmv20`` is exact to round-off at every step it takes, and its state is carried in
-    double-double. Measured on the inertia 0.6, 0.8, 1 with body momentum 1.8, 0.4, −0.9 and steps of 0.01 s, the
+    double-double. Measured on the inertia 0.6, 0.8, 1 with body momentum 1.8, 0.4, −0.9 and steps of 0.01 s. The
     largest errors up to 10⁶ and 10⁸ steps are 1.0e-15 and 3.1e-15 rad of attitude, 4.4e-16 of the energy and 4e-16 of
-    the momentum, the last two being those of reading a state in doubles. The attitude's error grows like a random
-    walk.
+    the momentum. The last two are those of reading a state in doubles. The attitude's error grows like a random walk.
 
     ``rkmk1``, ``rkmk2`` and ``rkmk4`` are Runge–Kutta–Munthe-Kaas methods: their energy drifts, and the attitude with
     it.
@@ -112,8 +111,8 @@ class MovingChart:
         Stepper: ``rkmk1``, ``rkmk2``, ``rkmk4``, ``dmv2``, ``dmv4``, ``dmv6``, ``dmv8``, ``dmv10`` or ``dmv20``
         (default). The number is the order.
     max_step : float, optional
-        Largest step, s. Between two requested times the steps are equal and no longer than this, and with ``dmv``
-        methods no longer than the time in which the body turns by ¼ rad, each at its own rate.
+        Largest step, s. Between two requested times the steps are equal and no longer than this. With ``dmv`` methods
+        they are no longer than the time in which the body turns by ¼ rad, each at its own rate.
 
     Raises
     ------
@@ -165,9 +164,9 @@ class MovingChart:
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached; if the states would take more memory than
-            allowed; or if the steps of a body, which is named, are too many, too long for its rate, or lead to
-            infinity.
+            If a time is not an integer or lies before one already reached, or the states would take more memory than
+            allowed. It is raised as well if the steps of a body, which is named, are too many, too long for its rate,
+            or lead to infinity.
         """
         times = nanoseconds(t_ns)
         bodies = math.prod(self._batch)

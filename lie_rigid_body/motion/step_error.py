@@ -1,8 +1,8 @@
 """The truncation error of one step of a stepper of the moving chart, measured on a given motion.
 
 At a short step the error of one step may lie below round-off. So it is measured at one in which a body turns by at
-least ``PROBE_TURN``, a slender one by less, since its own turn sooner becomes too long for the order to tell the error.
-It is measured from many states along the exact motion, against the Taylor flow, and scaled by its order.
+least ``PROBE_TURN``, a slender one by less. Its own turn sooner becomes too long for the order to tell the error. It is
+measured from many states along the exact motion, against the Taylor flow, and scaled by its order.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ samples of either.
 
 Both equations are quadratic, π̇ = π × M⁻¹π and q̇ = ½ q⊗ω, so that their Taylor coefficients follow from one another by
 Cauchy products. With the triangle inequality of the moments the n-th coefficient of ω is at most Ωⁿ⁺¹ for |ω| ≤ Ω,
-which gives the number of terms: the series is summed until what is left is below round-off.
+which gives the number of terms. The series is summed until what is left is below round-off.
 """
 
 from __future__ import annotations

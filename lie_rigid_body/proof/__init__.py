@@ -1,10 +1,10 @@
 """Enclosures of the true motion: balls of real numbers that are proved to hold it, by Arb's ball arithmetic.
 
 A motion is known exactly by its inertia, initial attitude and initial body rate, each a double and so a rational
-number. `enclose` holds its state at any later nanosecond, by the exact solution evaluated in balls
-(`exact_solution`); `enclose_by_taylor` does the same by the equations of motion themselves, through Taylor series
-with a proved remainder (`taylor`). The two share nothing but the arithmetic and the start. The argument
-is told by ``docs/explanation/proofs.md``.
+number. `enclose` holds its state at any later nanosecond, by the exact solution evaluated in balls (`exact_solution`).
+`enclose_by_taylor` does the same by the equations of motion themselves, through Taylor series with a proved remainder
+(`taylor`). The two share nothing but the arithmetic and the start. The argument is told by
+``docs/explanation/proofs.md``.
 
 The room needs python-flint, and shares no code with the motions that it judges.
 """

@@ -1,9 +1,9 @@
 """The exact solution evaluated in balls: theta functions, an elliptic integral of Carlson, and what they degenerate to.
 
-**Body frame.** For a motion that is neither steady nor a symmetric top's choose a right-handed frame of principal
-axes 1 2 3 with reciprocal moments e₁, e₂, e₃, such that 2 is the axis of the middle moment and p₃ > 0 at the start,
-where 3 is the axis that the motion circulates about, or on the separatrix that of the largest moment. With σ the sign
-of e₁ − e₃ and G = 2H − e₃p² = (e₁−e₃)p₁² + (e₂−e₃)p₂²,
+**Body frame.** For a motion that is neither steady nor a symmetric top's choose a right-handed frame of principal axes
+1 2 3 with reciprocal moments e₁, e₂, e₃. Let it be such that 2 is the axis of the middle moment and p₃ > 0 at the
+start. Here 3 is the axis that the motion circulates about, or on the separatrix that of the largest moment. With σ the
+sign of e₁ − e₃ and G = 2H − e₃p² = (e₁−e₃)p₁² + (e₂−e₃)p₂²,
 
     a₁² = G/(e₁−e₃),    a₂² = G/(e₂−e₃),    a₃² = (e₁p² − 2H)/(e₁−e₃),    ν² = (e₂−e₃)(e₁p² − 2H),
     k² = (e₁−e₂)G/ν²,   1 − k² = (e₁−e₃)(e₂p² − 2H)/ν²,
@@ -15,9 +15,9 @@ Euler's equations p₁' = (e₃−e₂)p₂p₃ and so on in turn are solved by
 as sn' = cn dn, cn' = −sn dn, dn' = −k² sn cn show (Landau and Lifshitz §37; DLMF 22.13). On the separatrix k = 1: cn
 = dn = 1/cosh u, times the sign of p₁, and sn = tanh u.
 
-**Attitude.** Let g = A + B j be the rotation from the body frame to a frame whose z axis is the momentum, written
-with complex numbers A and B in which the imaginary unit is the quaternion k. That it takes p to the z axis, and g' =
-½ g ∘ ω, mean (p is also written for the norm)
+**Attitude.** Let g = A + B j be the rotation from the body frame to a frame whose z axis is the momentum. It is written
+with complex numbers A and B in which the imaginary unit is the quaternion k. That it takes p to the z axis, and g' = ½
+g ∘ ω, mean (p is also written for the norm)
 
     abs(A)² = (p + p₃)/2p,    B = −A (p₁ + i p₂)/(p + p₃),    χ' = ½ (e₃p + G/(p + p₃)),    χ = arg A.
 
@@ -25,13 +25,13 @@ p₃ never vanishes, so nothing here is singular, and the attitude is q(0) ∘ g
 
 **The phase.** Let K and K' be the quarter periods, z = u/2K and τ = iK'/K. A'/A as a function of u has the periods 2K
 and 4iK', since dn and dn' have. Its poles are those of dn, at iK' and 3iK', with the residue −½, and one of the two
-points where p₃ = −p, with the residue 1 (at the other the residues of iχ' and of ½p₃'/(p + p₃) cancel). At these
+points where p₃ = −p, with the residue 1. (At the other the residues of iχ' and of ½p₃'/(p + p₃) cancel). At these
 points u = ±ia, and the one is u* = −iσa, as p₃'(u*) = iG tells. Now
 
     A = C exp(iκt) θ₁(z + iσa/2K | 2τ) / √θ₄(z | τ)
 
-has a logarithmic derivative with the same poles, residues and periods (over 4iK' the derivatives of log θ₁ and of ½
-log θ₄ change by the same −2πi): they differ by a constant, which is iκ. On the real axis θ₄ > 0, so that
+has a logarithmic derivative with the same poles, residues and periods (over 4iK' the derivatives of log θ₁ and of ½ log
+θ₄ change by the same −2πi). They differ by a constant, which is iκ. On the real axis θ₄ > 0, so that
 
     χ(t) − χ(0) = κt + arg(θ₁(z + iσa/2K | 2τ)/θ₁(z₀ + iσa/2K | 2τ)),
 

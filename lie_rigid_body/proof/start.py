@@ -6,7 +6,7 @@ order,
 - steady where p × ω = 0: the body rate stays as it is;
 - that of a symmetric top where two moments are equal, which the discriminant of the characteristic polynomial of M
   tells;
-- on the separatrix where 2H M − p² 1 is singular; of its eigenvalues 2H Iⱼ − p² only the middle one can then vanish,
+- on the separatrix where 2H M − p² 1 is singular. Of its eigenvalues 2H Iⱼ − p² only the middle one can then vanish,
   since the others are −Σ Iⱼ(Iⱼ−I₁)ωⱼ² and Σ Iⱼ(I₃−Iⱼ)ωⱼ²;
 - else it circulates about the axis of the smallest moment where det(2H M − p² 1) < 0, and of the largest where it is
   > 0.

@@ -7,18 +7,18 @@ With J = M⁻¹ momentum p and attitude q (a quaternion, world from body) obey
 which keep abs(p) and abs(q). Let e be an upper bound of the largest eigenvalue of J, and δ of half the difference of
 its extremes.
 
-**Remainder.** Let pₙ and qₙ be the Taylor coefficients at a point with abs(p) ≤ P, abs(q) ≤ Q. Since x × y + y × x =
-0, J may be replaced by J − (e/2) 1 in (n+1) pₙ₊₁ = ½ Σ (pᵢ × Jpₙ₋ᵢ + pₙ₋ᵢ × Jpᵢ), and the norm of J − (e/2) 1 is at
-most e/2, as 0 < J ≤ e. So abs(pₙ) is at most the coefficient of y in y' = (e/2) y², y(0) = P, which has y = P/(1 − t/T)
-with T = 2/(eP); and abs(qₙ) that of x in x' = (e/2) x y, x(0) = Q, which has x = Q/(1 − t/T). Both series therefore
-converge for abs(t) < T, where they are the solution, which is unique; and what N terms leave out at t = sT is at most
-P sᴺ/(1 − s) and Q sᴺ/(1 − s). No step needs any other check.
+**Remainder.** Let pₙ and qₙ be the Taylor coefficients at a point with abs(p) ≤ P, abs(q) ≤ Q. Since x × y + y × x = 0,
+J may be replaced by J − (e/2) 1 in (n+1) pₙ₊₁ = ½ Σ (pᵢ × Jpₙ₋ᵢ + pₙ₋ᵢ × Jpᵢ). The norm of J − (e/2) 1 is at most e/2,
+as 0 < J ≤ e. So abs(pₙ) is at most the coefficient of y in y' = (e/2) y², y(0) = P, which has y = P/(1 − t/T) with T =
+2/(eP). And abs(qₙ) is at most that of x in x' = (e/2) x y, x(0) = Q, which has x = Q/(1 − t/T). Both series therefore
+converge for abs(t) < T, where they are the solution, which is unique. What N terms leave out at t = sT is at most P
+sᴺ/(1 − s) and Q sᴺ/(1 − s). No step needs any other check.
 
 **What grows.** A step starts at the exact midpoint (p̂, q̂) of the set that holds the state, so its balls are as thin
-as round-off. The state itself is at most r away in p and at most ρ in q, and how far two solutions part is bounded by
-a logarithmic norm. For Δ = p − p̂ and m = (p + p̂)/2, Δ' = m × JΔ + Δ × Jm exactly, so that ½(Δ²)' = m·(JΔ × Δ) ≤
-abs(m) δ Δ², as abs(JΔ × Δ) ≤ δ Δ² for a symmetric J. With (q − q̂)' = ½ (q − q̂) ∘ Jp + ½ q̂ ∘ JΔ, where the first
-term is perpendicular to q − q̂, after a time h
+as round-off. The state itself is at most r away in p and at most ρ in q, and how far two solutions part is bounded by a
+logarithmic norm. For Δ = p − p̂ and m = (p + p̂)/2, Δ' = m × JΔ + Δ × Jm exactly. So ½(Δ²)' = m·(JΔ × Δ) ≤ abs(m) δ Δ²,
+as abs(JΔ × Δ) ≤ δ Δ² for a symmetric J. With (q − q̂)' = ½ (q − q̂) ∘ Jp + ½ q̂ ∘ JΔ, where the first term is
+perpendicular to q − q̂, after a time h
 
     r → r exp(δ(P + r)h),        ρ → ρ + ½ e Q h r exp(δ(P + r)h),
 
@@ -52,7 +52,7 @@ class _Equations:
     def of(cls, start: Start) -> _Equations:
         """From the exact inverse of the inertia.
 
-        With the trace t and the deviator J − (t/3) 1 of norm d (Frobenius), the largest eigenvalue is at most
+        Let t be the trace, and d the norm (Frobenius) of the deviator J − (t/3) 1. The largest eigenvalue is at most
         t/3 + √(2/3) d, and the difference of the extremes at most √2 d.
         """
         J = start.inertia.inv()

@@ -110,16 +110,11 @@ def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tu
     return texts(path, track.topic, (found[track.key] for found in contents.read([track.key], unheard)))
 
 
-def tells_of_body(path: Path, contents: McapContents, track: RawTrack) -> bool:
-    """Whether the first text of a topic is a scenario, were it even damaged, and not that of another node."""
-    try:
-        return any('"inertia"' in text for _, text in islice(texts_on(path, contents, track), 1))
-    except BagError:
-        return True
-
-
 def telling_of_bodies(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> set[TrackKey]:
-    """The topics of texts that `tells_of_body` is true of, found in one pass: there may be ten thousands."""
+    """The topics of texts whose first is a scenario, were it even damaged, and not that of another node.
+
+    They are found in one pass: there may be ten thousands.
+    """
     waiting, found = {track.key: track for track in tracks}, set[TrackKey]()
     for part in contents.read(waiting.keys(), unheard):  # which are fewer from part to part
         for key in part.keys() & waiting.keys():
@@ -147,7 +142,7 @@ def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[T
         beside = {space: _beside(contents, space) for space in _above(scenario.topic)}
         namespace = next((space for space, own in beside.items() if own), "")
         own = beside.get(namespace, {})
-        if len(own) == 1 and tells_of_body(path, contents, scenario):
+        if len(own) == 1 and telling_of_bodies(path, contents, [scenario]):
             name = TWIST if POSE in own else POSE
             none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
             lacking[namespace] = {**own, name: none, SCENARIO: scenario}
@@ -177,7 +172,8 @@ def _above(topic: str) -> Iterator[str]:
 
 def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawTrack:
     """The one of several topics of texts that is of scenarios."""
-    own = [track for track in scenarios if track.count and tells_of_body(path, contents, track)]
+    telling = telling_of_bodies(path, contents, [track for track in scenarios if track.count])
+    own = [track for track in scenarios if track.key in telling]
     if len(own) != 1:
         raise _several(path, SCENARIO, own or scenarios)
     return own[0]

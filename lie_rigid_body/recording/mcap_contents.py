@@ -50,6 +50,12 @@ class RawMessages:
         return cls(memoryview(b"".join(parts)), sizes, log_times_ns)
 
     @classmethod
+    def of_payloads(cls, found: Sequence[tuple[int, bytes]]) -> RawMessages:
+        """Messages of log times, ns, and payloads."""
+        times, sizes = np.array([(time, len(data)) for time, data in found], dtype=np.int64).reshape(-1, 2).T
+        return cls(memoryview(b"".join(data for _, data in found)), sizes, times)
+
+    @classmethod
     def joined(cls, parts: Sequence[RawMessages]) -> RawMessages:
         """Messages that follow each other as one."""
         if len(parts) == 1:

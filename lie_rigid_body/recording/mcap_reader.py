@@ -16,6 +16,7 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Footer, Header, McapRecord, Metadata, Schema
 
+from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, inflated_unverified, most_records
@@ -97,8 +98,11 @@ class McapOutline:
                 for begin, end, there in self.parts:
                     channels = {key: self.channels[key] for key in there if key in keys}
                     if channels:
-                        *_, table = _messages_of(file[begin:end], LARGEST_CHUNK, inflated_unverified)
-                        yield _by_track(table, channels)
+                        raw = file[begin:end]
+                        _, places, data = _records_of(raw, inflated_unverified)
+                        index = dict(_index(raw, place) for place in places)  # compared when the file was outlined
+                        index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
+                        yield _by_track(data, index, channels)
                         progress(end - before)
                         before = end
                 require(file.state() == self.state, "it is another file")
@@ -150,30 +154,31 @@ def _told(error: Exception, at: int) -> str:
     return ContradictionError.sentence.format(at=at, what=what)
 
 
-def _messages_of(
-    raw: bytes, most: int, inflate: Callable[[Chunk], bytes] = inflated
-) -> tuple[Chunk | None, list[Place], MessageTable]:
-    """Chunk, if it is one, indexes behind it, and messages of a part of a file.
+def _records_of(raw: bytes, inflate: Callable[[Chunk], bytes]) -> tuple[Chunk | None, list[Place], bytes]:
+    """Chunk, if it is one, places of the indexes behind it, and records with messages of a part of a file.
 
     Parameters
     ----------
     raw : bytes
         A chunk with the indexes behind it, or messages that stand in no chunk.
-    most : int
-        Largest number of records.
-    inflate : callable, optional
+    inflate : callable
         Gives the records of a chunk.
     """
     if raw[0] != Opcode.CHUNK:
-        return None, [], find_messages(raw, NO_HINTS, most)
+        return None, [], raw
     first, *indexes = records(raw)
     chunk: Chunk = parsed(Opcode.CHUNK, raw[first.begin : first.end])
-    rows = (raw[place.begin + _INDEX_HEAD.size : place.end] for place in indexes)
-    hints = (np.frombuffer(row[: len(row) // 16 * 16], "<i8")[1::2] for row in rows)
-    table = find_messages(inflate(chunk), np.concatenate([NO_HINTS, *hints]), most)
-    end = len(table.data)
-    require(end == chunk.uncompressed_size, f"no record that ends in its chunk stands at byte {end} of it")
-    return chunk, indexes, table
+    return chunk, indexes, inflate(chunk)
+
+
+def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
+    """Channel of a message index in some bytes, and its rows in the order of the messages."""
+    channel: int
+    channel, size = _INDEX_HEAD.unpack(raw[place.begin : min(place.begin + _INDEX_HEAD.size, place.end)])
+    begin = place.begin + _INDEX_HEAD.size
+    require(begin + size <= place.end, f"the index of channel {channel} is longer than its record")
+    rows = np.frombuffer(raw[begin : begin + size], "<u8").reshape(-1, 2)
+    return channel, rows[np.argsort(rows[:, 1], kind="stable")]
 
 
 class _FileReader:
@@ -299,32 +304,42 @@ class _FileReader:
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
-        most = self._records_left if raw[0] == Opcode.CHUNK else len(raw)
-        chunk, indexes, table = _messages_of(raw, most)
+        chunk, places, data = _records_of(raw, inflated)
+        indexes = dict[int, tuple[int, Rows]]()
+        for place in places:
+            self.at = begin + place.start
+            channel, rows = _index(raw, place)
+            require(channel not in indexes, f"a chunk has two indexes of channel {channel}")
+            indexes[channel] = self.at, rows
+        self.at = begin
+        hints = (rows[:, 1].view(np.int64) for _, rows in indexes.values())
+        most = self._records_left if chunk is not None else len(raw)
+        table = find_messages(data, np.concatenate([NO_HINTS, *hints]), most)
+        end = len(table.data)
+        require(end == len(data), f"no record that ends in its chunk stands at byte {end} of it")
         for place in table.others:
             require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
         table.require_times()
         self._summary.add_messages(table)
         if chunk is not None:
-            self._take_chunk(chunk, begin, indexes, raw, table)
+            behind = begin + (places[0].start if places else len(raw))
+            self._take_chunk(chunk, table, indexes)
+            starts = {channel: start for channel, (start, _) in indexes.items()}
+            self._summary.add_chunk(chunk, begin, starts, behind, begin + len(raw))
         return self._wanted_of(table, begin, begin + len(raw))
 
-    def _take_chunk(self, chunk: Chunk, begin: int, places: list[Place], raw: bytes, table: MessageTable) -> None:
-        said = chunk.message_start_time, chunk.message_end_time
+    def _take_chunk(self, chunk: Chunk, table: MessageTable, indexes: Mapping[int, tuple[int, Rows]]) -> None:
+        said, at = (chunk.message_start_time, chunk.message_end_time), self.at
         require(said == table.span_ns or not table.index, f"the times of a chunk are {table.span_ns}, not {said}")
         self._records_left -= len(table.starts) + len(table.others)
         self._bare_chunks += not chunk.uncompressed_crc
-        indexes = dict[int, int]()
-        for place in places:
-            self.at = begin + place.start
-            channel = _verified_index(raw[place.begin : place.end], table.index)
-            require(channel not in indexes, f"a chunk has two indexes of channel {channel}")
-            indexes[channel] = self.at
-        self.at = begin
+        for channel, (start, rows) in indexes.items():
+            self.at = start
+            is_same = np.array_equal(rows, table.index.get(channel, _NO_ROWS))
+            require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
+        self.at = at
         missing = table.index.keys() - indexes.keys() if indexes else ()
         require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
-        behind = begin + (places[0].start if places else len(raw))
-        self._summary.add_chunk(chunk, begin, indexes, behind, begin + len(raw))
 
     def _wanted_of(self, table: MessageTable, begin: int, end: int) -> Found:
         """Messages that are wanted of a part that stands between two bytes, which is noted."""
@@ -335,7 +350,7 @@ class _FileReader:
         otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
         for key, own in channels.items() if len(otherwise) else ():
             self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
-        return _by_track(table, {key: own for key, own in channels.items() if self._wanted(*key)})
+        return _by_track(table.data, table.index, {key: own for key, own in channels.items() if self._wanted(*key)})
 
     def _cut_off(self) -> BagError:
         self.at = self._end
@@ -348,23 +363,12 @@ class _FileReader:
         return BagError(f"{self._file.path} {what}")
 
 
-def _verified_index(content: bytes, found: Mapping[int, Rows]) -> int:
-    """Channel of a message index, which must be that of the messages found in its chunk."""
-    channel: int
-    channel, size = _INDEX_HEAD.unpack_from(content)
-    require(size <= len(content) - _INDEX_HEAD.size, f"the index of channel {channel} is longer than its record")
-    rows = np.frombuffer(content[_INDEX_HEAD.size :][:size], "<u8").reshape(-1, 2)
-    is_same = np.array_equal(rows[np.argsort(rows[:, 1], kind="stable")], found.get(channel, _NO_ROWS))
-    require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
-    return channel
-
-
-def _by_track(table: MessageTable, channels: Mapping[TrackKey, Sequence[int]]) -> Found:
+def _by_track(data: bytes, index: Mapping[int, Rows], channels: Mapping[TrackKey, Sequence[int]]) -> Found:
     """Messages of some tracks, each of which has several channels where there were several publishers or recorders."""
-    found, starts = Found(), table.starts + HEAD.itemsize
+    found = Found()
     for key, own in channels.items():
-        is_own = np.full(2**16, fill_value=False)
-        is_own[own] = True
-        rows = np.flatnonzero(is_own[table.heads["channel"]])
-        found[key] = RawMessages.of(table.data, starts[rows], table.ends[rows], table.log_times[rows])
+        rows = np.concatenate([index.get(channel, _NO_ROWS) for channel in own])
+        times, starts = np.ascontiguousarray(rows[np.argsort(rows[:, 1], kind="stable")].T).view(np.int64)
+        lengths = windows(data, 8)[starts + 1].view("<i8")[:, 0]
+        found[key] = RawMessages.of(data, starts + HEAD.itemsize, starts + RECORD_HEAD.size + lengths, times)
     return found

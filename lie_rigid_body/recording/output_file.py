@@ -31,7 +31,7 @@ class OutputFile:
     """A new file, open for writing.
 
     When another file of that name exists and may be overwritten, the new one is written beside it and takes its place
-    in `commit`; until then the old one is untouched.
+    in `commit`. Until then the old one is untouched.
 
     An unfinished file is closed by `abandon`, which keeps it for rescue unless it was to replace an older one, or by
     `discard`, which always removes it. What a killed process has left beside a file that it was to replace is removed
@@ -75,6 +75,7 @@ class OutputFile:
                 f"{self.path} cannot be created: {reason(error)}: give a place where you may write"
             ) from None
         self.stream = BufferedWriter(self._file)
+        self._identity, self._is_whole = os.fstat(self._file.fileno()), False
 
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
@@ -128,11 +129,10 @@ class OutputFile:
             there = self._written.stat()
         except (FileNotFoundError, NotADirectoryError):
             return "the file was deleted or moved"
-        held = os.fstat(self._file.fileno())
-        if not os.path.samestat(there, held):
+        if not os.path.samestat(there, self._identity):
             return "another file took its place"
-        if held.st_size != self._file.length:
-            return f"another program made it {held.st_size} bytes long instead of {self._file.length}"
+        if there.st_size != self._file.length:
+            return f"another program made it {there.st_size} bytes long instead of {self._file.length}"
         return ""
 
     def commit(self) -> None:
@@ -142,7 +142,8 @@ class OutputFile:
         self.stream.close()
         if self._target is not None:
             os.replace(self._written, self._target)  # while it is still locked
-        self._lock.close()
+        self._is_whole = True
+        self._unlock()
 
     def abandon(self) -> None:
         """Close the unfinished file, and keep it for rescue unless it was to replace an older one."""
@@ -153,14 +154,18 @@ class OutputFile:
         self._close(remove=True)
 
     def _close(self, *, remove: bool) -> None:
-        is_own = False  # another file took its place, or it is whole and closed
-        with contextlib.suppress(OSError, ValueError):
-            is_own = os.path.samestat(self._written.stat(), os.fstat(self._file.fileno()))
+        is_own = False
+        with contextlib.suppress(OSError):  # another file may have taken its place
+            is_own = not self._is_whole and os.path.samestat(self._written.stat(), self._identity)
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
             self.stream.close()
         if remove and is_own:  # closed before, as not every system removes an open file
             self._written.unlink(missing_ok=True)
-        self._lock.close()
+        self._unlock()
+
+    def _unlock(self) -> None:
+        with contextlib.suppress(OSError):  # of a disk that fails: nothing is lost by it
+            self._lock.close()
 
 
 def require_other(path: str | Path, others: Iterable[str | Path], kind: str = "input") -> None:

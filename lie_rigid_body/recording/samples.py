@@ -293,7 +293,7 @@ def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = Non
     """Segments of a bag with so few of their samples that they can be drawn, and look as all would.
 
     Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
-    momentum or in energy: a curve through them has the envelope of all. See `recorded_segments` for errors.
+    momentum or in energy. A curve through them has the envelope of all. See `recorded_segments` for errors.
 
     Parameters
     ----------

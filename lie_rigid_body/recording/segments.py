@@ -2,8 +2,8 @@
 
 The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are those of the
 segment's scenario. `Delivery.measured_ns` inverts this to 8 ns, so that the nearest reading of the sensor's grid is the
-right one up to 60 million readings in a second, and what the clock shows at that reading is compared with the stamp
-to the nanosecond.
+right one up to 60 million readings in a second. What the clock shows at that reading is compared with the stamp to the
+nanosecond.
 """
 
 from __future__ import annotations

@@ -9,8 +9,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
@@ -125,7 +123,7 @@ def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Iterator[tuple
                     raise _wrong_type(path, connection.topic, column, value)
             by_track.setdefault((connection.topic, connection.msgtype), []).append((time, data))
         count += len(some)
-        yield size * min(count, total) // total, {key: _messages(found) for key, found in by_track.items()}
+        yield size * min(count, total) // total, {key: RawMessages.of_payloads(of) for key, of in by_track.items()}
 
 
 def _wrong_type(path: Path, topic: str, column: str, value: object) -> BagError:
@@ -139,8 +137,3 @@ def _track(connection: Any, contents: McapContents) -> RawTrack:
     key, encoding = (connection.topic, connection.msgtype), connection.ext.serialization_format
     kind = "ros2msg" if connection.msgdef.format.name == "MSG" else ""
     return contents.tracks.setdefault(key, RawTrack(*key, encoding, (kind, connection.msgdef.data.encode())))
-
-
-def _messages(found: list[tuple[int, bytes]]) -> RawMessages:
-    times, sizes = np.array([(time, len(data)) for time, data in found], dtype=np.int64).T
-    return RawMessages(memoryview(b"".join(data for _, data in found)), sizes, times)

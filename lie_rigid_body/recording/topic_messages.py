@@ -193,15 +193,14 @@ def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, firs
     with decoding(path, topic, found):
         decoded = _columns(found, len(varying), stamped=message_type != TWIST, first=first)
     stamps, frame_ids = decoded.stamps_ns, decoded.frame_ids or (None,)
-    values = decoded.numbers if varying.all() else np.compress(varying, decoded.numbers, axis=1)
-    rest = np.compress(~varying, decoded.numbers, axis=1)
-    keys = np.column_stack([decoded.frames, rest.view(np.int64)])
-    distinct, kind = keys[:1], np.zeros(len(keys), dtype=np.int64)
-    if (keys != distinct).any():
+    values = decoded.numbers if varying.all() else decoded.numbers[:, varying]
+    rest = decoded.numbers[:, ~varying].view(np.int64)
+    at, kind = np.zeros(min(1, len(rest)), dtype=np.int64), np.zeros(len(rest), dtype=np.int64)
+    if decoded.frames.any() or (rest != rest[:1]).any():
+        keys = np.column_stack([decoded.frames, rest])
         whole = np.ascontiguousarray(keys).view(f"V{keys.itemsize * keys.shape[1]}")[:, 0]
         _, at, kind = np.unique(whole, return_index=True, return_inverse=True)
-        distinct = keys[at]
-    kinds = tuple((frame_ids[int(row[0])], row[1:].tobytes()) for row in distinct)
+    kinds = tuple((frame_ids[int(decoded.frames[i])], rest[i].tobytes()) for i in at)
     return TopicMessages(found.log_times_ns, found.log_times_ns if stamps is None else stamps, values, kinds, kind)
 
 
@@ -345,8 +344,7 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     BagError
         If they cannot be read.
     """
-    sizes = np.array([len(payload) for payload in payloads], dtype=np.int64)
-    return _attitudes(topic, message_type, RawMessages(memoryview(b"".join(payloads)), sizes, np.zeros_like(sizes)))
+    return _attitudes(topic, message_type, RawMessages.of_payloads([(0, payload) for payload in payloads]))
 
 
 def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:

@@ -45,8 +45,9 @@ def page(
     pieces = [piece for piece in pieces if len(piece.samples)]
     parts = [
         *_verdict(certificate, proof),
+        *(_motion(pieces) if pieces else ()),
         *_laws(certificate),
-        *_figures(certificate, residuals, pieces),
+        *(_residuals(certificate, residuals, pieces) if pieces else ()),
         html_page.listing("Not certified", map(escape, certificate.not_certified)),
         *(html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES]),
     ]
@@ -83,13 +84,9 @@ def _laws(certificate: Certificate) -> Iterator[str]:
         yield html_page.table(certificate_text.HEADINGS, rows)
 
 
-def _figures(
+def _residuals(
     certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
 ) -> Iterator[str]:
-    if not pieces:
-        return
-    yield "<h2>Motion</h2>"
-    yield from _motion(pieces)
     shapes = motion_figures.resets(pieces)
     panels = list(residual_figures.figures_over_time(certificate, residuals, int(pieces[0].stamps_ns[0]), shapes))
     if panels:

@@ -13,7 +13,6 @@ from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import verdict, wrapped
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.report.score_picture import curves
 from lie_rigid_body.report.scores import as_json
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
@@ -96,17 +95,16 @@ def _finite(difference: Difference) -> dict[str, object]:
     return {**bounds, "sentence": difference.sentence("the first", "the second")}
 
 
-def draw(title: str, scored: Sequence[Scored]) -> Figure:
+def draw(title: str, scored: Sequence[Scored], width: float = 10.0) -> Figure:
     """Figure of the total errors over time."""
-    return curves(title, [(each.name, each.score) for each in scored])
+    return curves(title, [(each.name, each.score) for each in scored], width)
 
 
 def page(title: str, scored: Sequence[Scored]) -> bytes:
     """Make the page."""
     parts = [
         *(html_page.paragraph(sentence) for sentence in _sentences(scored)),
-        html_page.table(_COLUMNS, [(_cells(each), each.score.passed) for each in scored]),
-        f"<h2>Errors over time</h2><figure>{svg(draw(title, scored))}</figure>",
+        html_page.picture(lambda width: draw("", scored, width)),
         *(
             html_page.listing(
                 escape(each.name),
@@ -115,6 +113,8 @@ def page(title: str, scored: Sequence[Scored]) -> bytes:
             )
             for each in scored
         ),
+        "<h2>Errors</h2>",
+        html_page.table(_COLUMNS, [(_cells(each), each.score.passed) for each in scored]),
         html_page.paragraph(
             "Errors as defined by BROAD (Data 6(7):72, 2021); RMS and 95 % of the total error, degrees."
         ),

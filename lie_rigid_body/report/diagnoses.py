@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.result import degrees
 from lie_rigid_body.evaluation.score import wrapped
-from lie_rigid_body.report import drawing, html_page
+from lie_rigid_body.report import html_page
 from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
@@ -69,18 +69,14 @@ def page(name: str, found: FilterDiagnosis) -> bytes:
 
 def _parts(found: FilterDiagnosis) -> Iterator[str]:
     yield from (html_page.badge(sentence, passed=found.passed) for sentence in found.sentences)
-    if found.mistakes:
-        rows = [
-            ((m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else)), True)
-            for m in found.mistakes
-        ]
-        yield "<h2>Mistakes</h2>"
-        yield html_page.table(("mistake", "repair", "error before", "error after", "does as well"), rows)
     if found.errors:
-        yield f"<h2>Errors over time</h2><figure>{drawing.svg(_draw(found))}</figure>"
+        yield html_page.picture(lambda width: _draw(found, width))
+    if found.mistakes:
+        yield "<h2>Mistakes</h2>"
+        yield mistakes(found)
     entries = (
         f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escape(p.message)}"
-        for p in found.probes
+        for p in sorted(found.probes, key=lambda probe: probe.passed)
     )
     yield html_page.listing("Probes", entries)
     yield html_page.listing("Notes", (f"<code>{note.code}</code> {escape(note.message)}" for note in found.notes))
@@ -91,18 +87,28 @@ def _parts(found: FilterDiagnosis) -> Iterator[str]:
     )
 
 
-def _draw(found: FilterDiagnosis) -> Figure:
+def mistakes(found: FilterDiagnosis) -> str:
+    """Table of the mistakes as HTML."""
+    rows = [
+        ((m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else)), True)
+        for m in found.mistakes
+    ]
+    return html_page.table(("mistake", "repair", "error before", "error after", "does as well"), rows)
+
+
+def _draw(found: FilterDiagnosis, width: float) -> Figure:
     """The total error before and after each named repair."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    figure = Figure(figsize=(width, 3.8), layout="constrained")
     axes = figure.subplots()
     for number, each in enumerate(found.errors):
-        errors = np.maximum(each.error_deg, _SMALLEST_DEG)
+        errors = np.maximum(each.error_deg, _SMALLEST_DEG)  # those of a right filter may be 0
         label = f"{each.code} repaired" if each.code else "as it is"
         axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=label)
     axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
-    axes.set(xlabel="time, s", ylabel="total error, °", yscale="log", ylim=(0.5 * _SMALLEST_DEG, 300.0))
+    axes.set(xlabel="time, s", ylabel="total error, °", yscale="log")
+    axes.margins(x=0.0)
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, frameon=False)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4 if width > 5.0 else 2, frameon=False)
     return figure

@@ -5,45 +5,62 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording import output_file
+from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.simulation import Segment
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as MatplotlibFigure
 
 Figure = Mapping[str, Any]
 """A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
 
 _STYLE: Final = """
-body { font-family: sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; color: #222; background: white; }
+:root { color-scheme: light dark; --ink: #222; --paper: white; --line: #ddd; }
+:root { --soft: #f2f4f6; --faint: #555; --bad: #fbe9e7; }
+body { font-family: sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
+body { color: var(--ink); background: var(--paper); }
 h1 { font-size: 1.5rem; overflow-wrap: anywhere; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
 h3 { font-size: 1rem; margin: 0; font-weight: 600; }
 p { max-width: 62rem; }
 table { border-collapse: collapse; margin: 1rem 0; }
-th, td { padding: 0.3rem 0.9rem; text-align: right; border-bottom: 1px solid #ddd; }
-th:first-child, td:first-child { text-align: left; }
+th, td { padding: 0.3rem 0.9rem; text-align: right; border-bottom: 1px solid var(--line); }
+th:first-child, td:first-child, td:nth-child(2):last-child { text-align: left; }
 td { font-variant-numeric: tabular-nums; }
-tr.broken td { background: #fbe9e7; }
+tr.broken td { background: var(--bad); }
 .table { overflow-x: auto; }
 .heat td { padding: 0.1rem 0.3rem; font-size: 0.8rem; border: 0; } .heat td:first-child { white-space: nowrap; }
+.heat td:not(:first-child) { color: #222; } /* on light colours, in the dark as well */
 .heat th { padding: 0.1rem; font-size: 0.8rem; font-weight: normal; vertical-align: bottom; }
 .heat th span { writing-mode: vertical-rl; transform: rotate(180deg); }
 .badge { display: inline-block; padding: 0.2rem 0.8rem; border-radius: 0.4rem; color: white; }
 .badge.passed { background: #0a7a55; } .badge.broken { background: #b3261e; }
-li { margin: 0.5rem 0; overflow-wrap: anywhere; } code { background: #f2f4f6; padding: 0 0.3rem; }
+li { margin: 0.5rem 0; overflow-wrap: anywhere; } code { background: var(--soft); padding: 0 0.3rem; }
 figure { margin: 1rem 0; min-width: 0; } svg { max-width: 100%; } figure > svg { width: 100%; height: auto; }
-figcaption { color: #555; font-size: 0.85rem; margin-top: 0.2rem; }
+figcaption { color: var(--faint); font-size: 0.85rem; margin-top: 0.2rem; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr)); gap: 0.5rem 1.5rem; }
 .grid.wide { grid-template-columns: repeat(auto-fit, minmax(min(22rem, 100%), 1fr)); }
 .plot { height: 15rem; } .plot.tall { height: 27rem; } .plot.body { height: 38rem; }
 .controls { display: flex; gap: 1rem; align-items: center; margin: 0.5rem 0; }
 .controls button { width: 6rem; padding: 0.3rem; } .controls input { flex: 1; } .controls output { min-width: 6rem; }
-pre { background: #f2f4f6; padding: 0.8rem; overflow-x: auto; }
+.narrow { display: none; }
+pre { background: var(--soft); padding: 0.8rem; overflow-x: auto; }
+@media (max-width: 640px) {
+  .wide:not(.grid) { display: none; } .narrow { display: block; } .plot.body { height: 26rem; }
+  th, td { padding: 0.3rem 0.4rem; }
+}
+@media screen and (prefers-color-scheme: dark) {
+  :root { --ink: #ddd; --paper: #191919; --line: #444; --soft: #2b2d30; --faint: #aaa; --bad: #4b2421; }
+  .plot, figure > svg { filter: invert(0.9) hue-rotate(180deg); }
+}
 @media print {
   body { margin: 0; max-width: none; } .table { overflow: visible; } pre { white-space: pre-wrap; }
   th, td { padding: 0.2rem 0.4rem; } tr, figure { break-inside: avoid; } .controls { display: none; }
@@ -177,6 +194,12 @@ def _controls(film: Mapping[str, Any]) -> str:
         f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
         f"<output>{escape(times[0])}</output></div>"
     )
+
+
+def picture(draw: Callable[[float], MatplotlibFigure]) -> str:
+    """Picture by Matplotlib as SVG, which is drawn for two widths, in inches: those of a desk and of a phone."""
+    wide, narrow = (svg(draw(width)) for width in (10.0, 4.6))
+    return f'<figure class="wide">{wide}</figure><figure class="narrow">{narrow}</figure>'
 
 
 def grid(figures: Iterable[str], *, wide: bool = False) -> str:

@@ -222,7 +222,13 @@ def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
 
 
 def page(
-    title: str, what: str, headings: Sequence[str], lines: Sequence[Line], more: Sequence[str] = (), unusable: int = 0
+    title: str,
+    what: str,
+    headings: Sequence[str],
+    lines: Sequence[Line],
+    more: Sequence[str] = (),
+    unusable: int = 0,
+    first: Sequence[str] = (),
 ) -> bytes:
     """Make the page of lines.
 
@@ -239,6 +245,8 @@ def page(
         HTML at the end.
     unusable : int, optional
         How many others could not be judged.
+    first : sequence of str, optional
+        HTML before the residuals.
 
     Returns
     -------
@@ -256,9 +264,10 @@ def page(
             if accuracies
             else []
         ),
+        *first,
         *_distributions(what, lines),
-        *_table(what, headings, lines),
         *more,
+        *_table(what, headings, lines),
     ]
     return html_page.document(title, parts, with_figures=True)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed
+from lie_rigid_body.wording import listed, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 TITLE: Final = "attitude estimate"
 """Title of a picture or a page that is given none."""
-_OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth"}
-"""Options that go with a bag, each with the topic that one remaps without a bag."""
+_OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth", "out": ""}
+"""Options that go with a bag, each with the topic that one remaps without a bag, if there is one."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
 _EPILOG: Final = """
 Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctrl-C, SIGTERM or --duration, and then
@@ -49,7 +49,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         raise InputError(f"--ros-args: {given.run} is read without ROS: leave it out, or leave out the bag")
     for name, remapped in (_OF_A_BAG if live else _OF_TOPICS).items():
         if getattr(given, name) not in (None, []):
-            remedy = f"remap the topic, --ros-args -r {remapped}:=TOPIC" if live else "leave it out"
+            remedy = f"remap the topic, --ros-args -r {remapped}:=TOPIC" if remapped and live else "leave it out"
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
         _parser().error("the following arguments are required: --estimate")
@@ -60,6 +60,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     given.max_rms = given.max_rms[0] if given.max_rms else None
     console.require_suffix("--plot", given.plot, ".png")
     console.require_suffix("--report", given.report, ".html")
+    console.require_suffix("--out", given.out, ".mcap")
     return given
 
 
@@ -92,6 +93,12 @@ def _parser() -> console.Parser:
             "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
         ),
         console.argument(
+            "--out",
+            metavar="SCORED.mcap",
+            type=console.path,
+            help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
+        ),
+        console.argument(
             "--max-rms", metavar="ANGLE", action="append", help="largest RMS of the total error, such as 1deg"
         ),
         console.argument(
@@ -107,7 +114,7 @@ def _parser() -> console.Parser:
             default="world",
             help="what the covariance of the estimate is about (default: %(default)s)",
         ),
-        console.argument("--force", action="store_true", help="replace OUT.png and OUT.html if they exist"),
+        console.argument("--force", action="store_true", help="replace outputs that exist"),
         console.argument(
             "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
         ),
@@ -122,7 +129,7 @@ def _parser() -> console.Parser:
 
 
 def require_room(given: argparse.Namespace) -> None:
-    """Refuse picture and page before the work if they could not be written after it, or are inputs or one file.
+    """Refuse outputs before the work if they could not be written after it, or are inputs or one file.
 
     Parameters
     ----------
@@ -137,11 +144,10 @@ def require_room(given: argparse.Namespace) -> None:
     from lie_rigid_body.recording.bag_files import files_of
 
     bags = [bag for bag in (given.run, given.truth) if bag is not None]
-    for path in (given.plot, given.report):
-        if path is not None:
-            output_file.require_room(path, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
-    if given.plot is not None and given.report is not None:
-        output_file.require_other(given.report, [given.plot], "output")
+    outputs = [path for path in (given.plot, given.report, given.out) if path is not None]
+    for number, path in enumerate(outputs):
+        output_file.require_room(path, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
+        output_file.require_other(path, outputs[:number], "output")
 
 
 def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
@@ -181,6 +187,11 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
             files[given.report] = comparison.page(source, several)
         content = comparison.to_json(source, several, series=given.series) if given.json else {}
         text = comparison.as_table(source, several)
+    if given.out is not None:
+        from lie_rigid_body.runs.scored_bag import write_scored
+
+        write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
+        text += f"\nwrote {printable(given.out)}"
     if given.json:
         text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
     drawing.answer(text, files, overwrite=given.force, named=not given.json)

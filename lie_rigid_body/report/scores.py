@@ -7,7 +7,6 @@ from html import escape
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.score import HEADINGS, angles, facts, findings, numbers, table, verdict, wrapped
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.report.score_picture import draw
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.wording import printable
@@ -31,7 +30,7 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
         "topic": read.track.topic,
         "type": read.track.message_type,
         "truth": read.source,
-        **score.to_json(series=series),
+        **score.to_dict(series=series),
         "notes": list(read.notes),
     }
 
@@ -46,6 +45,23 @@ def extent(read: RecordedEstimate | None, score: Score) -> str:
         f"{score.samples} of {kind}, stamped {first:.13g} s to {last:.13g} s, against the truth{source} at "
         f"these stamps{left_out}"
     )
+
+
+def summary(score: Score) -> str:
+    """Sentence that tells the size of the error."""
+    heading, inclination = (f"{angle.rms:.3g}°" for angle in (score.heading_deg, score.inclination_deg))
+    best = "" if score.best is None or score.best.filtered is None else score.best.filtered.rms
+    least = f"; the noise of the sensors leaves {best:.3g}° to the best filter" if best else ""
+    return f"The attitude error is {score.total_deg.rms:.3g}° rms: heading {heading}, inclination {inclination}{least}."
+
+
+def tables(score: Score) -> list[str]:
+    """Statistics of the errors, and what else the score tells, as tables of HTML."""
+    rows = [((name, *numbers(found)), True) for name, found in angles(score)]
+    return [
+        html_page.table(("error, deg", *HEADINGS), rows),
+        html_page.table(("", ""), [((name, value), True) for name, value in facts(score)]),
+    ]
 
 
 def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
@@ -65,12 +81,13 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
     """
     parts = [
         *(html_page.badge(sentence, passed=score.passed) for sentence in verdict(score)),
-        html_page.paragraph(f"{extent(read, score)}."),
-        html_page.table(("error, deg", *HEADINGS), [((name, *numbers(found)), True) for name, found in angles(score)]),
-        html_page.table(("", ""), [((name, value), True) for name, value in facts(score)]),
+        html_page.paragraph(summary(score)),
+        html_page.picture(lambda width: draw("", score, width)),
         html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),
-        f"<h2>Errors over time</h2><figure>{svg(draw(title, score))}</figure>",
+        "<h2>Errors</h2>",
+        *tables(score),
+        html_page.paragraph(f"{extent(read, score)}."),
         *map(html_page.scenario, read.segments if read else ()),
         html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
     ]

@@ -7,10 +7,11 @@ import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from threading import Thread
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 from rclpy.subscription import Subscription
 
@@ -20,7 +21,7 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.following import subscribe, taken
-from lie_rigid_body.ros.publishing.publisher import IMU_TOPIC, SamplePublisher
+from lie_rigid_body.ros.publishing.publisher import IMU_TOPIC
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS
 from lie_rigid_body.sensors import SENSORS
@@ -30,6 +31,20 @@ SETTLED_S: Final = 1.0
 """Time in which nothing may have changed before lock-step begins, s: what a node hears becomes known by and by."""
 
 
+class Topics(Protocol):
+    """Topics on which readings are published."""
+
+    @property
+    def sensor_topics(self) -> Mapping[str, str]:
+        """Full names of the topics of all sensors by their relative names."""
+        ...
+
+    @property
+    def publishers(self) -> Mapping[str, Publisher]:
+        """Publishers by the full names of their topics."""
+        ...
+
+
 class Answers:
     """The topic on which a filter answers, and the nodes that take part.
 
@@ -37,7 +52,7 @@ class Answers:
     ----------
     node : Node
         The simulator's.
-    publisher : SamplePublisher
+    publisher : Topics
         That of the readings.
     topic : str
         The filter's topic.
@@ -46,8 +61,8 @@ class Answers:
 
     Attributes
     ----------
-    topic : str
-        Full name of the filter's topic.
+    topic, message_type : str
+        Full name of the filter's topic, and its type once it is there.
 
     Raises
     ------
@@ -55,7 +70,7 @@ class Answers:
         If a name is none of ROS, or there is no IMU.
     """
 
-    def __init__(self, node: Node, publisher: SamplePublisher, topic: str, nodes: Sequence[str]) -> None:
+    def __init__(self, node: Node, publisher: Topics, topic: str, nodes: Sequence[str]) -> None:
         self._node, self._publisher = node, publisher
         with translated_errors(f"lockstep_topic {topic!r}"):
             self.topic = node.resolve_topic_name(topic)
@@ -64,15 +79,21 @@ class Answers:
         self._imu = publisher.sensor_topics[IMU_TOPIC]
         if self._imu not in publisher.publishers:
             raise ParameterError("lockstep_topic", f"{topic} can answer no reading without an IMU: give imu_rate")
-        self._hear: Callable[[int], object] = lambda stamp_ns: None
+        self._hear: Callable[[int, bytes], object] = lambda stamp_ns, payload: None
+        self.message_type = ""
         self._subscription: Subscription | None = None
         self._thread: Thread | None = None
         self._closed = False
         self._state: tuple[Mapping[str, set[str]], list[str]] = ({}, [])
         self._since = 0.0
 
-    def tell(self, hear: Callable[[int], object]) -> None:
-        """Have a function called with the stamp of each estimate, ns, in a thread of its own."""
+    @property
+    def missing(self) -> list[str]:
+        """Who was missing when `look` looked."""
+        return self._state[1]
+
+    def tell(self, hear: Callable[[int, bytes], object]) -> None:
+        """Have a function called with the stamp of each estimate, ns, and its message, in a thread of its own."""
         self._hear = hear
 
     def look(self) -> Collection[str] | None:
@@ -116,7 +137,7 @@ class Answers:
         if kind not in ATTITUDE_TYPES:
             raise ParameterError("lockstep_topic", f"{self.topic} {wrong_type(kind)}")
         if self._subscription is None:
-            self._subscription = subscribe(self._node, self.topic, kind)
+            self.message_type, self._subscription = kind, subscribe(self._node, self.topic, kind)
             arguments = self._subscription, 8 if kind == TF_MESSAGE else 4
             self._thread = Thread(target=self._take, args=arguments, name="answers", daemon=True)
             self._thread.start()
@@ -140,7 +161,7 @@ class Answers:
                 for payload in taken(subscription):
                     with suppress(BagError, struct.error):  # of a message without a stamp
                         seconds, nanoseconds = struct.unpack_from(f"{byte_order(payload, 0)}iI", payload, offset)
-                        self._hear(seconds * NS + nanoseconds)
+                        self._hear(seconds * NS + nanoseconds, payload)
 
     def _missing(self, filters: Collection[str], published: int, hearers: Mapping[str, set[str]]) -> Iterator[str]:
         if len(filters) != 1:

@@ -1,6 +1,6 @@
 """rclpy for the node and for `listen`: initialised, spinning in the background, its errors translated.
 
-The samples do not go through a timer of an executor: its wait set costs several times what a sample does, and a timer
+The samples do not go through a timer of an executor. Its wait set costs several times what a sample does, and a timer
 waits for the other callbacks that are ready. Nor does rclpy handle the signals: it would shut down amid a batch.
 """
 

@@ -48,7 +48,7 @@ def _run(node: SimulatorNode, recorder: Recorder | None, path: str, interruption
     mailbox, lockstep = Mailbox(), None
     if (answers := node.answers) is not None:
         lockstep = Lockstep(answers.topic, answers.look, round(values["lockstep_timeout"] * NS))
-        answers.tell(lambda stamp_ns: mailbox.post(partial(lockstep.hear, stamp_ns)))
+        answers.tell(lambda stamp_ns, _: mailbox.post(partial(lockstep.hear, stamp_ns)))
     run = LiveRun(
         Simulation(scenario),
         [*node.sinks, *([recorder] if recorder else [])],

@@ -6,6 +6,7 @@
 - `truth`: the attitude between the samples of a run, from its scenario;
 - `unavoidable`: the error that the noise of its sensors leaves to any filter;
 - `recorded_estimate`, `live_estimate`: an estimate and its truth in a bag, and message by message from topics;
+- `scored_bag`: a bag of estimates, their errors and the truth;
 - `kept_attitudes`: what counts of an estimate, and of its truth;
 - `estimate`: what an estimator returns;
 - `estimators`, `blind`: functions of a run that estimate, and runs that do not tell them the truth.

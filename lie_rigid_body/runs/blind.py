@@ -74,7 +74,7 @@ class BlindRun(Run):
         """The readings of a run, without its truth, its faults and the true biases."""
         told = {"gyro_bias": None, "accelerometer_bias": None}
         sensors = {
-            key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**_arrays(arrays), **(told if key == "imu" else {})})
+            key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**arrays.arrays, **(told if key == "imu" else {})})
             for key, arrays in run.sensors.items()
         }
         none: Any = None
@@ -133,7 +133,3 @@ class BlindRun(Run):
     def gyro_bias_at(self, t_ns: Any) -> NoReturn:
         """Refused: it is the true bias."""
         _refuse("run.gyro_bias_at()")
-
-
-def _arrays(sensor: SensorArrays) -> dict[str, Array | None]:
-    return {name: array for name, array in vars(sensor).items() if name not in ("t_ns", "arrival_ns")}

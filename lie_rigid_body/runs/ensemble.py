@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count, islice
 from pathlib import Path
@@ -26,6 +25,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Simulation, motions_of
+from lie_rigid_body.simulation.loop import Motions
 from lie_rigid_body.simulation.segment import SampleClock
 from lie_rigid_body.wording import shown
 
@@ -103,7 +103,7 @@ def simulate(
     ------
     InputError
         If the duration is not a time, a name is unknown, the parameters make no scenario, or the memory limit leaves no
-        room for the runs: this is known before anything is computed.
+        room for the runs. This is known before anything is computed.
     """
     length = exact_duration(plain(duration), "duration", "duration=60.0")
     if parameters.get("record_path"):
@@ -115,13 +115,13 @@ def simulate(
         if "sensor_seed" in parameters:
             raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
         most = max(1, memory_limit // _RUN_BYTES) if isinstance(memory_limit, int) else 1
-        chosen = [{"sensor_seed": plain(seed)} for seed in _chosen(seeds, most)]
+        chosen = [{"sensor_seed": seed} for seed in _chosen(seeds, most)]
     scenarios = (Scenario.from_parameters({**given, **seed}) for seed in chosen)
     first = next(scenarios)
     if first.without_effect:
         warnings.warn(first.without_effect, stacklevel=2)
     _require_memory(first, length, len(chosen), memory_limit)
-    motions = motions_of if seeds is None else _SharedMotions()
+    motions = motions_of if seeds is None else _shared()
     runs = tuple(_run(one, length, motions) for one in [first, *scenarios])
     return runs[0] if seeds is None else runs
 
@@ -146,7 +146,7 @@ def _start(start: State | None) -> dict[str, object]:
 
 
 def _given(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
-    return {**_parameters(scenario), **{name: plain(value) for name, value in parameters.items()}}
+    return {**_parameters(scenario), **parameters}
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:
@@ -174,7 +174,7 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
     require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
 
 
-def _run(scenario: Scenario, duration: Fraction, motions: Callable[[Scenario], Callable[[], Motion]]) -> Run:
+def _run(scenario: Scenario, duration: Fraction, motions: Motions) -> Run:
     simulation = Simulation(scenario, motions=motions)
     taken = simulation.take_until(simulation.clock.last_ns_before(duration), sys.maxsize)
     return Run.of(taken, simulation.segment)
@@ -196,54 +196,45 @@ def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str,
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
 
 
-@dataclass
-class _KeptStates:
-    """A motion, and its states at the times of a clock, as many as anyone has asked for: each is computed once."""
-
-    motion: Motion
-    states: State
-
-
-class _SharedMotions:
+def _shared() -> Motions:
     """The motions of one start for many simulations, which ask for the times of the same clocks."""
+    kept = list[_Remembered]()
 
-    def __init__(self) -> None:
-        self._kept: list[_KeptStates] = []
-
-    def __call__(self, scenario: Scenario) -> Callable[[], Motion]:
+    def motions(scenario: Scenario) -> Callable[[], Motion]:
         make, turns = motions_of(scenario), count()
 
         def motion() -> Motion:
             turn = next(turns)
-            if turn == len(self._kept):
-                start = make()
-                self._kept.append(_KeptStates(start, start.at(np.empty(0, dtype=np.int64))))
-            return _SharedStates(self._kept[turn])
+            if turn == len(kept):
+                kept.append(_Remembered(make()))
+            return kept[turn]
 
         return motion
 
+    return motions
 
-class _SharedStates:
-    """A motion for one of many, who all ask for the times of one clock, each once and in order, but not for as many.
 
-    How many it takes depends on the seed where readings are late by chance. A motion has the same bits however the
-    times are divided into calls.
+class _Remembered:
+    """A motion whose states at the times of one clock are computed once, whoever asks, for as many as anyone has.
+
+    How many a simulation takes depends on the seed where readings are late by chance. A motion has the same bits
+    however the times are divided into calls.
     """
 
-    def __init__(self, kept: _KeptStates) -> None:
-        self._kept = kept
-        self._asked = 0
+    def __init__(self, motion: Motion) -> None:
+        self._motion, self._times = motion, np.empty(0, dtype=np.int64)
+        self._states = motion.at(self._times)
 
     def at(self, t_ns: ArrayLike) -> State:
-        """The states at the given times, ns."""
-        times, first, known = np.asarray(t_ns, dtype=np.int64), self._asked, self._kept.states
-        self._asked += len(times)
-        missing = times[len(known) - first :]
-        if len(missing):
-            new = self._kept.motion.at(missing)
-            both = [new] if not len(known) else [known, new]
-            self._kept.states = State.trusted(
-                np.concatenate([states.attitude_xyzw for states in both]),
-                np.concatenate([states.body_rate for states in both]),
+        """The states at times, ns, that follow each other on the clock, from one on that is known, or the next."""
+        times = np.asarray(t_ns, dtype=np.int64)
+        later = times[np.searchsorted(times, self._times[-1:].max(initial=-1), side="right") :]
+        if len(later):
+            known, new = self._states, self._motion.at(later)
+            self._times = np.append(self._times, later)
+            self._states = State.trusted(
+                np.concatenate([known.attitude_xyzw, new.attitude_xyzw]),
+                np.concatenate([known.body_rate, new.body_rate]),
             )
-        return self._kept.states[first : self._asked]
+        first = int(np.searchsorted(self._times, times[0])) if len(times) else 0
+        return self._states[first : first + len(times)]  # a view: the runs share the truth

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -16,9 +17,12 @@ from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
 from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import Messages
-from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED
+from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED
 from lie_rigid_body.messages.layout import POSE_NUMBERS, Layout, header
 from lie_rigid_body.wording import call_repr
+
+BIAS: Final = "/gyro_bias"
+"""End of the name of the topic of estimated biases, behind that of the attitudes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,14 +135,16 @@ class Estimate:
         return Messages(topic, stamps_ns, payloads), POSE_WITH_COVARIANCE_STAMPED
 
 
-def messages_of_score(topic: str, score: Score, frame: str) -> tuple[Messages, ...]:
-    """Total, heading and inclination error, rad, and the NEES with its bounds, as Vector3Stamped, below a topic."""
-    vectors = {"error": np.stack(score.error, axis=-1)}
+def vectors(topic: str, stamps_ns: Integers, rows: Array, frame: str) -> tuple[Messages, str]:
+    """Vectors as messages of a bag, and their type."""
+    layout = Layout(header(frame), [0.0] * 3, [range(3)])
+    return Messages(topic, stamps_ns, layout.encode(stamps_ns, rows)), VECTOR3_STAMPED
+
+
+def messages_of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:
+    """Total, heading and inclination error, degrees, and the NEES with its bounds, below a topic, with their type."""
+    yield vectors(f"{topic}/error_deg", score.stamps_ns, np.degrees(np.stack(score.error, axis=-1)), frame)
     if score.consistency is not None:
         nees, bounds = score.consistency.nees, score.consistency.bounds
-        vectors["nees"] = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])
-    layout = Layout(header(frame), [0.0] * 3, [range(3)])
-    return tuple(
-        Messages(f"{topic}/{name}", score.stamps_ns, layout.encode(score.stamps_ns, rows))
-        for name, rows in vectors.items()
-    )
+        rows = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])
+        yield vectors(f"{topic}/nees", score.stamps_ns, rows, frame)

@@ -34,7 +34,7 @@ STEPS: Final = 4
 """Number of the last periods of a slow topic by which a stamp may leap."""
 
 MOST_FRAMES: Final = 20
-"""Largest number of pairs of frames of one topic that are told apart."""
+"""Largest number of pairs of frames of one topic that are told apart, beside the one that is wanted."""
 
 STRAY, DISORDERED, UNUSABLE, OF_OTHERS = "stray", "disordered", "unusable", "of_others"
 _SENTENCES: Final = {
@@ -163,7 +163,7 @@ class KeptAttitudes:
             Names of the frames that are followed; by default those of which the first `AGREEING` come.
         """
         for frames, track in found.items():
-            if frames in self.frames or len(self.frames) < MOST_FRAMES:
+            if frames in self.frames or len(self.frames) < MOST_FRAMES or frames == wanted:
                 self.frames[frames] = self.frames.get(frames, 0) + len(track)
                 self._undecided.setdefault(frames, []).append(track)
         agreed = (frames for frames, count in self.frames.items() if count >= AGREEING)

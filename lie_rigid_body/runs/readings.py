@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -16,8 +16,12 @@ from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
 from lie_rigid_body.recording.topic_messages import TopicMessages, fixed_number, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
+from lie_rigid_body.showing import data_frame
 from lie_rigid_body.simulation import Segment, SensorSamples
 from lie_rigid_body.wording import call_repr
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 T = TypeVar("T")
 
@@ -34,12 +38,12 @@ def read_only(value: T) -> T:
 class SensorArrays:
     """Readings of a sensor. All arrays are read only.
 
-    Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading: of an IMU
-    ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and ``accelerometer_bias``, each
-    (M, 3), and ``orientation_xyzw``, (M, 4); of a magnetometer ``field``, T, (M, 3); of an attitude sensor
-    ``attitude_xyzw``, (M, 4), and ``covariance``, rad², (M, 3, 3); of a sun sensor ``direction``, (M, 3).
-    Vectors are on the sensor's axes, attitudes world-from-body, scalar last, covariances of small rotations about the
-    fixed axes of the world.
+    Beside those below it has the arrays that `SENSORS` names as attributes, with a row for each reading. Of an IMU
+    these are ``gyro``, rad/s, ``specific_force``, m/s², the true biases in them, ``gyro_bias`` and
+    ``accelerometer_bias``, each (M, 3), and ``orientation_xyzw``, (M, 4). Of a magnetometer it is ``field``, T, (M, 3).
+    Of an attitude sensor they are ``attitude_xyzw``, (M, 4), and ``covariance``, rad², (M, 3, 3), of a sun sensor
+    ``direction``, (M, 3). Vectors are on the sensor's axes, attitudes world-from-body, scalar last, covariances of
+    small rotations about the fixed axes of the world.
 
     A bias is None where a bag does not tell it, and NaN at a reading for which a bag does not. An orientation is None
     unless the parameter ``imu_orientation`` is true; the identity where it is not in the segment of a reading.
@@ -55,6 +59,16 @@ class SensorArrays:
 
     t_ns: Integers
     arrival_ns: Integers
+    # those of the sensors that come with the package, for editors: a sensor has its own only
+    gyro: Array
+    specific_force: Array
+    gyro_bias: Any
+    accelerometer_bias: Any
+    orientation_xyzw: Any
+    field: Array
+    attitude_xyzw: Array
+    covariance: Any
+    direction: Array
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
         everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
@@ -64,6 +78,21 @@ class SensorArrays:
     def t_s(self) -> Array:
         """Stamps, s, shape (M,): doubles, in which times of day are known to 0.2 µs."""
         return self.t_ns / 1e9
+
+    @property
+    def arrays(self) -> dict[str, Array | None]:
+        """What it reads, and the biases in it, by their names; None for what is not known."""
+        return {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
+
+    def to_dataframe(self) -> DataFrame:
+        """Table of pandas with a row for each reading, by ``t_ns``, and columns such as ``gyro_x``.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If pandas is not installed.
+        """
+        return data_frame(self.t_ns, {name: array for name, array in vars(self).items() if name != "t_ns"})
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"the readings of a run are read only: make other ones to change {name}")
@@ -125,7 +154,7 @@ class SensorArrays:
         InputError
             If something that is told on a topic of its own, as biases are, is not known.
         """
-        arrays = {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
+        arrays = self.arrays
         for topic in sensor.topics[1:]:
             columns = [arrays[field.array] for field in topic.fields]
             none = np.zeros(len(self.t_ns), dtype=np.bool_)

@@ -16,15 +16,24 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
+from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
-from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING
+from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, AttitudeTrack, read_attitudes, require_cdr
+from lie_rigid_body.recording.topic_messages import (
+    ATTITUDE_TYPES,
+    AttitudeTrack,
+    read_attitudes,
+    require_cdr,
+    topic_messages,
+)
+from lie_rigid_body.runs.estimate import BIAS
 from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
 from lie_rigid_body.simulation import Segment
@@ -52,6 +61,10 @@ class RecordedEstimate:
         What a reader of the score should know, one sentence each.
     left_out : int
         Further estimates that there were: out of order.
+    pose_topic : str or None
+        Topic of the true poses.
+    gyro_bias : BiasEstimate or None
+        Estimated biases of the gyro, where there is a topic of them.
     """
 
     track: AttitudeTrack
@@ -61,6 +74,8 @@ class RecordedEstimate:
     covariance: Array | None
     notes: tuple[str, ...]
     left_out: int = 0
+    pose_topic: str | None = None
+    gyro_bias: BiasEstimate | None = None
 
     __repr__ = short_repr
 
@@ -77,7 +92,7 @@ class RecordedEstimate:
         bounded : bool, optional
             Whether the best that the sensors' noise allows is told as well.
         """
-        return evaluate(
+        score = evaluate(
             self.track.stamps_ns,
             self.track.attitude_xyzw,
             self.truth,
@@ -89,6 +104,7 @@ class RecordedEstimate:
             left_out=self.left_out,
             due_ns=self.truth.last_ns if due_ns is None else due_ns,
         )
+        return replace(score, gyro_bias=self.gyro_bias)
 
 
 def recorded_estimate(
@@ -144,12 +160,30 @@ def recorded_estimate(
     ordered = kept.track()
     read = held_against(ordered, true, true.until(int(ordered.stamps_ns[-1])))
     notes = (*read.notes, *(f"{told}." for told in kept.notes("estimates").values()))
-    return replace(read, notes=notes, left_out=kept.number_of(STRAY, DISORDERED))
+    read = replace(read, notes=notes, left_out=kept.number_of(STRAY, DISORDERED))
+    biases = contents.tracks.get((f"{topic}{BIAS}", VECTOR3_STAMPED))
+    return read if biases is None or not biases.count else _with_bias(read, path, biases, truth_bag or path)
+
+
+def _with_bias(read: RecordedEstimate, path: Path, biases: RawTrack, truth_bag: str | Path) -> RecordedEstimate:
+    """An estimate with biases of the gyro beside the true ones, or with a note why these are not known."""
+    found = topic_messages(path, biases.key, biases.take())
+    try:
+        run = Run.from_bag(truth_bag, topics={} if read.pose_topic is None else {POSE: read.pose_topic})
+        truth = run.gyro_bias_at(found.stamps_ns)
+    except (BagError, InputError) as error:
+        return replace(read, notes=(*read.notes, f"The biases on {biases.topic} have no score: {error}."))
+    return replace(read, gyro_bias=BiasEstimate(found.stamps_ns, found.values, truth))
 
 
 def _estimate_or_truth(*topics: str) -> Wanted:
-    """Want the messages of an estimate's topic, and of those that are said to or may tell the truth."""
-    return lambda name, kind: kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
+    """Want the messages of an estimate's topic and its biases, and of those that are said to or may tell the truth."""
+
+    def wanted(name: str, kind: str) -> bool:
+        told = kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
+        return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS) and name.removesuffix(BIAS) in topics)
+
+    return wanted
 
 
 @dataclass(frozen=True)
@@ -227,7 +261,15 @@ def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> Record
     covariance = track.covariance
     usable = covariance is not None and is_given(covariance)
     notes = tuple(_notes(track, true))
-    return RecordedEstimate(track, truth, true.source, true.segments, covariance if usable else None, notes)
+    return RecordedEstimate(
+        track,
+        truth,
+        true.source,
+        true.segments,
+        covariance if usable else None,
+        notes,
+        pose_topic=None if true.poses is None else true.poses.topic,
+    )
 
 
 def _notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:

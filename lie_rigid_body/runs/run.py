@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, bias_error, evaluate
+from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.evaluation.attitude_error import numbers
+from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages.batch import FAULTS, BatchEncoder, Messages
-from lie_rigid_body.messages.definitions import VECTOR3_STAMPED
+from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.bag_writer import (
     CUT_OFF,
@@ -34,24 +34,39 @@ from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import Block, bag_segments, recorded_segments
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import FaultMessages
-from lie_rigid_body.runs.estimate import Estimate, messages_of_score
+from lie_rigid_body.runs.estimate import BIAS, Estimate, messages_of_score, vectors
 from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
-from lie_rigid_body.simulation import Samples, Segment, Taken
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.showing import Shown, data_frame
+from lie_rigid_body.simulation import SOFTWARE, Samples, Segment, Taken
+from lie_rigid_body.wording import call_repr, listed, shown
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from lie_rigid_body.certificate import Certificate
 
-OWN_TOPICS: Final = frozenset({POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC})
+OWN_TOPICS: Final = frozenset(
+    {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
+)
+"""Topics of a bag that are the run's own."""
 END_OF_TIME: Final = 2**63 - 1
 
 
+class _NamedSensors:
+    """Sensors that come with the package, for editors: a run finds these and others by their names."""
+
+    imu: SensorArrays | None
+    magnetometer: SensorArrays | None
+    attitude_sensor: SensorArrays | None
+    sun: SensorArrays | None
+
+
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(_NamedSensors, Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -113,7 +128,7 @@ class Run:
         """Read a bag: one of this package, or one that ``ros2 bag record`` made of the running node.
 
         Numbers are as recorded, to the bit. Of the truth it has the samples whose pose and twist are both in the bag. A
-        sensor is None if no scenario of the bag declares it, nor its topic is in the bag; one that is declared and
+        sensor is None if no scenario of the bag declares it, nor its topic is in the bag. One that is declared and
         whose readings are all lost has arrays of none. Of readings the biases are None if ``imu/bias`` is not in the
         bag; a reading whose stamp is not on that topic has the bias NaN.
 
@@ -166,18 +181,19 @@ class Run:
     ) -> None:
         """Write the run into an MCAP bag: of a simulated run the same bytes as those of ``record``.
 
-        What a recorder heard of a running node stays its recording: the new bag names the recorder as well, claims no
-        samples before its first and after its last, and is certified by the same laws as the old one. Messages are
+        What a recorder heard of a running node stays its recording. The new bag names the recorder as well, claims no
+        samples before its first and after its last. It is certified by the same laws as the old one. Messages are
         logged at their stamps there, and the scenarios are in the words of the old bag, with the software's version.
 
         Parameters
         ----------
         path : str or Path
         estimates : mapping of str to Estimate, or to stamps and attitudes, optional
-            Estimates by their topics, such as ``/estimate``, that are put beside the truth.
+            Estimates by their topics, such as ``/estimate``, that are put beside the truth. Their biases of the gyro,
+            rad/s, are on ``TOPIC/gyro_bias``.
         scores : mapping of str to Score, optional
-            Scores by the topics of their estimates. On ``TOPIC/error`` are total, heading and inclination error, rad,
-            as x, y, z; on ``TOPIC/nees`` the NEES and its 95 % bounds.
+            Scores by the topics of their estimates. On ``TOPIC/error_deg`` are total, heading and inclination error,
+            degrees, as x, y, z; on ``TOPIC/nees`` the NEES and its 95 % bounds.
         overwrite : bool
             Replace an existing file, when the new one is whole.
 
@@ -186,8 +202,9 @@ class Run:
         BagError
             If the file exists and is not to be replaced, or cannot be written.
         InputError
-            If the path is none, a topic is no name or the run's own, an estimate is unusable, or the run has readings
-            of an IMU without their biases, be it one, as some bags, or of a sensor that its scenario has not.
+            If the path is none, a topic is no name or the run's own, or an estimate is unusable. Also if the run has
+            readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
+            not.
         """
         beside = list(self._beside(estimates or {}, scores or {}))
         declared, origin = self._declared()
@@ -195,6 +212,8 @@ class Run:
         bounds = [*zip([0, *starts], [*starts, END_OF_TIME], strict=True)]
         pieces = [self._within(segment, *times) for segment, times in zip(declared.values(), bounds, strict=True)]
         origin["others"] = {messages.topic: kind for messages, kind in beside}
+        if len(origin["others"]) < len(beside):
+            raise InputError(f"estimates: {listed(list(estimates or []))}: two topics have one name: rename one")
         with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
             for (text, segment), taken, (begin, end) in zip(declared.items(), pieces, bounds, strict=True):
                 bag.begin_segment(segment, text)
@@ -213,11 +232,12 @@ class Run:
                     f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
                 )
             estimate = Estimate.of(given)
-            yield estimate.messages(
-                topic, self.stamps_of(len(estimate)) if estimate.t_ns is None else estimate.t_ns, frame
-            )
+            stamps = self.stamps_of(len(estimate)) if estimate.t_ns is None else estimate.t_ns
+            yield estimate.messages(topic, stamps, frame)
+            if estimate.gyro_bias is not None:
+                yield vectors(f"{topic}{BIAS}", stamps, estimate.gyro_bias, self.scenario.body_frame)
         for topic, score in scores.items():
-            yield from ((messages, VECTOR3_STAMPED) for messages in messages_of_score(topic, score, frame))
+            yield from messages_of_score(topic, score, frame)
 
     def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
         """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""
@@ -229,6 +249,23 @@ class Run:
             return declared, {"end": CUT_OFF} if recording.was_cut_off and recording.expected_samples is None else {}
         recorder = recording.library.partition(REWRITTEN)[0]
         return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}
+
+    def to_dataframe(self) -> DataFrame:
+        """Table of pandas with a row for each stamp: the truth, and what each sensor read, NaN where it read nothing.
+
+        Columns are named after arrays and axes: ``attitude_w``, ``body_rate_x``, ``imu_gyro_x``. The table of one
+        sensor alone is that of `SensorArrays.to_dataframe`.
+
+        Raises
+        ------
+        LieRigidBodyError
+            If pandas is not installed.
+        """
+        arrays = {name: getattr(self.truth, name, None) for name in ("attitude_xyzw", "body_rate")}
+        table = data_frame(self.t_ns, arrays)
+        for name, readings in self.sensors.items():
+            table = table.join(readings.to_dataframe().drop(columns="arrival_ns").add_prefix(f"{name}_"), how="outer")
+        return table
 
     def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
         """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
@@ -326,13 +363,14 @@ class Run:
         if estimate.gyro_bias is None:
             return score
         bias = numbers("gyro_bias", estimate.gyro_bias, 3)
-        return replace(score, gyro_bias_rad_s=bias_error(bias, self.gyro_bias_at(estimate.t_ns)))
+        return replace(score, gyro_bias=BiasEstimate(estimate.t_ns, bias, self.gyro_bias_at(estimate.t_ns)))
 
     def unavoidable_error(self) -> UnavoidableError | None:
         """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
 
-        Granted is everything but noise and biases: scale, mounting and soft iron as if they had no errors, no faults,
-        and of the hard iron a bound. Readings that are missing or late count as well.
+        Noise and biases are as declared. Scale, mounting and soft iron are constants that no estimator knows, as many
+        as a sensor declares. Of the hard iron there is a bound, and faults are left out. Readings that are missing or
+        late count as well.
 
         Returns
         -------

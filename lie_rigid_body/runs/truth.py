@@ -19,8 +19,8 @@ from lie_rigid_body.simulation import Segment
 class ScenarioTruth(Truth):
     """The motion of a scenario, and of those that follow at its resets, known at every instant.
 
-    It is the exact solution. Where samples of the motion are given, they are the truth at their stamps, to round-off;
-    between them the exact solution is turned by what it misses them by, which is interpolated on geodesics, from
+    It is the exact solution. Where samples of the motion are given, they are the truth at their stamps, to round-off.
+    Between them the exact solution is turned by what it misses them by, which is interpolated on geodesics, from
     nothing at the start of each segment on. That is round-off for the default stepper, and keeps to the motion of a
     poor one, which the sensors have read.
 
@@ -99,9 +99,9 @@ class ScenarioTruth(Truth):
 class _Correction(SampledTruth):
     """Rotation by which the exact solution misses samples of a segment: none at its start, where every stepper begins.
 
-    It is a rotation on the world's axes: on those of the body it would turn with the body from sample to sample.
-    Behind the last two samples it goes on for as long as these are apart, and stays: it grows slowly, so that two near
-    samples tell nothing of a far time.
+    It is a rotation on the world's axes: on those of the body it would turn with the body from sample to sample. Behind
+    the last two samples it goes on for as long as these are apart, and stays. It grows slowly, so that two near samples
+    tell nothing of a far time.
     """
 
     def __init__(self, start_ns: int, stamps: Integers, miss: Array) -> None:

@@ -99,7 +99,7 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
     """Largest constant turn, rad, that the declared errors of a run's sensors leave to a right filter; 0 if perfect.
 
     A vector that is read with an error e leaves e over the sine of the angle between two vectors, so hard iron turns
-    the heading by e / cos dip; a gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
+    the heading by e / cos dip. A gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
     independent.
     """
     return max((_left_by_errors(segment.scenario) for segment in segments), default=0.0)

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, plain
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
@@ -21,7 +21,7 @@ from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_bet
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
-from lie_rigid_body.wording import shortened, shown
+from lie_rigid_body.wording import call_repr, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
@@ -44,12 +44,22 @@ OF_THE_NODE: Final = tuple(parameter.name for parameter in OWN if parameter.name
 """Parameters that no scenario holds: they change when and where a live node sends its samples, and none of them."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False)
 class Scenario:
-    """A body, its start and the way it is sampled. Build it with `from_parameters`, which validates.
+    """A body, its start and the way it is sampled, validated as a whole.
 
     Attributes carry the names, types and units of the parameters (see ``PARAMETERS``); those of the sensors are kept
     together, and as the models that they make.
+
+    Parameters
+    ----------
+    **parameters
+        Parameters by their public names; the rest are at their defaults.
+
+    Raises
+    ------
+    ParameterError
+        Naming the parameter, its value, its limit and the remedy.
     """
 
     inertia: tuple[float, ...]
@@ -66,42 +76,28 @@ class Scenario:
     sensors: Sensors
     sensor_parameters: tuple[tuple[str, Value], ...]
 
+    def __init__(self, /, **parameters: object) -> None:
+        values = read_parameters({name: plain(value) for name, value in parameters.items()})
+        of_sensors = {name: values[name] for name in SENSORS.parameters}
+        vars(self).update({name: values[name] for name in _OWN})
+        vars(self).update(sensors=Sensors.from_values(of_sensors), sensor_parameters=tuple(of_sensors.items()))
+        self._validate()
+
     @classmethod
     def from_parameters(cls, given: Mapping[str, object] | None = None) -> Scenario:
-        """The scenario of the given parameters, the rest at their defaults, validated as a whole.
+        """Make the scenario of a mapping of parameters, with values as a YAML file or a ROS parameter gives them."""
+        return cls(**{str(name): value for name, value in (given or {}).items()})
 
-        Parameters
-        ----------
-        given : mapping of str to object, optional
-            Values as a YAML file or a ROS parameter gives them.
-
-        Returns
-        -------
-        Scenario
-
-        Raises
-        ------
-        ParameterError
-            Naming the parameter, its value, its limit and the remedy.
-        """
-        values = read_parameters(given or {})
-        of_sensors = {name: values[name] for name in SENSORS.parameters}
-        scenario = cls(
-            **{name: values[name] for name in _OWN},  # type: ignore[arg-type]
-            sensors=Sensors.from_values(of_sensors),
-            sensor_parameters=tuple(of_sensors.items()),
-        )
-        scenario._validate()
-        return scenario
+    def resampled(self, *, rate: float | None = None, epoch_ns: int | None = None) -> Scenario:
+        """Sample the same motion and sensors at another rate, Hz, or from another stamp, ns; nothing is validated."""
+        new = copy.copy(self)
+        vars(new).update(rate=rate or self.rate, epoch_ns=self.epoch_ns if epoch_ns is None else epoch_ns)
+        return new
 
     def __repr__(self) -> str:
         """The call that makes it: the parameters that are not at their defaults, which may be shortened."""
-        changed = [
-            f"{name!r}: {shown(list(value) if isinstance(value, tuple) else value)}"
-            for name, value in self.parameters().items()
-            if value != BY_NAME[name].default
-        ]
-        return shortened(f"Scenario.from_parameters({{{', '.join(changed)}}})")
+        given = {name: value for name, value in self.parameters().items() if value != BY_NAME[name].default}
+        return call_repr(self, {k: list(v) if isinstance(v, tuple) else v for k, v in given.items()})
 
     def parameters(self) -> dict[str, Value]:
         """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
@@ -181,9 +177,11 @@ class Scenario:
     def _rate_bound(self) -> float:
         body, start = self.body(), self.start()
         smallest = float(body.principal_moments[0])
-        by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
+        twice_energy = 2.0 * float(body.kinetic_energy(start))
+        by_energy = math.sqrt(twice_energy / smallest)
         by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
-        return min(by_energy, by_momentum)
+        bound = min(by_energy, by_momentum)
+        return bound if math.isfinite(bound) else math.sqrt(twice_energy) / math.sqrt(smallest)  # quotients overflow
 
     def steps_per_sample(self, rate: float | None = None) -> int:
         """Steps of the moving chart from one sample to the next; 1 of the closed form.

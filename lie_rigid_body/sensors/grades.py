@@ -1,10 +1,9 @@
 """Grades of sensors: the error parameters of real ones, from data sheets.
 
-Values are those of the sheets, which docs/reference/imu.md
-names. An error that a sheet does not tell is left out. The random
-walk of a bias, which sheets do not give, follows from the lowest Allan deviation σ and the noise density N: the sum
-N²/τ + K²τ/3 has the minimum 2 N K / √3, so K = √3 σ² / (2 N). Errors of scale, mounting and iron are of unknown sign;
-the signs taken are +, −, + along x, y, z.
+Values are those of the sheets, which docs/reference/imu.md names. An error that a sheet does not tell is left out. The
+random walk of a bias, which sheets do not give, follows from the lowest Allan deviation σ and the noise density N. The
+sum N²/τ + K²τ/3 has the minimum 2 N K / √3, so K = √3 σ² / (2 N). Errors of scale, mounting and iron are of unknown
+sign; the signs taken are +, −, + along x, y, z.
 """
 
 from __future__ import annotations

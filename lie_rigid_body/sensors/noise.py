@@ -29,8 +29,8 @@ _WORDS_PER_COUNT: Final = 4
 _SKIPPED_AT_ONCE: Final = 65_536
 """Vectors of a walk that are drawn together where they are left out, which bounds the memory."""
 _WALK: Final = 0.5
-"""Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps:
-the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""
+"""Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps.
+It is the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""
 _ONE: Final = np.float64(1.0).view(np.uint64)
 """Bits of the double 1."""
 

@@ -26,7 +26,7 @@ class AttitudeSensorModel(SensorModel):
 
         q_k = A ⊗ exp(n_k),   n_k = σ_c ν_k + (σ_r − σ_c) b (b · ν_k)
 
-    with A the attitude, b the boresight and ν standard normal: the error is a small rotation by n in the body frame, of
+    with A the attitude, b the boresight and ν standard normal. The error is a small rotation by n in the body frame, of
     σ_r about the boresight and σ_c about each axis across it.
 
     Parameters

@@ -98,9 +98,9 @@ class Conditioning:
     Parameters
     ----------
     numbers : ndarray, shape (3, N, 1) or (3, N, 3)
-        For each reading, on all axes alike or on each: the sum of the absolute values of the parts that the signal is
-        added up from, as they were drawn, of which the round-off is a multiple; the change of the signal per rad of an
-        error of the attitude; and its change per rad/s of an error of the body rate.
+        For each reading, on all axes alike or on each. First the sum of the absolute values of the parts that the
+        signal is added up from, as they were drawn, of which the round-off is a multiple. Then the change of the signal
+        per rad of an error of the attitude, and its change per rad/s of an error of the body rate.
     span : float
         Time over which that rate is a mean, s; 0: it is that of an instant.
     """

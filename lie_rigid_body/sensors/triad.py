@@ -210,9 +210,9 @@ class TriadModel:
         y_k = saturate(quantise(S R(μ)ᵀ x_k + b_k + n_k))
         b_(k+1) = b_k + K √(1/f) ν_k,   b_0 = σ₀ ν,   n_k = N √f ν_k
 
-    with f the sample rate and each ν independent and standard normal. The order is the signal's own: the mounting R(μ)
+    with f the sample rate and each ν independent and standard normal. The order is the signal's own. The mounting R(μ)
     decides what lies along the sensitive axes, the elements scale it by S, bias and noise add in units of the output,
-    as data sheets give them, then the converter counts in steps up to its range. So neither mounting nor scale changes
+    as data sheets give them. Then the converter counts in steps up to its range. So neither mounting nor scale changes
     the noise, and no reading leaves the range.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final, TypeAlias
 
@@ -112,7 +112,7 @@ class Simulation:
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None, motions: Motions | None = None) -> None:
         self._motions, self._faults = motions or motions_of, FaultLog()
         self._running: list[_RunningSegment] = []
-        self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else replace(scenario, epoch_ns=epoch_ns), 0)
+        self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else scenario.resampled(epoch_ns=epoch_ns), 0)
 
     def start_at(self, epoch_ns: int) -> None:
         """Begin anew with another stamp of sample 0, ns, before anything was taken."""
@@ -221,7 +221,7 @@ class Simulation:
         first, epoch_ns = self.next_sample, self.segment.scenario.epoch_ns
         if scenario.rate != self.segment.scenario.rate:
             first, epoch_ns = 0, int(self.clock.stamps_ns(first, 1)[0])
-        self._begin(replace(scenario, epoch_ns=epoch_ns), first)
+        self._begin(scenario.resampled(epoch_ns=epoch_ns), first)
         return self.segment
 
 
@@ -238,7 +238,7 @@ class Latest:
 class SharedMotion:
     """A motion for one of several users, each of whom gets the bits of a motion of their own.
 
-    As long as they ask for the same times in the same order, each answer is computed for the first of them and kept
+    As long as they ask for the same times in the same order, each answer is computed for the first of them. It is kept
     for the others until the next one. A user who asks for other times goes on alone.
 
     Parameters

@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs import Run
     from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.node import NodeEstimator
     from lie_rigid_body.scenario import Scenario
 
-__all__ = ["assert_attitude", "attitude_run", "command_estimator"]
+__all__ = ["assert_attitude", "attitude_run", "command_estimator", "node_estimator"]
 
 FIXTURE: Final = "attitude_run"
 """Name of the fixture, and of its marker."""
@@ -79,6 +80,31 @@ def command_estimator(command: str, timeout: float = 60.0) -> CommandEstimator:
     return CommandEstimator(command, timeout)
 
 
+def node_estimator(command: str, timeout: float = 60.0, topic: str = "imu/data") -> NodeEstimator:
+    """Make an estimator of a ROS 2 node.
+
+    For each run the node is started anew, in a ROS domain of its own, and given the readings in lock-step.
+
+    Parameters
+    ----------
+    command : str
+        Program and arguments, such as ``ros2 run my_package my_filter --ros-args -p gain:=0.5``. The node hears
+        ``imu/data_raw`` and, if it wants, ``imu/mag``, and publishes an attitude for each reading, with its stamp.
+    timeout : float
+        Longest time of a run, s.
+    topic : str
+        Topic of the attitudes: of any type that ``evaluate`` takes.
+
+    Returns
+    -------
+    NodeEstimator
+        A function of a `Run`, for `lie_rigid_body.diagnose`, for tests, and for campaigns.
+    """
+    from lie_rigid_body.runs.node import NodeEstimator
+
+    return NodeEstimator(command, timeout, topic)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Register the marker."""
     config.addinivalue_line(
@@ -100,6 +126,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if marker is not None and marker.args:
         _fail(f"{shown(marker.args[0])} has no name: give scenarios=, grades= or arguments of simulate by name")
     chosen = dict(marker.kwargs) if marker else {}
+    for name in ("scenario", "grade"):
+        if name in chosen:
+            _fail(f"{name}={shown(chosen[name])} is no argument: did you mean {name}s=?")
     scenarios = _names(chosen.pop("scenarios", None)) or list(scenario_files())
     grades = _names(chosen.pop("grades", None)) or list(GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]

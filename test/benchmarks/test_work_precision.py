@@ -168,10 +168,14 @@ def test_only_the_table_of_a_page_is_exchanged():
     assert all(len(line) == len(short_table(rows).splitlines()[0]) for line in short_table(rows).splitlines())
 
 
-def test_the_page_has_a_place_for_every_table():
-    page = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
-    for name in (*(task.name for task in TASKS), "recording", "checking", "campaign"):
-        assert all(page.count(MARK.format(edge=edge, name=name)) == 1 for edge in ("begin", "end"))
+@pytest.mark.parametrize(
+    ("page", "names"),
+    [("benchmarks.md", [task.name for task in TASKS]), ("reference/costs.md", ["recording", "checking", "campaign"])],
+)
+def test_the_page_has_a_place_for_every_table(page, names):
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    for name in names:
+        assert all(text.count(MARK.format(edge=edge, name=name)) == 1 for edge in ("begin", "end"))
 
 
 @pytest.mark.parametrize(("step", "text"), [(0.002, "2 ms"), (0.0005, "500 µs"), (2.0**-7, "2⁻⁷ s"), (0.1, "100 ms")])

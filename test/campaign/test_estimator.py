@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.run import SCORES, scores
+from lie_rigid_body.campaign.judging import SCORES
+from lie_rigid_body.campaign.run import judgements
 
 MODULE = """
 import numpy as np
@@ -52,7 +53,9 @@ def scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     def of(function: str) -> dict[str, Any]:
         parameters = {"rate": 50.0, "imu_rate": 50.0}
         campaign = Campaign(1, 7, 2.0, "tumbling_cubesat", parameters, {}, f"some_estimators:{function}")
-        return scores(campaign, campaign.scenario_of(0))
+        [judgement] = judgements(campaign, campaign.scenario_of(0))
+        scores: dict[str, Any] = judgement["scores"]
+        return scores
 
     return of
 
@@ -65,6 +68,8 @@ def test_a_heading_that_is_off_is_the_heading_error(scored: Any) -> None:
         "heading_rms_deg": pytest.approx(2.0, rel=1e-12),
         "inclination_rms_deg": pytest.approx(0.0, abs=1e-12),
         "converged_s": 0.0,
+        "nees_mean": None,
+        "gyro_bias_rms_rad_s": None,
     }
 
 

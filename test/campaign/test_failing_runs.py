@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import resource
 import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from campaigns import NEEDS_DASK, SCORES, finished, table_of, written
 
-from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign import Campaign, cluster
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import carry_out
+from lie_rigid_body.campaign.judging import MORE_SCORES, Judgement
+from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, said
 from lie_rigid_body.wording import LONGEST_LINE
 
 pytestmark = NEEDS_DASK
@@ -87,9 +90,10 @@ def test_an_estimator_without_any_score_is_an_error(
     out: Path, tmp_path: Path, said_there: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Also one that cannot be imported on the workers, whose reason ends with a remedy itself."""
-    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys(SCORES)
+    copy, scores = shutil.copytree(out, tmp_path / "copy"), dict.fromkeys((*SCORES, *MORE_SCORES))
+    failed = vars(Judgement({**scores, "estimator_error": said_there}))
     with Journal(Campaign.from_file(written(tmp_path)), out) as journal:
-        rows = [replace(row, scores={**scores, "estimator_error": said_there}) for row in journal.rows()]
+        rows = [replace(row, judgements=[failed]) for row in journal.rows()]
     heading = (copy / "runs.jsonl").read_text().partition("\n")[0]
     (copy / "runs.jsonl").write_text("\n".join([heading, *(json.dumps(vars(row)) for row in rows), ""]))
     assert main([str(written(tmp_path)), "--out", str(copy)]) == 2
@@ -111,3 +115,35 @@ def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     [_, line] = capsys.readouterr().err.splitlines()
     assert f"{MOST_FAILURES} runs: RuntimeError: it is lost" in line
     assert len(finished(tmp_path / "out")) == MOST_FAILURES
+
+
+def test_an_estimator_that_goes_elsewhere_costs_nothing_and_bags_that_are_deleted_are_told(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "wanderer.py").write_text(
+        "import os\ndef estimate(run):\n    os.chdir(os.sep)\n    return run.truth.attitude_xyzw\n"
+    )
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
+    monkeypatch.chdir(tmp_path)
+    campaign = Campaign.from_file(written(tmp_path, "runs: 3\nseed: 1\nduration: 0.02\nestimator: wanderer:estimate"))
+    with Journal(campaign, tmp_path / "out") as journal:
+        asked: dict[str, Any] = {"bags": True, "elsewhere": False, "lost": print, "alone": print}
+        with cluster.client_of(None, scheduler) as client:
+            for _, row in cluster.finished(client, campaign, range(3), Path("out"), **asked):
+                assert isinstance(row, Row), row
+                journal.add(row)
+        monkeypatch.chdir(tmp_path)
+        given = argparse.Namespace(no_bags=False, report=None)
+        assert campaign_runs._report(campaign, journal, {}, given) == 0
+        Path("out/bags/000001.mcap").unlink()
+        with pytest.raises(BagError, match=rf"1 of 3 bags were deleted or changed meanwhile \(1\): .*{RESUMED}"):
+            campaign_runs._report(campaign, journal, {}, given)
+        assert 1 not in journal
+
+
+def test_an_error_without_words_costs_the_score() -> None:
+    class WordlessError(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError
+
+    assert said(WordlessError()) == "WordlessError: "

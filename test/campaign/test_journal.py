@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import resource
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from campaigns import NEEDS_DASK, finished, written
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import Row
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError
@@ -56,6 +58,72 @@ def test_a_row_that_does_not_fit_on_the_disk_is_told_and_done_anew(journal: Jour
     assert journal.path.read_text() == whole
 
 
+@pytest.mark.parametrize("name", ["runs.jsonl", ".part"])
+def test_a_table_that_is_not_synced_replaces_none(
+    journal: Journal, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """Neither where the rows are not on the disk, nor the table itself; the same command makes it."""
+    before, sync = (journal.folder / "runs.parquet").read_bytes(), os.fsync
+
+    def fail(descriptor: int) -> None:
+        if os.readlink(f"/proc/self/fd/{descriptor}").endswith(name):
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        sync(descriptor)
+
+    names = sorted(os.listdir(journal.folder))
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(BagError, match=rf"cannot be written: Input/output error: .*{RESUMED}"):
+        journal.write_table()
+    assert sorted(os.listdir(journal.folder)) == names
+    assert (journal.folder / "runs.parquet").read_bytes() == before
+    monkeypatch.undo()
+    journal.write_table()
+    assert (journal.folder / "runs.parquet").read_bytes() == before
+
+
+def test_rows_that_cannot_be_read_again_are_told(journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Broken:
+        def seek(self, place: int) -> None:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr(journal, "_file", Broken())
+    with pytest.raises(BagError, match=r"runs.jsonl cannot be read: Input/output error"):
+        journal.write_table()
+
+
+def test_a_campaign_that_ended_before_its_journal_began_is_begun_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by a kill, or where no more files can be opened."""
+    campaign = Campaign.from_file(written(tmp_path))
+
+    def fail(path: Path, *options: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "open", fail)
+    with pytest.raises(BagError, match=r"runs.jsonl cannot be used: No space left on device"):
+        Journal(campaign, tmp_path / "new")
+    monkeypatch.undo()
+    with Journal(campaign, tmp_path / "new") as journal:
+        assert len(journal) == 0
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "device"])
+def test_a_journal_that_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) -> None:
+    """Of a pipe nothing would ever come."""
+    campaign, out = Campaign.from_file(written(tmp_path)), tmp_path / "out"
+    out.mkdir()
+    make: dict[str, Callable[[Path], None]] = {
+        "pipe": os.mkfifo,
+        "folder": Path.mkdir,
+        "device": lambda path: path.symlink_to("/dev/zero"),
+    }
+    make[kind](out / "runs.jsonl")
+    assert not Journal.is_begun(campaign, out)
+    with pytest.raises(BagError, match=r"runs.jsonl is no regular file: move it away, or give another folder"):
+        Journal(campaign, out)
+
+
 @pytest.mark.parametrize("put", ["nothing", "another file"])
 def test_a_folder_that_is_taken_away_is_told(journal: Journal, put: str) -> None:
     """Else all further rows would go where nobody finds them."""
@@ -79,12 +147,12 @@ def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pyt
 
 TAMPERED: dict[str, list[object]] = {
     "parameters": [[], None, {}, {"rate": 5.0}],
-    "attitude_accuracy_rad": ["x", None],
+    "attitude_accuracy_rad": ["x", None, float("nan"), -1.0],
     "certified": ["no", 1],
     "bag": ["../../secret.mcap", "bags/000005.mcap", 5],
     "run": [0.5, True, -1, 10**30],
     "residuals": [5],
-    "scores": [{"total_rms_deg": "x"}, {"estimator_error": 5}, 5],
+    "judgements": [5, [], [5], [{}], [{"scores": {}}]],
     "other": [1],
 }
 

@@ -82,7 +82,8 @@ def failed(folder: Path) -> None:
 
 
 def without_a_score(folder: Path) -> None:
-    raise campaign_runs._without_a_score(Campaign(1, 1, 1.0, estimator="a:b"), "any run", "a:b is lost: mend it")
+    campaign = Campaign(1, 1, 1.0, estimator="a:b")
+    campaign_runs._require_scores(campaign, [["a:b is lost: mend it"]], "any run")
 
 
 def table_of_another(folder: Path) -> None:
@@ -90,6 +91,7 @@ def table_of_another(folder: Path) -> None:
     Campaign.from_table(folder / "runs.parquet")
 
 
+SHORT = "runs: 1\nseed: 1\nduration: 1.0\n"
 SAID: list[tuple[Scene, str]] = [
     (
         given("--scheduler", "nonsense"),
@@ -150,6 +152,36 @@ CAMPAIGNS = [
     ("runs: 1\nseed: 1\nduration: 1.0\nestimator: math:pi", "'math' has no function 'pi'"),
     ("[]", "no campaign"),
     ("{", "not readable as YAML"),
+    (f"{SHORT}estimators: 5", "estimators is to be a mapping of names: "),
+    (
+        f"{SHORT}estimator: 'math:sin'\nestimators: {{a: {{command: ls}}}}",
+        "estimator and estimators are given: give one",
+    ),
+    (f"{SHORT}estimators: {{'': {{command: ls}}}}", "estimators: '' is no name: give 1 to 40 printable characters"),
+    (f"{SHORT}estimators: {{a: 'math:sin'}}", 'estimators.a is to be a mapping: give {function: "module:function"}'),
+    (f"{SHORT}estimators: {{a: {{gain: 1}}}}", "estimators.a: there is no 'gain': give function, command, "),
+    (f"{SHORT}estimators: {{a: {{}}}}", "estimators.a: give function or command, one of them"),
+    (f"{SHORT}estimators: {{a: {{function: math}}}}", "estimators.a.function: 'math' names no function"),
+    (f"{SHORT}estimators: {{a: {{function: 'no:such'}}}}", "cannot be imported: ModuleNotFoundError"),
+    (f"{SHORT}estimators: {{a: {{command: ls, grid: {{x: [1]}}}}}}", "a program takes its parameters in its line"),
+    (f"{SHORT}estimators: {{a: {{command: ''}}}}", "estimators.a.command: '': "),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{}}}}}}", "estimators.a.grid is of nothing: "),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: []}}}}}}", "estimators.a.grid.x: [] is no list of values"),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: [1]}}}}", "estimators.a.parameters: [1] is no mapping"),
+    (
+        f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: {{x: 1}}, grid: {{x: [1]}}}}}}",
+        "estimators.a: x is in parameters and in grid: leave it out of one of them",
+    ),
+    (
+        f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: {[*range(101)]}}}}}}}",
+        "estimators: 101 with the points of their grids: give at most 100",
+    ),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: {{x: .nan}}}}}}", "estimators.a: Out of range float"),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: [1]}}}}}}", "runs: 1: the best point of a grid is scored"),
+    (
+        f"{SHORT}estimators: {{a: {{function: 'statistics:quantiles', parameters: {{methods: 1}}}}}}",
+        "statistics:quantiles takes no 'methods': did you mean method?",
+    ),
 ]
 NO_DISTRIBUTIONS: list[tuple[object, str]] = [
     (3.0, "not a distribution"),

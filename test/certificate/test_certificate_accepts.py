@@ -130,6 +130,14 @@ def test_coarse_samples_say_that_neighbours_were_not_compared():
     assert "rad between samples" in found.segments[0].notes[0]
 
 
+@pytest.mark.parametrize("rate", [[1e6, 1.0, 1e-6], [0.4, 0.6, -0.3]])
+def test_limits_that_overflow_are_their_caps(rate):
+    """Of a rod without thickness, which may turn 5e148 rad between samples."""
+    found = certify(run({"motion": "closed_form", "inertia": [1e-300, 1.0, 1.0], "initial_body_rate": rate}, 10))
+    assert found.passed
+    assert all(np.isfinite(law.limit) for law in found.segments[0].laws)
+
+
 def test_resets_begin_segments_also_at_another_rate():
     simulation = Simulation(Scenario.from_parameters({"rate": 300.0}))
     parts = [part(simulation, 50)]

@@ -61,7 +61,7 @@ def test_picture_and_page(bag, tmp_path, capsys):
     assert f"wrote {picture}\nwrote {page}" in capsys.readouterr().out
     assert picture.read_bytes().startswith(b"\x89PNG")
     content = page.read_text(encoding="utf-8")
-    assert content.count("<svg") == 1
+    assert content.count("<svg") == 2  # for a desk and a phone
     assert "tumbling" not in content
     for wanted in ("PASSED", "inclination", "NEES", "&quot;inertia&quot;", "</html>"):
         assert wanted in content
@@ -88,7 +88,7 @@ def test_a_limit_is_on_its_picture_also_far_above_the_errors(score):
     limit = 10.0 * score.total_deg.max
     total, parts, *_ = draw("far", replace(score, limits=Limits(max_rms_deg=limit))).axes
     assert total.get_ylim()[1] > limit
-    assert total.get_ylim()[0] == parts.get_ylim()[0] == 0.0
+    assert (total.get_yscale(), parts.get_ylim()[0]) == ("log", 0.0)
 
 
 def test_the_series_are_in_the_json_on_request(bag, stamps, capsys):

@@ -60,7 +60,7 @@ def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run,
         "124 of 275 estimates were stamped before one that had come, the first 0 s, and are left out"
     )
     kept = np.r_[100:125, 125:250]
-    expected = run.score(noisy[kept], stamps[kept], covariance=P).to_json()
+    expected = run.score(noisy[kept], stamps[kept], covariance=P).to_dict()
     assert content["total_deg"] == pytest.approx(expected["total_deg"])
     assert content["nees"]["mean"] == pytest.approx(expected["nees"]["mean"])
 

@@ -24,6 +24,8 @@ COMMANDS = (
     "evaluate bag.html --estimate /pose --report bag.html",
     "evaluate bag.mcap --estimate /pose --plot s.png",
     "evaluate other.mcap --estimate /pose --truth bag.mcap --report bag.html",
+    "evaluate bag.html --estimate /pose --out bag.mcap",
+    "evaluate other.mcap --estimate /pose --truth bag.html --out bag.mcap",
     "record ./given.yaml --params-file given.yaml --duration 1",
     "record link.yaml --params-file other.yaml --params-file given.yaml --duration 1",
     "record link.yaml --scenario given --duration 1",

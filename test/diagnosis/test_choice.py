@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
+from lie_rigid_body.diagnosis.course import readings as readings_of
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
 from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import CAUSES, Track
+from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, Track
 from lie_rigid_body.lie import quaternion
 
 FLOOR = 0.001
@@ -20,7 +21,7 @@ REPAIRS = {repair.code: repair for repair in exact_repairs()}
 
 
 def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
-    constants = tuple((code, (0.0,)) for code in outputs)
+    constants = tuple((BY_CODE[code], np.zeros(1)) for code in outputs)
     return Trial(tuple(REPAIRS[code] for code in codes), constants, "integrated", error)
 
 
@@ -83,7 +84,7 @@ def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
 @pytest.mark.parametrize("kind", ["integrated", "instantaneous"])
 def test_readings_are_those_of_the_path(kind: str) -> None:
     course = courses_of({})[1].of_scenario(gyro_rate=kind)
-    readings = course.readings()
+    readings = readings_of(course)
     imu = readings.run().imu
     assert imu is not None
     truth = course.truth.at(imu.t_ns)
@@ -107,7 +108,7 @@ def given(readings: Readings) -> dict[str, Any]:
 
 
 def test_late_readings_are_undone_by_earlier_ones() -> None:
-    readings = courses_of({})[0].readings()
+    readings = readings_of(courses_of({})[0])
     for sensor, name in SENSORS.items():
         moved = given(late(sensor, 3).change(late(sensor, -3).change(readings)))
         assert np.array_equal(moved[name], given(readings)[name])
@@ -116,7 +117,7 @@ def test_late_readings_are_undone_by_earlier_ones() -> None:
 
 
 def test_joint_repair_gives_the_first_reading_twice() -> None:
-    plain = courses_of({})[0].readings()
+    plain = readings_of(courses_of({})[0])
     moved = given(JOINT.change(plain))
     for name in ("specific_force", "field"):
         assert np.array_equal(moved[name][1:], given(plain)[name][:-1])

@@ -121,6 +121,30 @@ def test_nan_fails_the_probe_with_the_first_sample() -> None:
     assert "sample 7" in finite.message
 
 
+@pytest.mark.parametrize(
+    ("estimate", "passed", "said"),
+    [
+        (textbook.triad_with_covariance, True, "honest"),
+        (textbook.triad_with_deviations, False, "give variances, no standard deviations"),
+        (textbook.triad_for_the_body, False, "give covariance_axes"),
+    ],
+)
+def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(
+    estimate: Callable[[Any], Any], passed: bool, said: str
+) -> None:
+    found = diagnose(lambda run: estimate(run))
+    (probe,) = (probe for probe in found.probes if probe.code == "covariance")
+    assert probe.passed == passed == found.passed
+    assert said in probe.message
+    assert probe.value is not None
+    assert (abs(probe.value - 3.0) < 0.5) == passed
+
+
+def test_covariance_that_is_none_fails_in_one_line() -> None:
+    found = diagnose(lambda run: lie_rigid_body.Estimate(textbook.triad(run), covariance=-np.eye(3)))
+    assert failed(found) == ["covariance"]
+
+
 def test_filter_that_averages_the_gyro_first_needs_a_rest_and_nothing_else() -> None:
     found = diagnose(textbook.averages_the_gyro, max_runs=1)
     assert found.mistakes == ()

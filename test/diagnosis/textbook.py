@@ -167,3 +167,40 @@ def averages_the_gyro(run: Any) -> Array:
     """Mahony's filter that takes the mean of the gyro's first two seconds for its bias."""
     first = run.imu.gyro[run.imu.t_ns < 2_000_000_000]
     return mahony(changed(run, gyro=lambda v: v - first.mean(axis=0)), ki=0.0)
+
+
+def triad_with_covariance(run: Any) -> Any:
+    """TRIAD with the covariance that the noise of its two vectors makes, about the axes of the world."""
+    from lie_rigid_body import Estimate
+
+    given = run.scenario.parameters()
+    gravity, field = given["gravity"], np.array(given["magnetic_field"])
+    level = np.hypot(field[0], field[1])
+    x, y = field[:2] / level
+    # small turns about x, y, z of the noise of the force, n, and of the field, m, on the world's axes: the force is
+    # vertical, tilts are n × z / g; then the field is in its plane, (m + tilt × field) · (-y, x, 0) + turn level = 0
+    of_force = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]) / gravity
+    of_force[2] = field[2] / level * (y * of_force[1] + x * of_force[0])
+    of_field = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [y, -x, 0.0]]) / level
+    force, magnetic = (
+        given[f"{sensor}_noise_density"] * given[f"{rate}_rate"] ** 0.5
+        for sensor, rate in (("accelerometer", "imu"), ("magnetometer", "magnetometer"))
+    )
+    covariance = force**2 * of_force @ of_force.T + magnetic**2 * of_field @ of_field.T
+    return Estimate(triad(run), covariance=covariance)
+
+
+def triad_with_deviations(run: Any) -> Any:
+    """The same with the square root of the covariance, as of a standard deviation that is given for a variance."""
+    from dataclasses import replace
+
+    estimate = triad_with_covariance(run)
+    values, vectors = np.linalg.eigh(estimate.covariance)
+    return replace(estimate, covariance=vectors * np.sqrt(values.clip(0.0)) @ vectors.T)
+
+
+def triad_for_the_body(run: Any) -> Any:
+    """The same about the axes of the world, which it says are those of the body."""
+    from dataclasses import replace
+
+    return replace(triad_with_covariance(run), covariance_axes="body")

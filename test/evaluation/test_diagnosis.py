@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
 from lie_rigid_body.evaluation.causes import Track, undone
-from lie_rigid_body.evaluation.naming import FORMS
+from lie_rigid_body.evaluation.explanations import FORMS
 from lie_rigid_body.lie import quaternion
 
 NOISE_DEG = 1.0
@@ -201,7 +201,7 @@ def test_honest_errors_are_not_explained(motion, error, axes):
 def test_signs_of_quaternions_do_not_matter(motion):
     signs = np.where(np.random.default_rng(1).random(len(STAMPS)) < 0.5, -1.0, 1.0)[:, np.newaxis]
     estimate = FAULTS["inverted"](noisy(motion))
-    plain, flipped = (evaluate(STAMPS, e, truth_of(motion)).to_json() for e in (estimate, signs * estimate))
+    plain, flipped = (evaluate(STAMPS, e, truth_of(motion)).to_dict() for e in (estimate, signs * estimate))
     assert plain == flipped
 
 

@@ -25,7 +25,7 @@ def codes(score):
 
 def test_the_json_has_the_promised_entries():
     score = evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("0.1deg"), covariance=np.eye(3) * 1e-4)
-    found = json.loads(json.dumps(score.to_json(), allow_nan=False))
+    found = json.loads(json.dumps(score.to_dict(), allow_nan=False))
     assert {"samples", "total_deg", "heading_deg", "inclination_deg", "lag_s", "findings", "passed"} <= set(found)
     for name in ("total_deg", "heading_deg", "inclination_deg"):
         assert list(found[name]) == ["rms", "median", "p95", "max", "final"]
@@ -37,8 +37,8 @@ def test_the_json_has_the_promised_entries():
 
 def test_the_series_are_in_the_json_on_request():
     score = evaluate(STAMPS, NOISY, truth_of(MOTION), covariance=np.eye(3) * 1e-4, diagnosed=False)
-    assert "series" not in score.to_json()
-    series = json.loads(json.dumps(score.to_json(series=True)))["series"]
+    assert "series" not in score.to_dict()
+    series = json.loads(json.dumps(score.to_dict(series=True)))["series"]
     assert list(series) == ["stamps_ns", "total_deg", "heading_deg", "inclination_deg", "nees"]
     assert series["stamps_ns"] == STAMPS.tolist()
     assert max(series["total_deg"]) == score.total_deg.max
@@ -74,7 +74,7 @@ def test_the_standard_error_is_in_the_score():
     assert score.lag_s is not None
     assert score.lag_standard_error_s is not None
     assert abs(score.lag_s) < 4.0 * score.lag_standard_error_s < 0.05
-    assert score.to_json()["lag_standard_error_s"] == score.lag_standard_error_s
+    assert score.to_dict()["lag_standard_error_s"] == score.lag_standard_error_s
 
 
 def test_statistics_are_those_of_the_error_at_the_stamps():
@@ -138,7 +138,7 @@ def test_one_sample_has_a_score():
     score = evaluate(STAMPS[:1], NOISY[:1], truth_of(MOTION))
     assert score.samples == 1
     assert score.lag_s is None
-    json.dumps(score.to_json(), allow_nan=False)
+    json.dumps(score.to_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import SampledTruth, evaluate
-from lie_rigid_body.evaluation.findings import places
+from lie_rigid_body.evaluation.attitudes import places
 from lie_rigid_body.evaluation.turning import AXES, DEGREE, Turns
 from lie_rigid_body.lie import quaternion
 

@@ -15,7 +15,8 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
 from lie_rigid_body.league.cases import readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
-from lie_rigid_body.league.table import CaseResult, rows_of
+from lie_rigid_body.league.table import CaseResult, change, rows_of
+from lie_rigid_body.runs import Estimate
 from lie_rigid_body.runs.blind import BlindRun
 
 FILTERS = '''
@@ -148,6 +149,21 @@ def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypa
     assert "league_filters:triad" in report.read_text(encoding="utf-8")
 
 
+def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
+    case = Case("slow_tumble", "mems")
+    run: Any = run_of(case)
+
+    def estimate(blind: Any, off: float) -> Estimate:
+        bias = run.gyro_bias_at(blind.imu.t_ns) + np.array([0.0, 0.0, off])
+        bias[blind.imu.t_s - blind.imu.t_s[0] < 30.0] = 1.0  # which does not count
+        return Estimate(run.attitude().at(blind.imu.t_ns), gyro_bias=bias)
+
+    found = play_case(lambda blind: estimate(blind, 0.01), case)
+    assert found.gyro_bias_rms_rad_s == pytest.approx(0.01)
+    assert play_case(lambda blind: estimate(blind, np.nan), case).total_deg == 180.0
+    assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
+
+
 def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     assert main(["league_filters:at_times"]) == 0
@@ -181,3 +197,20 @@ def test_what_is_no_row_of_this_edition_is_refused(tmp_path, capsys, content):
 def test_other_readings_are_told():
     mine = replace(row("mine", 1.0), other_readings=("flips mems",))
     assert "flips mems" in standing(reference().with_rows([mine]), mine)
+
+
+def test_what_a_new_reference_set_changes_is_told():
+    table = reference()
+    case, first = str(CASES[0]), table.rows[0]
+    rows = (replace(first, version="99"), *table.rows[1:])
+    bounds = {name: 2.0 * bound for name, bound in table.best_possible_deg.items()}
+    changed = replace(table, rows=rows, readings={**table.readings, case: "0"}, best_possible_deg=bounds)
+    told = change(table, changed)
+    assert told[0] == f"{case}: other readings"
+    assert len(told) == 2 + len(bounds)
+    assert told[-1] == f"{first.name}: version {first.version} is 99 now"
+    assert change(table, table) == []
+
+
+def test_the_reference_says_of_which_versions_it_is():
+    assert all(each.version for each in reference().rows)

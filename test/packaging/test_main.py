@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from importlib import metadata
 from importlib.util import find_spec
 
 import pytest
 
 import lie_rigid_body
-from lie_rigid_body.__main__ import VERBS, main
+from lie_rigid_body.__main__ import EXTRAS, VERBS, main
 from lie_rigid_body.scenario.parameter_file import scenario_files
 
 
@@ -19,9 +20,18 @@ def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
     assert [verb for verb in VERBS if verb not in said] == []
 
 
-def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+def test_version_and_extras(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "dask", None)
     assert main(["--version"]) == 0
-    assert capsys.readouterr().out == f"lie-rigid-body {lie_rigid_body.__version__}\n"
+    first, _, *extras = capsys.readouterr().out.splitlines()
+    assert first == f"lie-rigid-body {lie_rigid_body.__version__}"
+    told = {line.split()[0]: line for line in extras}
+    declared = {*metadata.metadata("lie_rigid_body").get_all("Provides-Extra", [])}
+    assert {*told} == {*EXTRAS} == declared - {"bench", "docs", "league", "lint", "test"}
+    assert told["campaign"].endswith("not installed: pip install 'lie-rigid-body[campaign]'")
+    for name, modules in EXTRAS.items():
+        there = all(find_spec(module) for module in modules)
+        assert told[name].endswith(" installed") == there
 
 
 def test_no_verb_is_one_line_that_names_them(capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,7 +37,7 @@ class Texts:
         self._ours = ours
 
     def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
-        for key in keys:
+        for key in tuple(keys):  # whoever asks may want fewer from part to part
             data = encode_string('{"inertia": [1, 2, 3]}' if key[0].startswith(self._ours) else "9 lanes")
             yield {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}
 

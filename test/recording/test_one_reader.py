@@ -11,7 +11,7 @@ import pytest
 from bags import MakeBag
 from forged import message, record
 from mcap.reader import make_reader
-from mcap.writer import IndexType
+from mcap.writer import IndexType, Writer
 from test_bag_reader import rewrite
 
 from lie_rigid_body.errors import BagError
@@ -118,6 +118,20 @@ def test_the_second_reading_gives_what_the_library_reads(
     kept = BagFiles(path).contents(lambda *key: key == POSE).tracks[POSE].take()
     assert [*kept.payloads()] == expected
     assert [*kept.pieces(7)][-1].data == b"".join(data for _, data in expected[-6:])
+
+
+def test_messages_of_two_publishers_are_read_again_in_the_order_of_the_file(tmp_path: Path) -> None:
+    """Each publisher has a channel, and so an index, of its own; log times do not tell the order."""
+    path, sent = tmp_path / "x.mcap", [(time, bytes([time])) for time in (9, 4, 7, 7, 1, 8)]
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2")
+        schema = writer.register_schema(POSE[1], "ros2msg", b"")
+        channels = [writer.register_channel(POSE[0], "cdr", schema) for _ in range(2)]
+        for number, (time, data) in enumerate(sent):
+            writer.add_message(channels[number % 2], time, data, time)
+        writer.finish()
+    assert [*again(path).payloads()] == sent
 
 
 def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -283,3 +283,46 @@ def test_what_is_committed_is_not_taken_back(tmp_path: Path) -> None:
     out.commit()
     out.discard()
     assert os.listdir(tmp_path) == ["a"]
+
+
+@pytest.mark.parametrize("old", [b"", b"the older file"])
+@pytest.mark.parametrize("call", ["close", "replace"])
+def test_a_disk_that_fails_at_the_end_leaves_nothing_beside_the_older_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str, old: bytes
+) -> None:
+    """As a disk elsewhere that tells only then that what was written is lost."""
+    path = tmp_path / "a"
+    if old:
+        path.write_bytes(old)
+
+    out = OutputFile(path, overwrite=True)
+    closed = out._file.close
+
+    def fail(*names: Path) -> None:
+        closed()
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr(out._file if call == "close" else os, call, fail)
+    out.stream.write(b"new")
+    if old or call == "close":
+        with pytest.raises(OSError, match="Input/output"):
+            out.commit()
+        out.discard()
+    else:
+        out.commit()
+    assert [file.read_bytes() for file in tmp_path.iterdir()] == [old or b"new"] * bool(old or call == "replace")
+
+
+def test_a_lock_that_cannot_be_closed_takes_nothing_back(tmp_path: Path) -> None:
+    """As where a disk fails just then: the new file is there already."""
+    path = tmp_path / "a"
+    path.write_bytes(b"the older file")
+    out = OutputFile(path, overwrite=True)
+    out.stream.write(b"new")
+
+    def fail() -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    out._lock.callback(fail)
+    out.commit()
+    assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"new"]

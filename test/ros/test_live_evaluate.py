@@ -31,6 +31,7 @@ if find_spec("rclpy"):
     from peer import LATCHED, Peer
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from rclpy.serialization import serialize_message
+    from rosgraph_msgs.msg import Clock
     from sensor_msgs.msg import Imu
     from std_msgs.msg import String
 
@@ -359,6 +360,46 @@ def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
     assert "gaps" not in [finding["code"] for finding in content["findings"]]
     assert content["truth"] == ("scenario" if scenario else "poses")
     assert len(process.complained) < 20  # each kind once
+
+
+@pytest.mark.ros
+@pytest.mark.long
+def test_two_of_one_name_and_a_clock_that_jumps_back(domain: int) -> None:
+    """Evaluators, and publishers, of one name each; /clock and the stamps go back by an hour for a while."""
+    run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
+    turn = quaternion.exp(np.radians([3.0, -4.0, -5.0]))
+    attitudes = quaternion.multiply(turn, run.truth.attitude_xyzw)
+    ros = ("--ros-args", "-r", "truth:=/twin/node/told", "-p", "use_sim_time:=true")
+    with (
+        Peer("twin", domain) as peer,
+        Peer("twin", domain) as second,
+        evaluator(domain, "twins", "--json", "--duration", "2.9", *ros, estimate="/twin/estimate") as one,
+        evaluator(domain, "twins", "--json", "--duration", "2.9", *ros, estimate="/twin/estimate") as other,
+    ):
+        clock = second.node.create_publisher(Clock, "/clock", 10)
+        peer.node.create_publisher(String, "/twin/node/told", LATCHED).publish(
+            String(data=Segment(run.scenario, 0, 0).to_json())
+        )
+        errors = peer.listen(Vector3Stamped, "/twins/error")
+        estimate = peer.node.create_publisher(PoseStamped, "/twin/estimate", 1000)
+        peer.spin_until(lambda: estimate.get_subscription_count() == 2, "both evaluators")
+        for number, (stamp, attitude) in enumerate(zip(run.t_ns.tolist(), attitudes.tolist(), strict=True)):
+            behind = 3600 * 10**9 if 20 <= number < 30 else 0
+            time = Clock()
+            time.clock.sec, time.clock.nanosec = divmod(stamp - behind, 10**9)
+            clock.publish(time)
+            if behind:
+                estimate.publish(pose_of(stamp - behind, attitude))
+            if number == 30:
+                peer.spin_until(lambda: len(errors) >= 40, "errors of both before the jump")
+            estimate.publish(pose_of(stamp, attitude))
+        peer.spin_until(lambda: None not in (one.process.poll(), other.process.poll()), "the end of both")
+        assert [one.wait(), other.wait()] == [0, 0], [one.complained, other.complained]
+    contents = [json.loads("\n".join(each.said)) for each in (one, other)]
+    assert contents[0] == contents[1]
+    assert contents[0]["samples"] > 55
+    assert contents[0]["total_deg"]["max"] == pytest.approx(np.degrees(np.linalg.norm(np.radians([3.0, -4.0, -5.0]))))
+    assert any("10 of 69 estimates were stamped before one that had come" in note for note in contents[0]["notes"])
 
 
 def pose_of(stamp: int, attitude: list[float]) -> PoseStamped:

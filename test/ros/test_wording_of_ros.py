@@ -139,7 +139,8 @@ def without(package: str) -> None:
         ),
         (
             lambda: standard().entities("(", [], tags=False, bounds=False),
-            "filter '(' is no regular expression (missing ), unterminated subpattern at position 0): give one, or none",
+            "filter '(' is no regular expression (missing ), unterminated subpattern at position 0): give another, "
+            "or none",
         ),
         (
             lambda: standard().entity_info("robot"),

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from mcap.reader import make_reader
 
 from lie_rigid_body import Estimate, InputError, Run, certify, simulate
+from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.report.scores import page
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SIZE = np.radians(0.5)
@@ -29,8 +33,11 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     estimate = Estimate(attitude, run.t_ns, P, gyro_bias=bias)
     score = run.score(estimate, diagnosed=False)
     parts = run.score(attitude, run.t_ns, covariance=P, gyro_bias=bias, diagnosed=False)
-    assert score.to_json(series=True) == parts.to_json(series=True)
+    assert score.to_dict(series=True) == parts.to_dict(series=True)
     assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
+    assert score.to_dict()["gyro_bias_rad_s"]["rms"] == score.gyro_bias_rad_s.rms
+    assert "off by 0.01732 rad/s rms" in str(score)
+    assert "off by 0.01732 rad/s rms" in page("title", None, score).decode()
     later = run.score(estimate, after_s=1.0, diagnosed=False)
     assert later.samples == np.count_nonzero(run.t_ns - run.t_ns[0] >= 10**9)
 
@@ -52,7 +59,7 @@ def test_estimates_and_scores_lie_beside_the_truth_in_a_bag(axes, run, attitude,
     assert recorded_estimate(path, "/plain").covariance is None
     with path.open("rb") as stream:
         topics = {channel.topic for _, channel, _ in make_reader(stream).iter_messages()}
-    assert {"/mine/error", "/mine/nees"} <= topics
+    assert {"/mine/error_deg", "/mine/nees"} <= topics
 
 
 def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
@@ -66,6 +73,7 @@ def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
     [
         (lambda q, t: (q.T,), "transpose"),
         (lambda q, t: (q[:, :3],), "Euler"),
+        (lambda q, t: (np.zeros((len(t), 3, 3)),), "from_matrix"),
         (lambda q, t: (q, t / 1e9), "round"),
         (lambda q, t: (q, t[1:]), "stamps"),
         (lambda q, t: (q, t, np.eye(4)), "covariance"),
@@ -88,3 +96,38 @@ def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
 def test_equal_stamps_are_refused(run, attitude):
     with pytest.raises(InputError, match="all 40 stamps are 0 ns"):
         run.score(attitude, run.t_ns * 0)
+
+
+def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
+    score = run.score(attitude, run.t_ns, diagnosed=False)
+    estimates = dict.fromkeys(("/a", "/a/error_deg"), (run.t_ns, attitude))
+    with pytest.raises(InputError, match="one name"):
+        run.to_bag(tmp_path / "x.mcap", estimates=estimates, scores={"/a": score})
+    with pytest.raises(InputError, match="'/imu/data_raw' is no name"):
+        run.to_bag(tmp_path / "x.mcap", estimates={"/imu/data_raw": (run.t_ns, attitude)})
+    assert not (tmp_path / "x.mcap").exists()
+
+
+def test_estimated_biases_have_their_score_from_a_bag_too(run, attitude, tmp_path, capsys):
+    bias = run.gyro_bias_at(run.t_ns) + np.array([0.0, 0.02, 0.0])
+    estimate, path, out = Estimate(attitude, run.t_ns, gyro_bias=bias), tmp_path / "run.mcap", tmp_path / "scored.mcap"
+    run.to_bag(path, estimates={"/mine": estimate, "/plain": (run.t_ns, attitude)})
+    assert main([str(path), "--estimate", "/mine", "--json", "--out", str(out)]) == 0
+    told = json.loads(capsys.readouterr().out)["gyro_bias_rad_s"]
+    assert told == run.score(estimate, diagnosed=False).to_dict()["gyro_bias_rad_s"]
+    assert told["rms"] == pytest.approx(0.02)
+    assert main([str(path), "--estimate", "/plain", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["gyro_bias_rad_s"] is None
+    again = recorded_estimate(out, "/mine").gyro_bias
+    assert again is not None
+    assert np.array_equal(again.estimate, bias)
+    assert certify(out).passed
+
+
+def test_biases_whose_truth_is_not_known_are_told_in_a_note(run, attitude, tmp_path):
+    bag = tmp_path / "run.mcap"
+    still = simulate("tumbling_cubesat", duration=2.0)
+    still.to_bag(bag, estimates={"/mine": Estimate(attitude, run.t_ns, gyro_bias=attitude[:, :3])})
+    read = recorded_estimate(bag, "/mine")
+    assert read.gyro_bias is None
+    assert "no score" in read.notes[-1]

@@ -9,7 +9,26 @@ import numpy as np
 import pytest
 
 import lie_rigid_body
-from lie_rigid_body import BagError, ClosedForm, InputError, Limits, RigidBody, State, certify, evaluate, simulate
+from lie_rigid_body import (
+    BagError,
+    ClosedForm,
+    Estimate,
+    InputError,
+    Limits,
+    MovingChart,
+    ParameterError,
+    RigidBody,
+    Run,
+    SampledTruth,
+    Scenario,
+    State,
+    attitude_error,
+    certify,
+    evaluate,
+    simulate,
+)
+from lie_rigid_body.runs import SensorArrays
+from lie_rigid_body.sensors import SENSORS
 
 BODY = RigidBody([[2.0, 0.1, -0.2], [0.1, 2.5, 0.3], [-0.2, 0.3, 3.0]])
 START = State([0.1, -0.2, 0.3, np.sqrt(1.0 - 0.14)], [0.4, -0.3, 0.2])
@@ -40,6 +59,20 @@ def test_many_bodies_and_what_is_no_start_are_refused(arguments):
         simulate(*arguments, duration=1.0)
 
 
+def test_a_scenario_takes_parameters_by_their_names():
+    scenario = Scenario(inertia=np.array([1.0, 2.0, 2.5]), rate=200, imu_rate=50.0)
+    assert scenario == Scenario.from_parameters({"inertia": [1.0, 2.0, 2.5], "rate": 200.0, "imu_rate": 50.0})
+    assert Scenario() == Scenario.from_parameters()
+    assert scenario.sensors.imu is not None
+    with pytest.raises(ParameterError, match="did you mean inertia"):
+        Scenario(inertai=[1.0, 2.0, 2.5])
+    with pytest.raises(ParameterError, match="triangle"):
+        Scenario(inertia=[1.0, 1.0, 3.0])
+    later = scenario.resampled(epoch_ns=7)
+    assert later == Scenario(inertia=[1.0, 2.0, 2.5], rate=200.0, imu_rate=50.0, epoch_ns=7)
+    assert scenario.epoch_ns == 0
+
+
 def test_a_run_is_the_truth():
     run = simulate("tumbling_cubesat", duration=2.0)
     attitude = run.truth.attitude_xyzw
@@ -57,6 +90,57 @@ def test_a_bag_is_certified_by_its_name(tmp_path):
     assert certify(tmp_path / "run.mcap").passed
     with pytest.raises(BagError):
         certify(tmp_path / "none.mcap")
+
+
+def columns_of_pandas(t_ns, attitude_xyzw):
+    frame = pytest.importorskip("pandas").DataFrame(attitude_xyzw, columns=list("xyzw")).assign(t_ns=t_ns)
+    return frame["t_ns"], frame[list("xyzw")]
+
+
+def columns_of_polars(t_ns, attitude_xyzw):
+    frame = pytest.importorskip("polars").DataFrame(attitude_xyzw, schema=list("xyzw"), orient="row")
+    return frame.with_columns(t_ns=t_ns)["t_ns"], frame.select(list("xyzw"))
+
+
+def tensors_of_torch(t_ns, attitude_xyzw):
+    torch = pytest.importorskip("torch")
+    return torch.tensor(t_ns), torch.tensor(attitude_xyzw)
+
+
+class Columns:
+    """What is no array, and can be read as one: as any such library has it."""
+
+    def __init__(self, array):
+        self._array = array
+
+    def __array__(self, dtype=None, copy=None):
+        return np.array(self._array, dtype=dtype)
+
+
+@pytest.mark.parametrize(
+    "make", [columns_of_pandas, columns_of_polars, tensors_of_torch, lambda t, q: (Columns(t), Columns(q))]
+)
+def test_columns_and_tensors_are_taken_as_arrays(make):
+    run = simulate(duration=1.0, motion="closed_form")
+    t_ns, attitude = make(run.t_ns, run.truth.attitude_xyzw)
+    read = Estimate(attitude, t_ns)
+    np.testing.assert_array_equal(read.attitude_xyzw, run.truth.attitude_xyzw)
+    np.testing.assert_array_equal(read.t_ns, run.t_ns)
+    truth = SampledTruth(t_ns, attitude)
+    assert evaluate(t_ns, attitude, truth).total_deg.max < 1e-12
+    assert run.score(attitude, t_ns).total_deg.max < 1e-12
+    assert attitude_error(attitude, attitude).total.max() < 1e-14
+    np.testing.assert_array_equal(
+        MovingChart(BODY, START).at(t_ns).body_rate, MovingChart(BODY, START).at(run.t_ns).body_rate
+    )
+
+
+def test_editors_know_the_arrays_of_the_sensors():
+    named = {*Run.__bases__[0].__annotations__}
+    assert named == {sensor.key for sensor in SENSORS.values()}
+    arrays = {field.array for sensor in SENSORS.values() for topic in sensor.topics for field in topic.fields}
+    assert {*SensorArrays.__annotations__} == {"t_ns", "arrival_ns", *arrays}
+    assert simulate(duration=0.1).sun is None
 
 
 def test_public_names_are_loaded_when_they_are_used():

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import NS, STORE, beside, messages
+from estimates import NS, STORE, beside, header, make, messages, vector
+from estimates import quaternion as rotation
 from mcap.reader import make_reader
 
 from lie_rigid_body import InputError, LieRigidBodyError, Run, Scenario
@@ -99,7 +100,7 @@ def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
     live = followed(bag, kind)
     read, score = live.score()
     expected = scored(bag, diagnosed=True)
-    assert score.to_json(series=True) == expected.to_json(series=True)
+    assert score.to_dict(series=True) == expected.to_dict(series=True)
     assert (read.source, len(read.segments), read.notes) == ("poses and scenario", 2, ())
     assert len(score.broken) == 2
     # what is said on the way is the same, of all that could be compared
@@ -192,7 +193,7 @@ def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps
     assert live[0].notes == recorded.notes
     assert recorded.notes[0].startswith("20 of 169 estimates were stamped before one that had come, the first ")
     np.testing.assert_array_equal(recorded.track.stamps_ns, live[0].track.stamps_ns)
-    assert live[1].to_json(series=True) == scored(bag, diagnosed=True).to_json(series=True)
+    assert live[1].to_dict(series=True) == scored(bag, diagnosed=True).to_dict(series=True)
 
 
 @pytest.mark.parametrize(
@@ -430,13 +431,26 @@ def test_one_hostile_message_costs_itself(topic, which, place, without, own, sta
         payload = HOSTILE[which][0]
     spoilt = live_of([*heard[:at], (topic, payload), *heard[at:]])
     (read, score), (expected_read, expected) = spoilt.score(), plain.score()
-    assert score.to_json(series=True) == expected.to_json(series=True)
+    assert score.to_dict(series=True) == expected.to_dict(series=True)
     assert spoilt.tally.count == plain.tally.count
     assert read.source == expected_read.source
     kinds = {kind.removeprefix("pose ") for kind in spoilt.left_out()}
     assert len(kinds) == 1
     assert kinds <= {HOSTILE[which][1] or "disordered", *(["stray"] if which == "year_1938" else [])}
     assert len(read.notes) == len(expected_read.notes) + 1
+
+
+def transforms_of(*transforms: tuple[int, np.ndarray, str, str]) -> bytes:
+    """A message of transforms, each of a stamp, an attitude, a frame and a child frame."""
+    each = [
+        make("geometry_msgs/msg/TransformStamped", header(stamp, frame), child, turned(attitude))
+        for stamp, attitude, frame, child in transforms
+    ]
+    return bytes(STORE.serialize_cdr(make(TF_MESSAGE, each), TF_MESSAGE))
+
+
+def turned(attitude: np.ndarray) -> Any:
+    return make("geometry_msgs/msg/Transform", vector(), rotation(attitude))
 
 
 def messages_in_turn(bag: Path, stamps: np.ndarray, attitudes: np.ndarray, without: str) -> list[tuple[str, bytes]]:
@@ -457,6 +471,30 @@ def live_of(heard: list[tuple[str, bytes]], batch: int = 5) -> LiveEstimate:
         live.truth.hear_poses("/pose", POSE_STAMPED, [payload for topic, payload in part if topic == "/pose"])
         live.judge()
     return live
+
+
+def test_transforms_of_a_thousand_other_frames_hide_none(own, stamps, noisy):
+    """Whoever else publishes on /tf, and before the estimate."""
+    transforms = [(int(stamps[0]), IDENTITY, f"world {i}", f"body {i}") for i in range(1000)]
+    live = LiveEstimate("/tf", TF_MESSAGE, LIMITS)
+    live.truth.hear_scenarios([payload for topic, payload in of(own) if topic.endswith("/scenario")][:1])
+    live.hear_estimates([transforms_of(*transforms)])
+    live.judge()
+    for stamp, attitude in zip(stamps[:70].tolist(), noisy[:70], strict=True):
+        live.hear_estimates([transforms_of((stamp, attitude, "world", "base_link"), *transforms)])
+    score = live.score()[1]
+    assert score.samples == 70
+    assert len(live.estimate.frames) < 30
+
+
+def test_a_clock_that_steps_back_by_an_hour_costs_the_time_behind(own, stamps, noisy):
+    """What comes meanwhile is left out, on either topic; what comes once it is right again counts."""
+    heard = messages_in_turn(own, stamps[:70], noisy[:70], "/lie_rigid_body/scenario")
+    hour = [messages_in_turn(own, stamps[:70] - 3600 * NS, noisy[:70], "/lie_rigid_body/scenario")[i] for i in (61, 63)]
+    earlier = [("/pose", one_pose(stamp - 3600 * NS, IDENTITY)) for stamp in (1_200_000_000, 1_240_000_000)]
+    spoilt = live_of([*heard[:60], *hour, *earlier, *heard[60:]])
+    assert spoilt.score()[1].to_dict(series=True) == live_of(heard).score()[1].to_dict(series=True)
+    assert {*spoilt.left_out()} == {"disordered", "pose disordered"}
 
 
 @pytest.mark.parametrize("batch", [1, 2, 5, 100])

@@ -88,3 +88,13 @@ def test_a_batch_is_bounded_by_its_samples_and_its_steps() -> None:
     assert scenario.batch_size(250, 2000, rate=1000.0) == 250
     assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 1) == 1
     assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 250) == 250
+
+
+def test_the_bound_of_a_rate_whose_quotients_overflow_is_finite() -> None:
+    """Of a rod without thickness: 2 H over its smallest moment is beyond doubles, the square root of that is not."""
+    thin = {"inertia": [1e-300, 1.0, 1.0], "initial_body_rate": [1e9, 1e9, 1e9]}
+    bound = Scenario.from_parameters({**thin, "motion": "closed_form"}).rate_bound()
+    assert bound == pytest.approx(2.0**0.5 * 1e159, rel=1e-12)
+    with pytest.raises(ParameterError) as refusal:
+        Scenario.from_parameters({**thin, "motion": "moving_chart"})
+    assert refusal.value.name == "initial_body_rate"

@@ -54,7 +54,7 @@ FILTERS = (
         "scikit-kinematics",
         "kalman",
         kalman,
-        advice="tells the turn from the first attitude only, and loses a turning body even with perfect sensors: "
-        "its transition matrix sums up over the samples, and the quaternion it measures changes sign",
+        advice="tells the turn from the first attitude only, and loses a turning body even with perfect sensors. "
+        "Its transition matrix sums up over the samples, and the quaternion it measures changes sign",
     ),
 )

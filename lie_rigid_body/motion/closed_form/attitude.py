@@ -1,10 +1,10 @@
 """Attitude and body rate of a general motion from its phases.
 
-The attitude is W ⊗ exp(ψ e₃) ⊗ conj(b(n)) ⊗ conj(F), as `GeneralMotion` says, with b(n) proportional to
-(−n₂, n₁, 0, 1 + n₃). ψ is the precession angle of the third axis about the momentum less the azimuth of n about that
-axis: ψ = Ωt ± (Θ − φ) with its mean rate Ω, the libration Θ and the azimuth φ of (N₁ cn u, N₂ sn u). Θ and φ lie in
-the same quadrant, so their difference stays within a quarter turn of 0. Its sine and cosine are known but for a factor,
-S and C; those of its half are as S to C + √(S² + C²), and no arctangent is needed.
+The attitude is W ⊗ exp(ψ e₃) ⊗ conj(b(n)) ⊗ conj(F), as `GeneralMotion` says, with b(n) proportional to (−n₂, n₁, 0, 1
++ n₃). ψ is the precession angle of the third axis about the momentum less the azimuth of n about that axis. So ψ = Ωt ±
+(Θ − φ) with its mean rate Ω, the libration Θ and the azimuth φ of (N₁ cn u, N₂ sn u). Θ and φ lie in the same quadrant,
+so their difference stays within a quarter turn of 0. Its sine and cosine are known but for a factor, S and C; those of
+its half are as S to C + √(S² + C²), and no arctangent is needed.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
 In a `PrincipalFrame` the body rate is ω(u) = (A₁ cn u, ±A₂ sn u, A₃ dn u) with u = λt + u₀ and the sign that of the
 frame's sense; cf. L. D. Landau, E. M. Lifshitz, Mechanics, 3rd ed., §37, eqs. 37.8-37.10. Departures: the order of the
-moments is reversed below the separatrix instead of exchanging the axes in the formulas; every constant is a product
-of sums of terms of one sign, so that nothing cancels; and the parameter is kept as its complement m1 = 1 − m, from an
-exact determinant.
+moments is reversed below the separatrix instead of exchanging the axes in the formulas. Every constant is a product of
+sums of terms of one sign, so that nothing cancels. The parameter is kept as its complement m1 = 1 − m, from an exact
+determinant.
 """
 
 from __future__ import annotations

@@ -60,8 +60,8 @@ def separatrix_determinant(inertia: Tensor, rate: Sequence[float]) -> Decimal:
     """The determinant det(2H·M − l²·1), with 2H = ω·Mω and l = |Mω|, rounded once.
 
     With principal moments I₁ ≤ I₂ ≤ I₃ it is (2H I₁ − l²)(2H I₂ − l²)(2H I₃ − l²). For a rotation that is not steady
-    its first factor is negative and its last positive, so it has the sign of l² − 2H I₂: positive when the momentum
-    circulates about axis 3, negative when about axis 1, and zero exactly on the separatrix.
+    its first factor is negative and its last positive, so it has the sign of l² − 2H I₂. It is positive when the
+    momentum circulates about axis 3, negative when about axis 1, and zero exactly on the separatrix.
     """
     entries, omega, momentum, scale = _in_integers(inertia, rate)
     energy, square = _dot(omega, momentum), _dot(momentum, momentum)

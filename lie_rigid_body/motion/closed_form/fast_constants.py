@@ -3,10 +3,11 @@
 The fast tier: the same constants as `decimal_constants`, of nearly all motions (99.7 % of random bodies and rates).
 
 What it buys, measured against decimals for all: a start costs 2.5 times less for one body, and 35 to 55 times less in
-an ensemble of 4000, because decimals cannot be taken as arrays. What it costs: this file, `fast_frames` and `landen`, a
-second derivation of every constant, which test_fast_constants holds against mpmath on both sides of every switch.
-Neither tier can do without the other: beside the separatrix, and with moments that differ by round-off, 32 digits are
-too few; and as the bits of a motion must be the same alone and in an ensemble, one body cannot be left to decimals.
+an ensemble of 4000. This is because decimals cannot be taken as arrays. What it costs: this file, `fast_frames` and
+`landen`, a second derivation of every constant, which test_fast_constants holds against mpmath on both sides of every
+switch. Neither tier can do without the other. Beside the separatrix, and with moments that differ by round-off, 32
+digits are too few. As the bits of a motion must be the same alone and in an ensemble, one body cannot be left to
+decimals.
 
 Formulas and names are those of `decimal_constants`, without the exact determinant: 32 digits are enough where a motion
 keeps away from the separatrix (see `fast_frames`). The rates that time multiplies come out to 2⁻⁸⁴ of the body rate,

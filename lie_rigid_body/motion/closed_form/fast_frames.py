@@ -1,6 +1,6 @@
 """Principal frames of regular motions, in double-double: of one motion in floats, of many in arrays.
 
-A motion is regular if the fast tier gets its constants right: sizes are such that no product overflows or underflows,
+A motion is regular if the fast tier gets its constants right. Sizes are such that no product overflows or underflows,
 and it keeps away from the separatrix, 1 − m ≥ 2⁻¹⁰. Then nothing cancels but l² − 2HJ₂, by a factor of at most 2¹¹, and
 every iteration takes a number of steps that is known beforehand. With products of inertia the moments must also differ,
 and the body rate must not be along a principal axis by all but a little. Each motion is judged by its own numbers, in

@@ -6,8 +6,8 @@ q¹⁶ < 2e-22. The cubic polynomials are (DLMF 20.2.1-20.2.4)
 
     θ₁ = 2q^¼ sin ζ · P₁(z),  θ₂ = 2q^¼ cos ζ · P₂(z),  θ₃ = P₃(z),  θ₄ = P₄(z).
 
-For m ≤ ½ the argument is real, ζ = πu/2K with the nome q = exp(−πK′/K) (`RealTheta`). For m > ½ it is imaginary,
-χ = πu/2K′ with the nome q′ = exp(−πK/K′) of the complementary parameter (`ImaginaryTheta`): so the nome never exceeds
+For m ≤ ½ the argument is real, ζ = πu/2K with the nome q = exp(−πK′/K) (`RealTheta`). For m > ½ it is imaginary, χ =
+πu/2K′ with the nome q′ = exp(−πK/K′) of the complementary parameter (`ImaginaryTheta`). So the nome never exceeds
 exp(−π), and is 0 on the separatrix, where the functions are hyperbolic. Elsewhere the first regime is called circular,
 the second hyperbolic.
 
@@ -103,8 +103,8 @@ class RealTheta(NamedTuple):
     def of(cls, q: Number, power: Number, copower: Number, complement: Number) -> RealTheta:
         """The functions of a parameter and a characteristic.
 
-        With α = πa/2K the libration is arg(i/θ₁(ζ + iα)): its sine and cosine are as Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ cosh (2n+1)α
-        sin (2n+1)ζ to Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ sinh (2n+1)α cos (2n+1)ζ (DLMF 20.2.1).
+        With α = πa/2K the libration is arg(i/θ₁(ζ + iα)). Its sine and cosine are as Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ cosh (2n+1)α sin
+        (2n+1)ζ to Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ sinh (2n+1)α cos (2n+1)ζ (DLMF 20.2.1).
 
         Parameters
         ----------
@@ -168,7 +168,7 @@ class ImaginaryTheta(NamedTuple):
     def of(cls, q: Number, quarter: Number, sine: Number, cosine: Number, drift: Number) -> ImaginaryTheta:
         """The functions of a parameter and a characteristic, by Jacobi's imaginary transformation (DLMF 22.6.1).
 
-        With β = πa/2K′ the libration is −arg θ₁(β − iχ|q′) + χa/K (DLMF 20.7.30): without the last term its sine and
+        With β = πa/2K′ the libration is −arg θ₁(β − iχ|q′) + χa/K (DLMF 20.7.30). Without the last term its sine and
         cosine are as Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ cos (2n+1)β sinh (2n+1)χ to Σ (−1)ⁿ qⁿ⁽ⁿ⁺¹⁾ sin (2n+1)β cosh (2n+1)χ.
 
         Parameters

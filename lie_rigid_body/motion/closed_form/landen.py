@@ -114,8 +114,8 @@ def phase_squares(
 ) -> tuple[DoubleDouble, DoubleDouble]:
     """The squares of sine and cosine of πu/2K from sn²u and cn²u, all in proportion.
 
-    From one modulus k to the next, u/K stays what it is and sn²/cn² changes by (dn + k′)/((1 + d)(1 + dn)), with
-    k′ = b/a = (1 − d)/(1 + d) (DLMF 22.7.2-22.7.4; d is their k₁). With k = 0 in the end, sn is the sine.
+    From one modulus k to the next, u/K stays what it is and sn²/cn² changes by (dn + k′)/((1 + d)(1 + dn)). Here k′ =
+    b/a = (1 − d)/(1 + d) (DLMF 22.7.2-22.7.4; d is their k₁). With k = 0 in the end, sn is the sine.
 
     Parameters
     ----------

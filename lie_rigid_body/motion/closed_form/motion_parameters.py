@@ -50,9 +50,9 @@ class Starts(NamedTuple):
 class GeneralMotion(NamedTuple):
     """A motion that is not steady, in its `PrincipalFrame`.
 
-    With n = (N₁ cn u, ±N₂ sn u, N₃ dn u) the unit momentum in the frame, the attitude is
-    W ⊗ exp(ψ e₃) ⊗ conj(b(n)) ⊗ conj(F): F takes the frame to the body, b(n) is the shortest rotation from e₃ to n,
-    smooth because n₃ > 0, and ψ its turn about the momentum, with ψ′ = (2H/l + ω₃)/(1 + n₃). W is fixed by the start.
+    With n = (N₁ cn u, ±N₂ sn u, N₃ dn u) the unit momentum in the frame, the attitude is W ⊗ exp(ψ e₃) ⊗ conj(b(n)) ⊗
+    conj(F). F takes the frame to the body. b(n) is the shortest rotation from e₃ to n, smooth because n₃ > 0, and ψ its
+    turn about the momentum, with ψ′ = (2H/l + ω₃)/(1 + n₃). W is fixed by the start.
 
     Attributes
     ----------

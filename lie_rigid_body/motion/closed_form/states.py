@@ -180,8 +180,8 @@ t_ns : ndarray of int64, shape (N,)
 attitude_xyzw, body_rate : ndarray, shapes (bodies, T, 4) and (bodies, T, 3)
     Where the states go.
 columns : ndarray, shape (WORK_AREA,)
-    To work in: samples first go into columns, one after the other in one array, so that a compiler sees that they do
-    not overlap and has the processor compute several samples at a time.
+    To work in: samples first go into columns, one after the other in one array. A compiler sees then that they do not
+    overlap and has the processor compute several samples at a time.
 first : int
     Place of the first of these times among T.
 """

@@ -5,9 +5,9 @@ body momenta before and after it. With dⱼ = h/(2Iⱼ) it is of order 2. With
 
     dⱼ = α(h) + β(h)/Iⱼ
 
-and the right numbers α, β, which depend on the length of the step, the energy and the momentum, but not on where on its
-orbit the motion is, the step is exact (E. Hairer, G. Vilmart, J. Phys. A 39 (2006) 13225, who give the series up to
-order 10). Here the coefficients are not taken from formulas: they are found from the Taylor series of the motion
+and the right numbers α, β the step is exact. They depend on the length of the step, the energy and the momentum, but
+not on where on its orbit the motion is (E. Hairer, G. Vilmart, J. Phys. A 39 (2006) 13225, who give the series up to
+order 10). Here the coefficients are not taken from formulas. They are found from the Taylor series of the motion
 itself, for the step that is symmetric about the phase at which n₂, along the intermediate axis, vanishes.
 
 In the units of `ScaledMotion`, n is the unit body momentum, eⱼ are the inverse moments, and m₁ and m₃ are n₁² and n₃²
@@ -104,7 +104,7 @@ def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series
 def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], ...]:
     """Taylor coefficients of the motion after the symmetric phase, n₂ = 0, in powers of t².
 
-    Each line is one component of Euler's equations or of q̇ = ½ q ⊗ ω, compared power by power: the coefficient n of an
+    Each line is one component of Euler's equations or of q̇ = ½ q ⊗ ω, compared power by power. The coefficient n of an
     even function of t is that of its derivative divided by 2n, of an odd one divided by 2n + 1.
     """
     f1, f2, f3, m1, m3 = motion.f1, motion.f2, motion.f3, motion.m1, motion.m3

@@ -1,9 +1,9 @@
 """The principal frame in which a motion is stepped, and the motion in it, in units of its own.
 
 Axes are the principal ones, that of the intermediate moment second, in a cyclic order of the body's own. So the frame
-is right-handed, and a body given by its principal moments changes frames by a permutation, which costs no accuracy.
-The unit of momentum is that of the motion and the unit of time the inverse of its largest body rate, so that every
-number is of order 1 whatever the body.
+is right-handed, and a body given by its principal moments changes frames by a permutation, which costs no accuracy. The
+unit of momentum is that of the motion, and the unit of time the inverse of its largest body rate. So every number is of
+order 1 whatever the body.
 
 All arithmetic but that of `CyclicFrame.outward` is decimal, in the precision in force.
 """

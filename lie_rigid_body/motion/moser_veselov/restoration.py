@@ -3,7 +3,7 @@
 Invariants are the length of the momentum, the energy, the spatial momentum and the norm of the quaternion. Between two
 projections they go wrong by some 1e-17, so that one Newton step is enough (E. Hairer, C. Lubich, G. Wanner, Geometric
 Numerical Integration, 2nd ed., sec. IV.4). What a projection cannot undo is an error of the place of the momentum on
-its orbit, and of the angle of the body about the spatial momentum: round-off makes these two, and nothing else, a
+its orbit, and of the angle of the body about the spatial momentum. Round-off makes these two, and nothing else, a
 random walk.
 """
 

@@ -1,8 +1,8 @@
 """One discrete Moser–Veselov step, of a state carried in double-double.
 
 In the frame and units of `ScaledMotion` Euler's equations read ṅ₁ = (e₃ − e₂) n₂n₃ and cyclically, and are solved by
-Jacobi's functions of time: n₂ is an sn, n₁ and n₃ are a cn and a dn (Landau, Lifshitz, Mechanics, §37). Their addition
-theorems (DLMF 22.8) give the momentum n⁺ after a step from that before it, n:
+Jacobi's functions of time. Here n₂ is an sn, n₁ and n₃ are a cn and a dn (Landau, Lifshitz, Mechanics, §37). Their
+addition theorems (DLMF 22.8) give the momentum n⁺ after a step from that before it, n:
 
     n₁⁺ = (χ n₁ + S δ (e₃ − e₂) n₂n₃)/D         D = 1 − S²(e₃ − e₂)(e₂ − e₁) n₂²
     n₂⁺ = (χδ n₂ + S (e₁ − e₃) n₃n₁)/D          χ² = 1 − S²P,  P = (e₂ − e₃)(e₁ − 2H)
@@ -19,8 +19,8 @@ is symmetric about n₂ = 0 that is a condition on S(x/2), which is called T her
     T ρ₀² = β χ δ,     ρ₀²(1 − ρ₀²) = d₁²χ²m₁ + d₃²δ²m₃,     with χ² = 1 − T²P, δ² = 1 − T²Q.
 
 Increments of the momentum are products of doubles, so rounded to 1e-16 of themselves and 1e-18 of the momentum. What
-would repeat from step to step, the rounding of constants and of components that stay, is made up for by lo parts, so
-that the errors that remain are as good as random. The attitude's increments are all but exact.
+would repeat from step to step, the rounding of constants and of components that stay, is made up for by lo parts. So
+the errors that remain are as good as random. The attitude's increments are all but exact.
 """
 
 from __future__ import annotations

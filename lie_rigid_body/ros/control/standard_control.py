@@ -7,7 +7,9 @@ frame of its header, which here is the world frame.
 
 from __future__ import annotations
 
-import re
+import json
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -51,12 +53,18 @@ class StandardState(IntEnum):
 
 
 FEATURES: Final = (8, 10, 11, 12, 20, 22, 24, 25, 26, 31, 32, 33)
-"""Numbers of simulation_interfaces/SimulatorFeatures: categories, getting and setting of an entity's state, its info,
-reset, reset of the state, getting and setting of the simulation's state, pause, one step, many steps, their action.
-All others are unsupported, and have no service: spawning, deleting, named poses, bounds, tags, infos, worlds."""
+"""Numbers of simulation_interfaces/SimulatorFeatures. They are categories, getting and setting of an entity's state,
+its info, reset, and reset of the state. They are also getting and setting of the simulation's state, pause, one step,
+many steps, their action. All others are unsupported, and have no service: spawning, deleting, named poses, bounds,
+tags, infos, worlds."""
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
 CATEGORY_DYNAMIC_OBJECT: Final = 4
+LONGEST_PATTERN: Final = 1000
+"""Largest length of a regular expression, characters."""
+PATTERN_S: Final = 2.0
+"""Longest time that a regular expression may take, s."""
+_SEARCH: Final = "import json, re, sys; print(re.search(*json.load(sys.stdin)) is not None)"
 
 
 class RefusedError(LieRigidBodyError):
@@ -152,9 +160,9 @@ class StandardControl:
         """Begin to send samples while paused."""
         return self._run.ask(self._run.step, count)
 
-    def cancel_steps(self) -> None:
+    def cancel_steps(self, steps: StepRequest) -> None:
         """Leave out the rest of the samples asked for."""
-        self._run.ask(self._run.pause)
+        self._run.ask(self._run.cancel, steps)
 
     def entities(self, pattern: str, categories: Sequence[int], *, tags: bool, bounds: bool) -> list[str]:
         """The entities that pass a filter by name and category; filters by tags and bounds are unsupported."""
@@ -162,12 +170,7 @@ class StandardControl:
             raise RefusedError(
                 Code.FEATURE_UNSUPPORTED, "filters by tags and by bounds are unsupported: leave them out"
             )
-        try:
-            named = not pattern or re.search(pattern, self._entity) is not None
-        except re.error as error:
-            raise LieRigidBodyError(
-                f"filter {shown(pattern)} is no regular expression ({error}): give one, or none"
-            ) from None
+        named = not pattern or _is_found(pattern, self._entity)
         return [self._entity] if named and (not categories or CATEGORY_DYNAMIC_OBJECT in categories) else []
 
     def entity_info(self, entity: str) -> str:
@@ -235,6 +238,33 @@ class StandardControl:
     def _require_known(self, entity: str) -> None:
         if entity != self._entity:
             raise RefusedError(Code.NOT_FOUND, f"there is no entity {shown(entity)}: the body is {self._entity!r}")
+
+
+def _is_found(pattern: str, name: str) -> bool:
+    """Whether a regular expression finds something in a name.
+
+    Some take for ever, and keep all threads waiting meanwhile: they are tried in a process of their own.
+
+    Raises
+    ------
+    LieRigidBodyError
+        If it is none, or takes too long.
+    """
+    if len(pattern) > LONGEST_PATTERN:
+        raise LieRigidBodyError(
+            f"filter {shown(pattern)} has {len(pattern)} characters: give at most {LONGEST_PATTERN}, or none"
+        )
+    command, given = [sys.executable, "-I", "-c", _SEARCH], json.dumps([pattern, name])
+    try:
+        done = subprocess.run(command, input=given, capture_output=True, text=True, timeout=PATTERN_S, check=True)
+    except subprocess.TimeoutExpired:
+        problem = f"takes longer than {PATTERN_S:g} s"
+    except subprocess.CalledProcessError as error:
+        why = error.stderr.rpartition(": ")[2].strip()
+        problem = f"is no regular expression ({why})"
+    else:
+        return done.stdout == "True\n"
+    raise LieRigidBodyError(f"filter {shown(pattern)} {problem}: give another, or none")
 
 
 def _components(message: Any) -> list[float]:

@@ -21,6 +21,7 @@ from lie_rigid_body.ros.control.standard_control import (
     FEATURES,
     Code,
     EntityState,
+    RefusedError,
     StandardControl,
 )
 
@@ -43,14 +44,18 @@ def _filled(response: Any, code: int, message: str = "") -> Any:
 
 
 def _answering(handle: Callable[..., None]) -> Callable[..., Any]:
-    """A handler that returns its response, with the result of what the handler given does or raises."""
+    """A handler that returns its response, with the result of what the handler given does or raises.
+
+    Whoever asked would wait for ever where an error went on.
+    """
 
     @wraps(handle)
     def answer(self: Any, request: Any, response: Any, *rest: Any) -> Any:
         try:
             handle(self, request, response, *rest)
-        except LieRigidBodyError as error:
-            return _filled(response, getattr(error, "code", Code.OPERATION_FAILED), str(error))
+        except Exception as error:
+            code = error.code if isinstance(error, RefusedError) else Code.OPERATION_FAILED
+            return _filled(response, code, str(error) or type(error).__name__)
         return _filled(response, Code.OK)
 
     return answer
@@ -124,7 +129,7 @@ class StandardServices:
             while not done:
                 done = steps.wait(FEEDBACK_INTERVAL)
                 if goal.is_cancel_requested and not done:
-                    self._standard.cancel_steps()
+                    self._standard.cancel_steps(steps)
                     goal.canceled()
                     message = f"canceled after {steps.completed} of {steps.total} steps"
                     return _filled(result, Code.OPERATION_FAILED, message)

@@ -111,7 +111,7 @@ class SamplePublisher(Sink):
             if topic == FAULTS and topic not in self._publishers:
                 self._publishers[topic] = _publisher(self._node, String, FAULTS, _latched(DEPTH))
             elif topic not in self._publishers:
-                self._publishers[topic] = self._publisher(_message_class(SENSOR_TOPICS[topic]), topic)
+                self._publishers[topic] = self._publisher(message_class(SENSOR_TOPICS[topic]), topic)
 
     @property
     def topics(self) -> tuple[str, str, str]:
@@ -153,7 +153,7 @@ class SamplePublisher(Sink):
         for stamp, topic, payload in sorted(messages, key=_with_imu_last) if self._imu_last else messages:
             if clock is not None and stamp > self._clock_ns:
                 self._clock_ns = stamp
-                yield clock, _clock(stamp)
+                yield clock, clock_bytes(stamp)
             yield publishers[topic], payload
 
     def _send_rest(self) -> bool:
@@ -206,7 +206,7 @@ class SamplePublisher(Sink):
             publisher.wait_for_all_acked(Duration(nanoseconds=left))
 
 
-def _message_class(name: str) -> type:
+def message_class(name: str) -> type:
     """The class of a message type, by its name in ROS."""
     package, _, kind = name.partition("/msg/")
     found: type = getattr(import_module(f"{package}.msg"), kind)
@@ -218,7 +218,7 @@ def _with_imu_last(message: tuple[int, str, bytes]) -> tuple[int, bool]:
     return stamp_ns, topic == IMU_TOPIC
 
 
-def _clock(stamp_ns: int) -> bytes:
+def clock_bytes(stamp_ns: int) -> bytes:
     """The bytes of a rosgraph_msgs/Clock."""
     return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS))
 

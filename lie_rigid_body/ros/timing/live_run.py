@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from enum import Enum
 from fractions import Fraction
 from typing import Final
@@ -186,7 +185,7 @@ class LiveRun:
             "initial_attitude_xyzw": state.attitude_xyzw.tolist(),
             "initial_body_rate": state.body_rate.tolist(),
         }
-        return self.reset(replace(Scenario.from_parameters(given), epoch_ns=present.epoch_ns))
+        return self.reset(Scenario.from_parameters(given).resampled(epoch_ns=present.epoch_ns))
 
     def pause(self) -> int:
         """Stop simulated time; return where it stands, ns. A step request under way is abandoned."""
@@ -247,6 +246,11 @@ class LiveRun:
         self._request = StepRequest(first, count)
         return self._request
 
+    def cancel(self, request: StepRequest) -> None:
+        """Abandon a step request if it is still under way: it may have ended, and time may pass again."""
+        if request is self._request:
+            self.pause()
+
     def change_factor(self, factor: float) -> None:
         """Let simulated time pass by another real-time factor from now on."""
         present = self._present_ns()
@@ -304,7 +308,7 @@ class LiveRun:
         for sink in self._sinks:
             sink.write(batch)
         if self._lockstep is not None:
-            self._lockstep.sent(taken)
+            self._lockstep.sent((n, s) for n, some in taken.sensors.items() for s in some.stamps_ns.tolist())
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
 
     def _credit_ns(self, stamp_ns: int, steady_ns: int) -> int:

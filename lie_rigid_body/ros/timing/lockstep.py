@@ -8,7 +8,6 @@ from typing import Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.simulation import Taken
 from lie_rigid_body.wording import counted
 
 IMU: Final = "imu"
@@ -23,8 +22,8 @@ class Lockstep:
     """The answers that a run waits for. All methods are called by the thread of the run.
 
     An IMU reading can be answered if every other sensor that the filter hears has delivered a reading of the same
-    stamp, and no reading of that stamp or a later one was awaited before. Others are not waited for: a filter that
-    pairs its sensors has no answer to them.
+    stamp. No reading of that stamp or a later one may have been awaited before. Others are not waited for: a filter
+    that pairs its sensors has no answer to them.
 
     Parameters
     ----------
@@ -74,16 +73,20 @@ class Lockstep:
         self._asked_ns = steady_ns
         return self.is_waiting
 
-    def sent(self, taken: Taken) -> None:
-        """Await the answers to what was sent."""
-        others = self._sensors.intersection(self._heard or ()) - {IMU}
-        for name in others & taken.sensors.keys():
-            stamps = taken.sensors[name].stamps_ns.tolist()
-            self._delivered.setdefault(name, deque(maxlen=STAMPS_KEPT)).extend(stamps)
-        if IMU in taken.sensors:
-            for stamp in taken.sensors[IMU].stamps_ns.tolist():
-                if stamp > self._latest_ns and all(stamp in self._delivered.get(name, ()) for name in others):
-                    self._await(stamp)
+    def sent(self, readings: Iterable[tuple[str, int]]) -> None:
+        """Await the answers to readings that were sent, names of sensors and stamps, ns."""
+        others, sent = self._sensors.intersection(self._heard or ()) - {IMU}, list(readings)
+        for name, stamp in sent:
+            if name in others:
+                self._delivered.setdefault(name, deque(maxlen=STAMPS_KEPT)).append(stamp)
+        for name, stamp in sent:
+            is_new = name == IMU and stamp > self._latest_ns
+            if is_new and all(stamp in self._delivered.get(other, ()) for other in others):
+                self._await(stamp)
+
+    def give_up(self) -> None:
+        """Await no answer to what was sent so far."""
+        self._awaited.clear()
 
     def _await(self, stamp_ns: int) -> None:
         self._awaited.add(stamp_ns)

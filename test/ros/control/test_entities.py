@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from simulator_process import DEADLINE
 from standard_simulator import FAILED, NAME, NOT_FOUND, OK, UNSUPPORTED, Simulator, wanted
 
 if find_spec("rclpy"):
@@ -38,6 +40,16 @@ def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], c
     assert (both.result.result, both.entities) == (code, found)
     alone = paused.ask("get_entity_state", entity=NAME).state
     assert both.states == [alone for _ in found]
+
+
+@pytest.mark.parametrize("pattern", ["(" * 900, "x" * 1_000_000, "a{99999999999999999999}", "((((.+)+)+)+)+x"])
+def test_what_no_regular_expression_may_do_is_answered(paused: Simulator, pattern: str) -> None:
+    """It recurses, is endless, overflows or takes years; other requests are answered meanwhile."""
+    with ThreadPoolExecutor(1) as other:
+        answer = other.submit(paused.ask, "get_entities", filters=entity_filters(pattern))
+        assert paused.code("reset_simulation", scope=0) == OK
+        found = answer.result(DEADLINE)
+    assert (found.result.result, found.entities) == (FAILED, [])
 
 
 @pytest.mark.parametrize("field", ["tags", "bounds"])

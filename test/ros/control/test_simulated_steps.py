@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from simulator_process import DEADLINE
 from standard_simulator import EPOCH, FAILED, OK, PAUSED, PLAYING, SCENARIO, STOPPED, Simulator
 
 if find_spec("rclpy"):
@@ -81,6 +82,19 @@ def test_the_action_can_be_canceled(paused: Simulator) -> None:
     assert paused.state == PAUSED
     assert paused.code("step_simulation", steps=1) == OK
     assert paused.sink.stamps == [EPOCH + k * 10**6 for k in range(count + 1)]
+
+
+def test_a_cancel_that_comes_too_late_stops_nobody_else(paused: Simulator) -> None:
+    """Time passes again, or another asks for steps, between its end and the cancel."""
+    control = paused.services._standard
+    over = control.begin_steps(1)
+    assert over.wait(DEADLINE)
+    under_way = control.begin_steps(10**9)
+    control.cancel_steps(over)
+    assert not under_way.wait(0.01)
+    assert paused.go_to(PLAYING) == OK
+    control.cancel_steps(under_way)
+    assert paused.state == PLAYING
 
 
 def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:

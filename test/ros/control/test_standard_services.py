@@ -62,3 +62,14 @@ def test_a_parameter_that_makes_no_scenario_is_answered() -> None:
             answer = service(request, RESPONSES["reset_simulation"]()).result
             assert (answer.result, "rate" in answer.error_message) == (FAILED, True)
         assert simulator.live.state is RunState.PAUSED
+
+
+def test_whatever_goes_wrong_is_answered(paused: Simulator) -> None:
+    """Else whoever asked would wait for ever."""
+
+    def broken() -> Scenario:
+        raise ZeroDivisionError
+
+    services = StandardServices(StandardControl(paused.live, broken, NAME))
+    answer = services.reset_simulation(SimpleNamespace(scope=0), RESPONSES["reset_simulation"]()).result
+    assert (answer.result, answer.error_message) == (FAILED, "ZeroDivisionError")

@@ -1,20 +1,20 @@
-"""The choice of causes: which of them, alone or together, explain the error of an estimate, if any do.
+"""Explanations of the error of an estimate: which causes, alone or together, may be named, and what they leave.
 
 An explanation is a chain of causes without a constant, then at most two with constants: turns of the world and of the
 body, and a lag. Every one is judged by one number a quarter of the run, from the second on (in the first a filter may
-converge): the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
+converge). It is the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
 
 One rule. The best explanation costs least, in units of halved errors: log₂ of what it leaves, plus its price. It is
 named if each of its causes is needed: without it at least `1 / SHARE` times as much is left, in each of these quarters.
 So drifts, random walks and noise are no causes, as no constant of some quarters fits the others. A right filter may be
-ahead by up to a sample, as it compares readings with the attitude before its gyro step: every explanation without a
-lag may have such a lead at no price, and it is no cause.
+ahead by up to a sample, as it compares readings with the attitude before its gyro step. Every explanation without a lag
+may have such a lead at no price, and it is no cause.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import permutations
 from typing import Final
@@ -375,113 +375,6 @@ def _vertex(three: Array) -> float:
     a, b, c = three.tolist()
     bend = a - 2.0 * b + c
     return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0
-
-
-@dataclass(frozen=True)
-class Naming:
-    """What is named, and what it rests on.
-
-    Attributes
-    ----------
-    named : Explanation
-        Without a cause where none is sure.
-    evidence : Evidence
-    tried : list of Explanation
-        The cheapest first.
-    of_sensors : bool
-        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
-    at_limit : bool
-        Whether a lag at the limit of the search leaves least: the true one may be longer.
-    left_by_sensors : float
-        As given to `choose`, rad.
-    """
-
-    named: Explanation
-    evidence: Evidence
-    tried: list[Explanation]
-    of_sensors: bool = False
-    at_limit: bool = False
-    left_by_sensors: float = 0.0
-
-    __repr__ = short_repr
-
-    @property
-    def follows(self) -> bool:
-        """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""
-        plain = self.evidence.get(0, ()).error
-        return any(e.error <= FOLLOWING * plain and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
-
-    def with_lag(self, lag_s: float | None) -> Naming:
-        """The choice with a lag beside the causes that are named, if it is about the same without other turns."""
-        if lag_s is None or self.named.lag_s is not None or self.named.turned not in LATE or self.evidence.spins:
-            return self
-        late = self.evidence.get(FORMS.index(self.named.form), self.named.turned, late=True)
-        same = late.lag_s is not None and abs(late.lag_s - lag_s) <= 0.25 * abs(lag_s)
-        small = is_small(self.evidence, late, self.left_by_sensors)
-        return self if small or not same else replace(self, named=replace(late, lag_s=lag_s))
-
-    def instead_of(self, cause: str) -> tuple[str, ...]:
-        """Causes that, in the place of one, leave about as much."""
-        rest = {*self.named.causes} - {cause}
-        without, left = self.evidence.without(self.named, cause), max(self.named.error, NEGLIGIBLE)
-        others = [*self.tried]
-        if without.turned in LATE:
-            others.append(self.evidence.get(FORMS.index(without.form), without.turned, late=True))
-        found: dict[str, None] = {}
-        for other in others:
-            new = [name for name in other.causes if name not in rest]
-            if len(new) != 1 or new[0] == cause or len(other.causes) != len(rest) + 1:
-                continue
-            small = new[0] == "lag" and without.error < OF_SENSORS
-            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
-            if max(other.error, NEGLIGIBLE) <= most and (small or is_needed(self.evidence, other)):
-                found[new[0]] = None
-        return tuple(found)
-
-
-OF_SENSORS: Final = float(np.radians(1.0))
-"""Error that sensors make, rad; it is nearer to a constant turn than to a lag."""
-LAG_TIE: Final = 3.0
-"""Ratio of two errors up to which a lag is told as an alternative to a cause of such a small error."""
-
-
-def choose(track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> Naming | None:
-    """Choose the causes of an estimate's errors.
-
-    Parameters
-    ----------
-    track : Track
-        Samples whose true time, moved by the longest lag either way, is within the truth's times.
-    longest_lag_s : float
-    left_by_sensors : float
-        Largest constant turn that the sensors' own errors leave to a right filter, rad.
-
-    Returns
-    -------
-    Naming or None
-        None of too few samples.
-    """
-    if len(track.stamps_ns) < FEWEST:
-        return None
-    evidence = Evidence(track, longest_lag_s)
-    plain = evidence.get(0, ())
-    if plain.error <= NEGLIGIBLE:
-        return Naming(plain, evidence, [plain])
-    choice = Naming(plain, evidence, evidence.explanations(), left_by_sensors=left_by_sensors)
-    allowed: set[str] | None = None
-    for e in choice.tried[: choice.tried.index(plain)]:
-        if allowed is not None and not allowed.issuperset(e.causes):
-            continue
-        if e.lag_s is not None and abs(e.lag_s) > 0.999 * longest_lag_s:
-            return replace(choice, at_limit=True)
-        if not is_needed(evidence, e):
-            continue
-        if is_small(evidence, e, left_by_sensors):
-            allowed = set(e.causes)  # what is left without the small turn is of its other causes
-            choice = replace(choice, of_sensors=left_by_sensors > 0.0)
-            continue
-        return replace(choice, named=e)
-    return choice
 
 
 def is_needed(evidence: Evidence, explanation: Explanation) -> bool:

@@ -1,0 +1,121 @@
+"""Readings of a run played to a filter's node: ``python -m lie_rigid_body.ros.play``, which `runs.node` starts.
+
+It reads a pickled `Play` on its standard input, and answers by an `Answered`, or by words that say what went wrong. It
+and the node end with the process that started it, which holds its standard input open.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import random
+import shlex
+import signal
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from threading import Thread
+from typing import BinaryIO, Final
+
+from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.runs.node import Answered, Play
+from lie_rigid_body.system import lock
+from lie_rigid_body.wording import printable
+
+DOMAINS: Final = range(1, 102)
+"""Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""
+ENDING_S: Final = 2.0
+"""Time that a node has to end when it is asked to, s."""
+_LONGEST_WORDS: Final = 100
+"""Largest number of bytes that are repeated of what the node prints."""
+
+
+def main() -> None:
+    """Play what is asked for on standard input."""
+    asked, reply = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1):
+        os.dup2(nowhere, stream)
+    play = pickle.load(asked)
+    Thread(target=_end_with, args=(asked,), daemon=True).start()
+    pickle.dump(_played(play), reply)
+    reply.flush()
+
+
+def _end_with(asked: BinaryIO) -> None:
+    """End this process and the node when the one that asked has ended."""
+    asked.read()
+    os.killpg(0, signal.SIGKILL)
+
+
+def _played(play: Play) -> Answered | str:
+    """What a node answers, or why it does not."""
+    with tempfile.TemporaryFile() as words, tempfile.TemporaryDirectory() as logs:
+        try:
+            require_ros()
+            with own_domain() as domain:
+                os.environ.update(
+                    ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
+                )
+                with _started(play.command, words) as require_alive:
+                    from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
+
+                    try:
+                        return answers_to(play, require_alive)
+                    except LieRigidBodyError as error:
+                        return f"{error}{_last_words(words)}"
+        except LieRigidBodyError as error:
+            return str(error)
+
+
+def _last_words(file: BinaryIO) -> str:
+    """The end of what a node has printed."""
+    size = os.fstat(file.fileno()).st_size
+    end = os.pread(file.fileno(), _LONGEST_WORDS, max(0, size - _LONGEST_WORDS))  # its place is that of the node
+    said = printable(" ".join(end.decode(errors="replace").split()))
+    return f"; it says: {'…' * (size > _LONGEST_WORDS)}{said}" if said else ""
+
+
+@contextmanager
+def own_domain() -> Iterator[int]:
+    """A ROS domain that no other player of this machine uses while the context lasts."""
+    for domain in random.sample(DOMAINS, len(DOMAINS)):
+        try:
+            with Path(tempfile.gettempdir(), f"ros-domain-{domain}.lock").open("ab") as file:
+                held = lock(file)
+        except OSError:  # it is in use, or of another user
+            continue
+        with held:
+            yield domain
+        return
+    raise LieRigidBodyError(f"finds no free ROS domain among {len(DOMAINS)}: wait until other filters have ended")
+
+
+@contextmanager
+def _started(command: str, words: BinaryIO) -> Iterator[Callable[[], None]]:
+    """Keep a node running; what is given raises an error once it has ended."""
+    arguments = shlex.split(command)
+    try:
+        process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=words, stderr=words)
+    except (OSError, IndexError) as error:
+        what = getattr(error, "strerror", "there is no command")
+        raise LieRigidBodyError(f"cannot be started: {what}: give a program, such as 'ros2 run PACKAGE NODE'") from None
+
+    def require_alive() -> None:
+        if process.poll() is not None:
+            raise LieRigidBodyError(f"ended with status {process.returncode}")
+
+    try:
+        yield require_alive
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        os.killpg(0, signal.SIGINT)  # 'ros2 run' starts the node as a process of its own
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(ENDING_S)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,308 @@
+"""Estimators of a campaign that are compared: what is told of them is what is known of their errors."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from campaigns import NEEDS_DASK, written
+
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.comparison import Comparison, Standing, compare
+from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.judging import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
+from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.runs import simulate
+
+pytestmark = NEEDS_DASK
+RUNS = 24
+DEVIATION = 0.01
+TEXT = f"""
+runs: {RUNS}
+seed: 7
+duration: 0.5
+scenario: tumbling_cubesat
+parameters:
+  {{rate: 50.0, imu_rate: 50.0, magnetometer_rate: 50.0, sensor_grade: mems, accelerometer_mode: pivot_gravity}}
+vary:
+  sensor_seed: {{distribution: run}}
+  gyro_noise_density: {{distribution: loguniform, low: 1.0e-5, high: 1.0e-3}}
+"""
+COMPARED = (
+    TEXT
+    + """
+estimators:
+  two: {function: "compared_estimators:turned", parameters: {degrees: 2.0}}
+  lost: {function: "compared_estimators:lost", parameters: {in_runs: [3, 5]}}
+  tuned: {function: "compared_estimators:tuned", grid: {degrees: [5.0, 1.0, 3.0]}}
+  honest: {function: "compared_estimators:noisy"}
+  proud: {function: "compared_estimators:noisy", parameters: {share: 0.5}}
+  deviations: {function: "compared_estimators:noisy", parameters: {power: 1}}
+"""
+)
+MODULE = f"""
+import numpy as np
+from lie_rigid_body import Estimate
+from lie_rigid_body.lie import quaternion
+
+def seed(run):
+    return dict(run.scenario.sensor_parameters)["sensor_seed"]
+
+def turned(run, degrees):
+    return quaternion.multiply(quaternion.exp(np.radians([0.0, 0.0, degrees])), run.truth.attitude_xyzw)
+
+def lost(run, *, in_runs):
+    if seed(run) in in_runs:
+        raise RuntimeError("it is lost")
+    return turned(run, 1.0)
+
+def tuned(run, degrees):
+    return turned(run, degrees if seed(run) % 2 == 0 else 10.0 - degrees)
+
+def noisy(run, share=1.0, power=2):
+    draws = np.random.default_rng(seed(run))
+    errors = {DEVIATION} * draws.standard_normal((len(run.t_ns), 3))
+    biases = run.gyro_bias_at(run.t_ns) + {DEVIATION} * draws.standard_normal((len(run.t_ns), 3))
+    attitude = quaternion.multiply(quaternion.exp(errors), run.truth.attitude_xyzw)
+    P = share * {DEVIATION}**power * np.eye(3)
+    return Estimate(attitude, covariance=P, gyro_bias=biases, gyro_bias_covariance={DEVIATION}**2 * np.eye(3))
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder in which the estimators are, and the working directory."""
+    folder = tmp_path_factory.mktemp("compared")
+    (folder / "compared_estimators.py").write_text(MODULE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sys, "path", [*sys.path])
+        patch.chdir(folder)
+        yield folder
+    sys.modules.pop("compared_estimators", None)
+
+
+@pytest.fixture(scope="module")
+def said(folder: Path, scheduler: str) -> list[str]:
+    """What the verb prints of the campaign in ``out``, with a page."""
+    import io
+    from contextlib import redirect_stderr, redirect_stdout
+
+    printed = io.StringIO()
+    given = [str(written(folder, COMPARED)), "--out", "out", "--no-bags", "--report", "page.html"]
+    with redirect_stdout(printed), redirect_stderr(io.StringIO()):
+        assert main([*given, "--scheduler", scheduler]) == 0
+    return printed.getvalue().splitlines()
+
+
+@pytest.fixture(scope="module")
+def comparison(folder: Path, said: list[str]) -> Comparison:
+    campaign = Campaign.from_table(folder / "out" / "runs.parquet")
+    with Journal(campaign, folder / "out") as journal:
+        return compare(campaign, journal.rows)
+
+
+def named(comparison: Comparison) -> dict[str, Standing]:
+    return {one.name: one for one in comparison.standings}
+
+
+@pytest.fixture(scope="module")
+def scores(folder: Path, said: list[str]) -> Any:
+    from pyarrow import parquet
+
+    return parquet.read_table(folder / "out" / "scores.parquet")
+
+
+def test_the_table_of_scores_has_a_row_for_each_run_estimator_and_point(scores: Any, folder: Path) -> None:
+    from pyarrow import parquet
+
+    assert scores.column_names == ["run", "estimator", "parameters", *SCORES, ERROR, *MORE_SCORES]
+    assert scores.column_names[-3:] == ["estimator_error", "nees_mean", "gyro_bias_rms_rad_s"]
+    rows = scores.to_pylist()
+    assert [(row["run"], row["estimator"], json.loads(row["parameters"])) for row in rows[:8]] == [
+        (0, "deviations", {"power": 1}),
+        (0, "honest", {}),
+        (0, "lost", {"in_runs": [3, 5]}),
+        (0, "proud", {"share": 0.5}),
+        *((0, "tuned", {"degrees": degrees}) for degrees in (5.0, 1.0, 3.0)),
+        (0, "two", {"degrees": 2.0}),
+    ]
+    assert len(rows) == 8 * RUNS
+    for row in rows:
+        failed = row["estimator"] == "lost" and row["run"] in (3, 5)
+        assert row["estimator_error"] == ("RuntimeError: it is lost" if failed else None)
+        assert (row["total_rms_deg"] is None) == failed
+        if row["estimator"] == "two":
+            assert row["heading_rms_deg"] == pytest.approx(2.0, rel=1e-9)
+            assert row["nees_mean"] is row["gyro_bias_rms_rad_s"] is None
+        if row["estimator"] == "honest":
+            assert row["nees_mean"] == pytest.approx(3.0, rel=0.5)
+            assert row["gyro_bias_rms_rad_s"] == pytest.approx(np.sqrt(3.0) * DEVIATION, rel=0.4)
+    runs = parquet.read_table(folder / "out" / "runs.parquet")
+    assert "total_rms_deg" not in runs.column_names
+    assert Campaign.from_table(folder / "out" / "scores.parquet") == Campaign.from_table(
+        folder / "out" / "runs.parquet"
+    )
+
+
+def test_the_best_point_is_chosen_on_even_runs_and_scored_on_odd_ones(comparison: Comparison) -> None:
+    tuned = named(comparison)["tuned"]
+    assert tuned.entry.parameters == {"degrees": 1.0}
+    assert [point.mean_deg for point in tuned.points] == pytest.approx([5.0, 1.0, 3.0])
+    assert tuned.runs.tolist() == [*range(1, RUNS, 2)]
+    assert tuned.scores["total_rms_deg"] == pytest.approx(np.full(RUNS // 2, 9.0))
+
+
+def test_pairs_are_compared_on_the_runs_that_both_have(comparison: Comparison) -> None:
+    found = {(first.name, second.name): pair for first, second, pair in comparison.differences}
+    assert len(found) == 15
+    pair = found["lost", "two"]
+    assert pair.value == pytest.approx(-1.0)
+    assert (pair.runs, pair.left_out, pair.better) == (RUNS - 2, 2, RUNS - 2)
+    assert pair.is_sure
+    pair = found["tuned", "two"]
+    assert pair.value == pytest.approx(7.0)
+    assert (pair.runs, pair.left_out, pair.better) == (RUNS // 2, 0, 0)
+    pair = found["lost", "tuned"]
+    assert (pair.runs, pair.left_out) == (RUNS // 2 - 2, 2)
+    assert not found["honest", "proud"].value  # the same errors
+
+
+def test_covariances_are_judged_over_the_runs(comparison: Comparison) -> None:
+    found = named(comparison)
+    for name, verdict, cause in (
+        ("honest", "honest", ""),
+        ("proud", "overconfident", "factor"),
+        ("deviations", "conservative", "standard_deviation"),
+    ):
+        one = found[name]
+        assert one.covariance is not None
+        assert (one.covariance.verdict, one.covariance.cause) == (verdict, cause)
+        assert one.gyro_bias is not None
+        assert one.gyro_bias.verdict == "honest"
+    assert found["two"].covariance is None
+
+
+def test_failures_are_counted_with_their_first_reason(comparison: Comparison) -> None:
+    lost = named(comparison)["lost"]
+    assert np.flatnonzero(lost.failed).tolist() == [3, 5]
+    assert lost.reason == "RuntimeError: it is lost"
+    assert lost.worst(2) == [3, 5]
+    assert [one.reason for one in comparison.standings if one is not lost] == [""] * 5
+
+
+def test_what_the_sensors_leave_is_told_of_one_run(comparison: Comparison, said: list[str]) -> None:
+    """A covariance may be honest about an error that is many times as large."""
+    campaign = Campaign.from_file("campaign.yaml")
+    bound = simulate(campaign.scenario_of(1), duration=0.5).unavoidable_error()
+    assert bound is not None
+    assert comparison.best is not None
+    assert comparison.best.run == 1
+    assert comparison.best.rms_deg == pytest.approx(np.degrees(np.sqrt(np.trace(bound.filtered, 0, 1, 2).mean())))
+    [sentence] = [line for line in said if "at best" in line]
+    assert f" {2.0 / comparison.best.rms_deg:.3g} times" in " ".join(said)
+    assert "run 1 " in sentence
+
+
+def test_curves_hold_the_error_over_time(comparison: Comparison) -> None:
+    assert comparison.t_s[[0, -1]] == pytest.approx([0.0, 0.5])
+    found = named(comparison)
+    for name, count, error in (("two", RUNS, 2.0), ("lost", RUNS - 2, 1.0), ("tuned", RUNS // 2, 9.0)):
+        one = found[name]
+        assert one.curve_deg.shape == (count, CURVE)
+        known = one.curve_deg[~np.isnan(one.curve_deg)]
+        assert known == pytest.approx(np.full(len(known), error))
+        assert len(known) > 0.4 * one.curve_deg.size
+
+
+def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder: Path, said: list[str]) -> None:
+    """It is the seed that makes errors of one run independent of another's."""
+    campaign = Campaign.from_table(folder / "out" / "runs.parquet")
+    with Journal(campaign, folder / "out") as journal:
+        rows = [*journal.rows()]
+    found = compare(replace(campaign, vary={}, parameters={}), lambda: rows)
+    assert (found.independent, found.has_covariances) == (False, True)
+    assert [one.covariance for one in found.standings] == [None] * 6
+
+
+def test_the_table_and_the_page_name_every_estimator(folder: Path, said: list[str]) -> None:
+    page = (folder / "page.html").read_text()
+    for name in ("two", "lost", "tuned", "honest", "proud", "deviations"):
+        assert any(line.startswith(name) for line in said)
+        assert f"<td>{name}</td>" in page
+    places = [page.index(part) for part in ("over time", "Grid of tuned", "over gyro_noise_density", "Worst runs")]
+    assert all(first < second for first, second in pairwise(places))
+    assert "Error over sensor_seed" not in page
+    assert "lie-rigid-body record 000003.mcap --duration 0.5 --scenario tumbling_cubesat" in page
+    assert "sensor_seed:=3" in page
+
+
+def test_a_finished_campaign_says_the_same_again(
+    folder: Path, said: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    kept = {name: (folder / "out" / name).read_bytes() for name in ("scores.parquet", "runs.parquet")}
+    assert main([str(written(folder, COMPARED)), "--out", "out", "--no-bags"]) == 0
+    again = capsys.readouterr().out.splitlines()
+    assert again == [line for line in said if not line.startswith("wrote ")]
+    assert kept == {name: (folder / "out" / name).read_bytes() for name in kept}
+
+
+@pytest.mark.slow
+def test_the_same_scores_from_processes_of_its_own(folder: Path, scores: Any) -> None:
+    assert main([str(written(folder, COMPARED)), "--out", "other", "--no-bags", "--workers", "2"]) == 0
+    assert (folder / "other" / "scores.parquet").read_bytes() == (folder / "out" / "scores.parquet").read_bytes()
+
+
+def test_an_estimator_that_fails_in_every_run_is_named_after_the_table(
+    folder: Path, scheduler: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = TEXT.replace(f"runs: {RUNS}", "runs: 3") + (
+        'estimators:\n  right: {function: "compared_estimators:turned", parameters: {degrees: 1}}\n'
+        '  never: {function: "compared_estimators:lost", parameters: {in_runs: [0, 1, 2]}}\n'
+    )
+    assert main([str(written(folder, text)), "--out", "third", "--no-bags", "--scheduler", scheduler]) == 2
+    said = capsys.readouterr()
+    assert "'never'" in said.err.splitlines()[-1]
+    assert any(line.startswith("never ") and " 3/3" in line for line in said.out.splitlines())
+    assert (folder / "third" / "scores.parquet").exists()
+
+
+RIGHT = vars(
+    Judgement(
+        {**dict.fromkeys((*SCORES, *MORE_SCORES), 1.0), ERROR: None},
+        1e-6,
+        [1.0] * CURVE,
+        "body",
+        [[0.0] * 13] * SERIES,
+        [[0.0] * 9] * SERIES,
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("scores", {}),
+        ("scores", {**RIGHT["scores"], "total_rms_deg": "1"}),
+        ("scores", {**RIGHT["scores"], ERROR: 5}),
+        ("scores", {**RIGHT["scores"], "speed": 1.0}),
+        ("reading_s", "1"),
+        ("curve_deg", [1.0]),
+        ("curve_deg", ["1"] * CURVE),
+        ("axes", "moon"),
+        ("covariance", [[0.0] * 12] * SERIES),
+        ("covariance", [[float("nan")] * 13] * SERIES),
+        ("gyro_bias", [[0.0] * 9]),
+        ("speed", 1.0),
+    ],
+)
+def test_what_is_no_judgement_is_refused(name: str, value: Any) -> None:
+    assert Judgement.read(RIGHT) == Judgement(**RIGHT)
+    with pytest.raises((TypeError, ValueError, KeyError)):
+        Judgement.read({**RIGHT, name: value})

@@ -1,0 +1,196 @@
+"""What notebooks and pandas get of results, and pictures of scores: scales, limits and biases."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import PROGRAM, Browser
+
+from lie_rigid_body import Estimate, Limits, Run, simulate
+from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
+from lie_rigid_body.evaluation import Score
+from lie_rigid_body.report import write_plot, write_report
+from lie_rigid_body.runs.blind import BlindRun
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate(
+        "tumbling_cubesat",
+        duration=10.0,
+        imu_rate=50.0,
+        magnetometer_rate=25.0,
+        attitude_sensor_rate=5.0,
+        attitude_sensor_cross_boresight_noise=1e-3,
+        attitude_sensor_roll_noise=1e-3,
+        accelerometer_mode="pivot_gravity",
+        sensor_grade="tactical",
+        motion="closed_form",
+    )
+
+
+def off_by(run: Any, degrees: float, limits: Limits | None = None, **beside: object) -> Score:
+    """The score of an estimate that is off by an angle about a level axis, growing by a fifth."""
+    half = np.radians(degrees) / 2.0 * np.linspace(1.0, 1.2, len(run.imu.t_ns))[:, np.newaxis]
+    x, y, z, w = run.attitude().at(run.imu.t_ns).T[..., np.newaxis]
+    turned = np.concatenate([w, -z, y, -x], axis=1) * np.sin(half) + np.concatenate([x, y, z, w], axis=1) * np.cos(half)
+    return run.score(Estimate(turned, **beside), limits=limits)  # type: ignore[arg-type]
+
+
+class Texts(HTMLParser):
+    """The texts of some HTML, with every element closed that was opened."""
+
+    def __init__(self, source: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.texts: list[str] = []
+        self.feed(source)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+
+def test_a_notebook_shows_a_sentence_and_tables(run: Any) -> None:
+    score = off_by(run, 5.0, Limits(1.0))
+    texts = Texts(score._repr_html_()).texts
+    assert texts[0].startswith("BROKEN: the error is")
+    assert f"{score.total_deg.rms:.4g}" in texts
+    assert score.findings
+    assert all(f"{finding.code}: {finding.message}" in texts for finding in score.findings)
+    certificate = Texts(run.certificate()._repr_html_()).texts
+    assert certificate[0].startswith("CERTIFIED: attitude within")
+    assert {"kinetic energy", "gyro, rad/s"} <= {*certificate}
+    shown = Texts(run._repr_html_()).texts
+    assert {"truth", "imu", "magnetometer", "attitude_sensor", str(len(run.t_ns)), str(len(run.imu.t_ns))} <= {*shown}
+    assert "truth" not in Texts(BlindRun.without_truth(run)._repr_html_()).texts
+    mistake = Mistake("inverted", "It is <inverted>.", "inverse", 90.0, 0.1)
+    found = FilterDiagnosis((mistake,), (Probe("noise", False, "it errs"),), (), 1, 90.0, 0.1)
+    told = Texts(found._repr_html_()).texts
+    assert told[0] == "It is <inverted>."
+    assert {"inverted", "inverse", "noise", "FAILED"} <= {*told}
+
+
+def test_tables_of_pandas_have_the_arrays(run: Any) -> None:
+    pandas = pytest.importorskip("pandas")
+    score = off_by(run, 5.0, covariance=np.eye(3) * 1e-3)
+    table = score.to_dataframe()
+    assert table.index.name == "t_ns"
+    np.testing.assert_array_equal(table.index, score.stamps_ns)
+    np.testing.assert_array_equal(table["total_deg"], np.degrees(score.error.total))
+    assert {"heading_deg", "inclination_deg", "nees"} <= {*table.columns}
+    imu = run.imu.to_dataframe()
+    np.testing.assert_array_equal(imu[["gyro_x", "gyro_y", "gyro_z"]], run.imu.gyro)
+    whole = run.to_dataframe()
+    assert isinstance(whole, pandas.DataFrame)
+    assert whole.index.is_monotonic_increasing
+    assert {*whole.index} == {*run.t_ns, *run.imu.t_ns, *run.magnetometer.t_ns, *run.attitude_sensor.t_ns}
+    columns = [f"attitude_{axis}" for axis in "xyzw"]
+    np.testing.assert_array_equal(whole.loc[run.t_ns, columns], run.truth.attitude_xyzw)
+    np.testing.assert_array_equal(whole.loc[run.imu.t_ns, "imu_gyro_y"], run.imu.gyro[:, 1])
+    assert whole["magnetometer_field_x"].count() == len(run.magnetometer.t_ns)
+    tilt = run.attitude_sensor.covariance[:, 0, 1]
+    np.testing.assert_array_equal(whole.loc[run.attitude_sensor.t_ns, "attitude_sensor_covariance_xy"], tilt)
+    assert not [name for name in BlindRun.without_truth(run).to_dataframe() if name.startswith(("attitude_x", "body"))]
+
+
+def test_without_pandas_a_line_says_what_to_install() -> None:
+    code = """
+import sys
+sys.modules["pandas"] = None
+from lie_rigid_body import LieRigidBodyError, simulate
+try:
+    simulate(duration=0.1).to_dataframe()
+except LieRigidBodyError as error:
+    print(error)
+"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert said == "to_dataframe needs pandas, which is not installed: pip install pandas\n"
+
+
+def test_a_score_is_told_where_reports_are_made(run: Any, tmp_path: Path) -> None:
+    score: Any = off_by(run, 5.0)
+    with pytest.raises(AttributeError, match="write_report"):
+        score.report  # noqa: B018
+    assert not hasattr(score, "plot_it")
+    json.dumps(score.to_dict(series=True), allow_nan=False)
+    assert score.plot()._repr_png_()[:4] == b"\x89PNG"
+    write_plot(score, tmp_path / "e.png")
+    write_report(score, tmp_path / "e.html")
+    page = (tmp_path / "e.html").read_text("utf-8")
+    order = [page.index(text) for text in ("<h1>", "The attitude error is", "<svg", "Findings", "<table")]
+    assert order == sorted(order)
+
+
+@pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
+@pytest.mark.parametrize(("width", "shown"), [(1400, ["wide"]), (400, ["narrow"])])
+def test_a_page_fits_a_screen_and_the_dark(width: int, shown: list[str], run: Any, tmp_path: Path) -> None:
+    page, colours = tmp_path / "e.html", {}
+    write_report(off_by(run, 5.0, Limits(1.0)), page)
+    with Browser(tmp_path) as browser:
+        for scheme in ("light", "dark"):
+            browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            browser.open(page, width, 900)
+            drawn = "[...document.querySelectorAll('figure')].filter(f => f.offsetWidth)"
+            assert browser.evaluate(f"{drawn}.map(f => f.className)") == shown
+            assert browser.evaluate("document.documentElement.scrollWidth") <= width
+            style = "getComputedStyle(document.body)"
+            of_page = browser.evaluate(f"[{style}.color, {style}.backgroundColor]")
+            colours[scheme] = [int(colour.split("(")[1].split(",")[0]) for colour in of_page]
+        assert browser.complaints == []
+    assert colours["light"][0] < 64 < 192 < colours["light"][1]
+    assert colours["dark"][1] < 64 < 192 < colours["dark"][0]
+
+
+@pytest.mark.parametrize("degrees", [1e-4, 3.0, 100.0])
+@pytest.mark.parametrize("limits", [None, Limits(2.0), Limits(170.0, ((1.0, 1e-3),))])
+def test_no_bound_and_no_limit_flattens_the_errors(run: Any, degrees: float, limits: Limits | None) -> None:
+    score: Any = off_by(run, degrees, limits)
+    assert score.best is not None
+    total, parts, *_ = score.plot().axes
+    assert (total.get_yscale(), parts.get_yscale()) == ("log", "linear")
+    low, high = total.get_ylim()
+    best = score.best.filtered_deg
+    assert low < min(best.min(), np.degrees(score.error.total).min())
+    assert high > max(best.max(), np.degrees(score.error.total).max())
+    decades = np.log10(high / low)
+    own = np.log10(max(best.max(), score.total_deg.max) / min(best.min(), np.degrees(score.error.total).min()))
+    assert decades < own + 3.5  # a limit makes room for itself only where it is near
+    names = [text.get_text() for text in total.get_legend().get_texts()]
+    told: Any = [] if limits is None else [limits.max_rms_deg, *(limit for _, limit in limits.max_after)]
+    assert all(any(f"limit {limit:g}°" in name for name in names) for limit in told)
+    assert all(
+        ("far" in name) == (not low <= limit <= high) for limit in told for name in names if f" {limit:g}°" in name
+    )
+
+
+def test_the_biases_of_a_gyro_are_drawn_beside_the_true_ones(run: Any) -> None:
+    true = run.gyro_bias_at(run.imu.t_ns)
+    score: Any = off_by(run, 1.0, gyro_bias=true + np.array([1e-3, 0.0, 0.0]))
+    axes = score.plot().axes[-1]
+    lines = {line.get_label(): line.get_ydata() for line in axes.get_lines()}
+    assert len(lines) == 6
+    np.testing.assert_allclose(lines["estimated x"] - lines["true x"], 1e-3, rtol=1e-9)
+    np.testing.assert_array_equal(lines["true z"], true[:, 2])
+    assert len(off_by(run, 1.0).plot().axes) == 2
+
+
+def test_a_perfect_estimate_is_drawn(run: Any) -> None:
+    still: Any = simulate(duration=1.0, initial_body_rate=[0, 0, 0], motion="closed_form")
+    drawn: Any = still.score(still.truth.attitude_xyzw, limits=Limits(1.0)).plot()
+    assert drawn._repr_png_()
+    assert run.score(run.truth.attitude_xyzw).plot("$\x00").axes

@@ -1,0 +1,238 @@
+"""Nodes as estimators, each a real process in a domain of its own: started, played to in lock-step, ended."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lie_rigid_body import Run, diagnose, simulate
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.messages.batch import SENSOR_TOPICS
+from lie_rigid_body.runs.blind import BlindRun
+from lie_rigid_body.runs.node import IMU, NodeEstimator, readings_of
+from lie_rigid_body.testing import node_estimator
+
+pytestmark = [pytest.mark.ros, pytest.mark.long]
+EXAMPLES = Path(__file__).parents[2] / "examples" / "complementary_filter"
+EXAMPLE = shlex.join([sys.executable, str(EXAMPLES / "complementary_filter_node.py")])
+NODE = """
+import sys, time
+import rclpy
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
+from sensor_msgs.msg import Imu
+
+def hear(reading):
+    global count
+    count += 1
+    answer = kind()
+    answer.header.stamp = reading.header.stamp
+    if fill(answer, reading) is None:
+        publisher.publish(answer)
+
+count, kind = 0, Imu
+{source}
+rclpy.init()
+node = rclpy.create_node("scripted")
+publisher = node.create_publisher(kind, "imu/data", 10)
+node.create_subscription(Imu, "imu/data_raw", hear, 10)
+try:
+    rclpy.spin(node)
+except (KeyboardInterrupt, ExternalShutdownException):
+    pass
+"""
+
+Scripted = Callable[..., NodeEstimator]
+
+
+@pytest.fixture(scope="module")
+def run() -> BlindRun:
+    return BlindRun.without_truth(simulated(imu_rate=100.0, magnetometer_rate=100.0))
+
+
+def simulated(**rates: Any) -> Run:
+    motion: dict[str, Any] = {
+        "gyro_rate": "integrated",
+        "accelerometer_mode": "pivot_gravity",
+        "sensor_grade": "tactical",
+    }
+    return simulate("tumbling_cubesat", duration=2.0, **motion, **rates)
+
+
+@pytest.fixture
+def scripted(tmp_path: Path) -> Scripted:
+    def make(source: str, timeout: float = 60.0) -> NodeEstimator:
+        script = tmp_path / "a node.py"
+        script.write_text(NODE.replace("{source}", source))
+        return node_estimator(shlex.join([sys.executable, str(script)]), timeout)
+
+    return make
+
+
+def function(run: Run) -> np.ndarray:
+    """The filter of the example as a function."""
+    spec = importlib.util.spec_from_file_location("complementary_filter", EXAMPLES / "complementary_filter.py")
+    assert spec
+    assert spec.loader
+    module: Any = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert run.imu
+    assert run.magnetometer
+    field = run.scenario.parameters()["magnetic_field"]
+    found: np.ndarray = module.estimate(
+        run.imu.t_ns, run.imu.gyro, run.imu.specific_force, run.magnetometer.field, field
+    )
+    return found
+
+
+def with_field(run: Run) -> NodeEstimator:
+    field: Any = run.scenario.parameters()["magnetic_field"]
+    return node_estimator(f"{EXAMPLE} --ros-args -p world_field:='{list(field)}'".replace(", ", ","))
+
+
+@pytest.mark.parametrize("times", [1, 3])
+@pytest.mark.usefixtures("isolated_ros")
+def test_a_node_gives_what_its_filter_gives_to_the_last_bit(times, run):
+    with ThreadPoolExecutor(times) as pool:
+        found = list(pool.map(with_field(run), [run] * times))
+    for each in found:
+        assert np.array_equal(each.t_ns, run.imu.t_ns)
+        assert np.array_equal(each.attitude_xyzw, function(run))
+        assert each.covariance is None
+
+
+@pytest.mark.usefixtures("isolated_ros")
+def test_of_a_slower_magnetometer_the_pairs_are_answered():
+    run = BlindRun.without_truth(simulated(imu_rate=100.0, magnetometer_rate=50.0))
+    found = node_estimator(EXAMPLE)(run)
+    assert run.magnetometer
+    assert np.array_equal(found.t_ns, run.magnetometer.t_ns)
+
+
+@pytest.mark.usefixtures("isolated_ros")
+def test_a_filter_may_begin_with_its_second_reading_and_tell_a_covariance(run, scripted):
+    source = """
+kind = PoseWithCovarianceStamped
+def fill(answer, reading):
+    answer.header.frame_id = "anywhere"
+    answer.pose.pose.orientation.z = 0.6
+    answer.pose.pose.orientation.w = 0.8
+    answer.pose.covariance = [0.0] * 21 + [1.0, 0, 0, 0, 0, 0, 0, 2.0, 0, 0, 0, 0, 0, 0, 3.0]
+    return False if count == 1 else None
+"""
+    found = scripted(source)(run)
+    assert np.array_equal(found.t_ns, run.imu.t_ns[1:])
+    np.testing.assert_array_equal(found.attitude_xyzw, np.tile([0.0, 0.0, 0.6, 0.8], (len(found), 1)))
+    np.testing.assert_array_equal(found.covariance[0], np.diag([1.0, 2.0, 3.0]))
+
+
+@pytest.mark.usefixtures("isolated_ros")
+def test_a_node_hears_readings_and_nothing_of_the_truth(run, scripted):
+    source = """
+def fill(answer, reading):
+    topics = sorted(name for name, _ in node.get_topic_names_and_types())
+    if topics != ["/clock", "/imu/data", "/imu/data_raw", "/imu/mag", "/parameter_events", "/rosout"]:
+        sys.exit(f"there are {topics}")
+    answer.orientation.w = 1.0
+"""
+    assert len(scripted(source)(run)) == len(run.imu.t_ns)
+
+
+def test_messages_are_of_the_first_topic_of_each_sensor_and_the_imus_come_last(run):
+    readings = readings_of(run)
+    assert [(each.sensor, each.arrival_ns) for each in readings[:2]] == [("magnetometer", 10**9), (IMU, 10**9)]
+    assert {each.sensor for each in readings} == {IMU, "magnetometer"}
+    assert len(readings) == 2 * len(run.imu.t_ns)
+    assert "imu/bias" in SENSOR_TOPICS  # which is the truth
+
+
+SILENT = "def fill(answer, reading): time.sleep(100)"
+ODOMETRY = """
+kind = Odometry
+def fill(answer, reading):
+    answer.header.frame_id, answer.child_frame_id = "odom", "base_footprint"
+    answer.pose.pose.orientation.w = 1.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "timeout", "told"),
+    [
+        ("sys.exit('the gain is missing')", 60.0, ["ended with status 1", "the gain is missing"]),
+        ("def fill(answer, reading): sys.exit(3 if count == 2 else None)", 60.0, ["ended with status"]),
+        (SILENT, 20.0, ["no answer to 1010000000 ns in 10 s"]),
+        ("time.sleep(100)", 6.0, ["is not there after 3 s", "one node that publishes /imu/data"]),
+        ("kind = TwistStamped", 60.0, ["/imu/data is of TwistStamped"]),
+        (ODOMETRY, 60.0, ["odom to base_footprint", "not of world to base_link"]),
+        ("def fill(answer, reading): answer.orientation_covariance[0] = -1.0", 60.0, ["has no orientation"]),
+    ],
+)
+@pytest.mark.usefixtures("isolated_ros")
+def test_what_goes_wrong_is_one_line(source, timeout, told, run, scripted):
+    begun = time.monotonic()
+    with pytest.raises(InputError) as error:
+        scripted(source, timeout)(run)
+    assert time.monotonic() < begun + timeout + 5.0
+    line = str(error.value)
+    assert line.startswith("node ")
+    assert "\n" not in line
+    for words in told:
+        assert words in line
+
+
+@pytest.mark.usefixtures("isolated_ros")
+@pytest.mark.parametrize(("command", "told"), [("/no/such/node", "No such file"), ("", "no command")])
+def test_a_command_that_cannot_be_started_is_one_line(command, told, run):
+    with pytest.raises(InputError, match=told):
+        node_estimator(command)(run)
+
+
+def test_a_run_without_an_imu_is_refused():
+    run = BlindRun.without_truth(simulate(duration=1.0, magnetometer_rate=10.0))
+    with pytest.raises(InputError, match="imu_rate"):
+        node_estimator(EXAMPLE)(run)
+
+
+@pytest.mark.usefixtures("isolated_ros")
+def test_the_node_ends_with_who_asked_for_it(tmp_path, scripted):
+    born = tmp_path / "pid"
+    estimate = scripted(f"import os; open({str(born)!r}, 'w').write(str(os.getpid()))\n{SILENT}")
+    script = (
+        "from lie_rigid_body import simulate; from lie_rigid_body.testing import node_estimator\n"
+        f"node_estimator({estimate.command!r})(simulate(duration=1.0, imu_rate=100.0))"
+    )
+    with subprocess.Popen([sys.executable, "-c", script]) as asking:
+        until(lambda: born.exists() and born.read_text() != "")
+        asking.send_signal(signal.SIGKILL)
+    until(lambda: not Path(f"/proc/{born.read_text()}").exists())
+
+
+def until(is_so: Callable[[], bool]) -> None:
+    end = time.monotonic() + 60.0
+    while not is_so():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("isolated_ros")
+def test_a_node_is_diagnosed(run):
+    found = diagnose(with_field(run), max_runs=1)
+    assert found.mistakes == ()
+    assert {"follows", "gyro_bias", "needs_rest"} <= {probe.code for probe in found.probes if probe.passed}
+    assert not {"converges", "long_run"} & {probe.code for probe in found.probes}
+    assert "takes seconds" in found.remarks[0]
+    assert os.environ.get("ROS_DOMAIN_ID") is not None
