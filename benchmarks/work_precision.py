@@ -18,11 +18,11 @@ from typing import Final
 
 from peers import pictures, registry
 from peers.measurement import Row, costs, left_out, measure
-from peers.table import ahead_text, full_table, replaced, short_table
+from peers.table import ahead_text, exchanged, full_table, replaced, short_table
 from peers.task import SHORT, TASKS, WARM_UP, Task
 
 DOCS: Final = Path(__file__).resolve().parent.parent / "docs"
-SOFTWARE: Final = ("numpy", "scipy", "numba", "mujoco", "pybullet")
+SOFTWARE: Final = ("numpy", "scipy", "numba", "mujoco", "drake", "dartpy", "pybullet")
 
 Results = dict[str, tuple[Task, Sequence[Row]]]
 
@@ -70,6 +70,7 @@ def _save(results: Results) -> None:
     pictures.drift(results["long"][1]).savefig(DOCS / "images" / "drift.png")
     page = DOCS / "benchmarks.md"
     text = page.read_text(encoding="utf-8")
+    text = exchanged(text, "software", f"Made with {_software()}.")
     for task, rows in results.values():
         text = replaced(text, task, rows)
     page.write_text(text, encoding="utf-8")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.runs import Estimate, Run, simulate
     from lie_rigid_body.scenario import Scenario
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "BagError",

@@ -6,7 +6,7 @@
 #   environment.sh tests     the first of these two that there is a Python for, and beside it what the tests need
 #   environment.sh oldest    .venv-oldest    the libraries of Ubuntu 24.04, with ROS
 #   environment.sh docs      .venv-docs      what builds the site
-#   environment.sh bench     .venv-bench     the software that the benchmark compares with; PyBullet where it is built
+#   environment.sh bench     .venv-bench     the software that the benchmark compares with, where it is built
 #   environment.sh league    .venv-league    the attitude filters of other libraries
 #
 # Exit status 3 when there is no Python for `live` or `oldest`. The file `complete` is written last and removed first,
@@ -46,7 +46,7 @@ case $kind in
         folder=.venv-docs extras=docs ;;
     bench)
         python=$(scripts/find-python.sh bench 2>/dev/null || scripts/find-python.sh headless) || no_python
-        folder=.venv-bench extras=bench never_compiled=pybullet ;;
+        folder=.venv-bench extras=bench never_compiled=dartpy,drake,pybullet ;;
     league)
         python=$(scripts/find-python.sh live 2>/dev/null || scripts/find-python.sh headless) || no_python
         folder=.venv-league extras=fast,league ;;

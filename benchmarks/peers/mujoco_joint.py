@@ -15,7 +15,10 @@ from peers.task import NS, RATE, Task
 
 STEPS: Final = (0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)
 SHORTER_STEPS: Final = (0.0001,)
-"""For the integrators of first order: the fourth is at round-off long before."""
+"""For the integrators of first order: that of fourth order is at round-off long before."""
+
+FIRST_ORDER: Final = ("Euler", "implicit", "implicitfast")
+INTEGRATORS: Final = (*FIRST_ORDER, "RK4")
 
 MODEL: Final = """
 <mujoco>
@@ -38,12 +41,8 @@ mujoco.set_mju_user_warning(lambda _: None)
 
 def contenders(task: Task) -> Iterator[Contender]:
     """Each integrator at each step that fits."""
-    for integrator, steps in (
-        ("Euler", (*STEPS, *SHORTER_STEPS)),
-        ("implicitfast", (*STEPS, *SHORTER_STEPS)),
-        ("RK4", STEPS),
-    ):
-        for step in steps:
+    for integrator in INTEGRATORS:
+        for step in (*STEPS, *SHORTER_STEPS) if integrator in FIRST_ORDER else STEPS:
             if step <= task.smallest_interval:
                 yield Contender(f"MuJoCo, {integrator}", step_text(step), step, _runner(task, integrator, step))
 

@@ -10,8 +10,13 @@ from typing import Final
 from peers.contender import Contender
 from peers.task import Task
 
-MODULES: Final = ("ours", "mujoco_joint", "pybullet_body", "scipy_solvers", "rotation_spline")
-NEEDS: Final = {"mujoco_joint": "mujoco", "pybullet_body": "pybullet"}
+NEEDS: Final = {
+    "mujoco_joint": "mujoco",
+    "drake_plant": "pydrake",
+    "dart_skeleton": "dartpy",
+    "pybullet_body": "pybullet",
+}
+MODULES: Final = ("ours", *NEEDS, "scipy_solvers", "rotation_spline")
 
 
 def missing() -> list[str]:

@@ -6,7 +6,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import ClassVar, Final, Self
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.sensors.noise import Draws
 from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.wording import short_repr, shown
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 KINDS: Final = (
     *("dropout", "outage", "latency", "latency_jitter", "clock_offset", "clock_skew"),

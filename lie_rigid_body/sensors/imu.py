@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -30,6 +30,9 @@ from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 from lie_rigid_body.wording import short_repr
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 LONGEST_LEVER_ARM_M: Final = 1e6
 """Largest component of the lever arm, m."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from lie_rigid_body.sensors.parameters import (
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults, linear_errors
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
 from lie_rigid_body.sensors.signal import Conditioning, Signal
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 @dataclass(frozen=True, repr=False)

@@ -6,7 +6,7 @@ import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, is_dataclass
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from lie_rigid_body.sensors.fault import Delivery, Faulty
 from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.wording import short_repr
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 BLOCK: Final = 16_384
 """Readings that are measured at once: the signals of more would fill the caches of a processor."""

@@ -28,6 +28,7 @@ WITHOUT_KEY = {"dask", "distributed", "flint", "lz4", "mcap", "numba", "plotly",
 WITHOUT_KEY |= {"pandas", "rosbags", "zstandard"}
 WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
 WITHOUT_KEY |= {"filelock"}  # where there is no flock, which the node has
+FOR_TYPES_ALONE = {"_typeshed", "typing_extensions"}
 KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numpy", "scipy", "tqdm")}
 KEY_OF |= {"mpl_toolkits": "python3-matplotlib", "yaml": "python3-yaml"}
 
@@ -52,16 +53,18 @@ def test_colcon_recognises_an_ament_python_package() -> None:
 
 
 def test_configuration_is_one_set_of_files() -> None:
-    link = ROOT / "lie_rigid_body" / "config"
-    assert link.is_symlink()
-    assert link.resolve() == ROOT / "config"
+    """A link in a clone; a source distribution, which holds no links, has copies."""
+    inside, outside = ROOT / "lie_rigid_body" / "config", ROOT / "config"
+    assert inside.is_symlink() or (ROOT / "PKG-INFO").is_file()
+    names = [str(file.relative_to(outside)) for file in outside.rglob("*.*") if file.is_file()]
+    assert [name for name in names if (inside / name).read_bytes() != (outside / name).read_bytes()] == []
 
 
 def test_what_is_imported_is_a_dependency() -> None:
     """In every module of the package, and in the launch files, which start a program of another package."""
     sources = [path.read_text(encoding="utf-8") for path in (*MODULES.values(), *(ROOT / "launch").glob("*.py"))]
     found = {name.partition(".")[0] for source in sources for name in imports(source, "lie_rigid_body")}
-    found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", "_typeshed"}
+    found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", *FOR_TYPES_ALONE}
     wanted = {KEY_OF.get(name, name) for name in found}
     wanted |= {message_type.partition("/")[0] for message_type in SENSORS.topics.values()}  # imported by these names
     wanted |= {"tf2_ros", "nav_msgs"}  # a program of the one is started; topics of the other may be evaluated
@@ -91,17 +94,16 @@ def test_the_manifest_is_valid_for_the_build_farm() -> None:
     assert (ROOT / manifest.licenses[0].file).is_file()
 
 
-def test_the_changelog_is_one_that_bloom_reads(tmp_path: Path) -> None:
+def test_the_changelog_is_one_that_bloom_reads() -> None:
+    """The newest version in it is the package's; what is *Forthcoming* above it is for the next one."""
     changelog = pytest.importorskip("catkin_pkg.changelog")
+    found = changelog.get_changelog_from_path(str(ROOT), "lie_rigid_body")
+    versions = [version for version, _, _ in found.foreach_version()]
+    assert versions[0] == MANIFEST.findtext("version")
+    bullets = [len(content.bullets) for _, _, contents in found.foreach_version() for content in contents]
     text = CHANGELOG.read_text(encoding="utf-8")
-    head, mark, items = text.partition("Forthcoming\n-----------\n")
-    assert mark
-    assert head.splitlines()[1] == "Changelog for package lie_rigid_body"
-    (tmp_path / "CHANGELOG.rst").write_text(f"{head}0.1.0 (2026-01-31)\n------------------\n{items}", encoding="utf-8")
-    found = changelog.get_changelog_from_path(str(tmp_path), "lie_rigid_body")
-    [(version, _, contents)] = found.foreach_version()
-    assert version == "0.1.0"
-    assert [len(content.bullets) for content in contents] == [len(re.findall(r"^\* ", items, flags=re.MULTILINE))]
+    assert text.splitlines()[1] == "Changelog for package lie_rigid_body"
+    assert sum(bullets) == len(re.findall(r"^\* ", text[text.index(versions[0]) :], flags=re.MULTILINE))
 
 
 def test_launch_files_carry_the_notice_of_the_licence() -> None:
