@@ -192,7 +192,7 @@ def _earlier(
 
 
 def _in_order(pairs: list[Pair]) -> Pair:
-    """Those of all samples in their order, of those of each sample of the blocks."""
+    """Join the first samples of all blocks, their second ones and so on, in the order of the samples."""
     first, second = (np.concatenate(np.stack(parts, axis=1)) for parts in zip(*pairs, strict=True))
     return first, second
 
