@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,10 +18,14 @@ WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 PINNED = dict(re.findall(r'"([\w-]+)==([\w.]+)', SETUP[SETUP.index('"lint": [') :]))
 
 
+def jobs(workflow: Path) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = yaml.safe_load(workflow.read_text(encoding="utf-8"))["jobs"]
+    return found
+
+
 def steps(workflow: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Each step with its job."""
-    jobs = yaml.safe_load(workflow.read_text(encoding="utf-8"))["jobs"].values()
-    return [(job, step) for job in jobs for step in job["steps"]]
+    """Each step with its job; a job that calls another workflow has none."""
+    return [(job, step) for job in jobs(workflow).values() for step in job.get("steps", [])]
 
 
 def test_linters_are_pinned_to_one_version() -> None:
@@ -45,13 +48,40 @@ def test_every_environment_is_cleaned_away() -> None:
     assert folders <= set(removed.split())
 
 
-@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda file: file.name)
-def test_workflows_name_targets_that_exist(workflow: Path) -> None:
+def test_workflows_name_targets_that_exist() -> None:
     named: set[str] = set()
-    for job, step in steps(workflow):
+    for job, step in (pair for workflow in WORKFLOWS for pair in steps(workflow)):
         for target in re.findall(r"^make (\$\{\{ matrix\.target \}\}|[\w-]+)", step.get("run", ""), flags=re.MULTILINE):
             named.update(job["strategy"]["matrix"]["target"] if "matrix" in target else [target])
-    assert {"docs", "test", "test-oldest"} <= named <= TARGETS
+    assert {"docs", "test", "test-slow", "test-oldest"} <= named <= TARGETS
+
+
+def test_the_wheel_and_the_sources_are_tried_on_every_python_and_system() -> None:
+    of = jobs(ROOT / ".github" / "workflows" / "build.yml")
+    for name in ("wheel", "source-distribution"):
+        assert of[name]["needs"] == "distributions"
+        assert of[name]["strategy"]["matrix"]["python"] == ["3.10", "3.11", "3.12", "3.13"]
+        systems = {system.partition("-")[0] for system in of[name]["strategy"]["matrix"]["system"]}
+        assert systems == {"macos", "ubuntu", "windows"}
+        assert any("scripts/try_installed.py" in step.get("run", "") for step in of[name]["steps"])
+
+
+def test_only_what_was_built_and_tried_is_published_and_without_a_secret() -> None:
+    assert [workflow.name for workflow in WORKFLOWS if "secrets." in workflow.read_text(encoding="utf-8")] == []
+    trusted = [job for workflow in WORKFLOWS for job in jobs(workflow).values() if "id-token" in str(job)]
+    assert [job["permissions"] for job in trusted] == [{"id-token": "write"}]
+    of = jobs(ROOT / ".github" / "workflows" / "publish.yml")
+    assert trusted == [of["pypi"]]
+    assert of["pypi"]["needs"] == "build"
+    assert of["build"] == {"needs": "the-tag-is-the-version", "uses": "./.github/workflows/build.yml"}
+
+
+def test_a_workflow_does_in_the_container_of_ros_what_users_do() -> None:
+    [job] = jobs(ROOT / ".github" / "workflows" / "ros.yml").values()
+    assert job["container"] == "ros:jazzy"
+    commands = "\n".join(step.get("run", "") for step in job["steps"])
+    wanted = ("rosdep install", "colcon build", "colcon test", "ros2 run", "ros2 bag record", "examples/filter_in_ci")
+    assert [command for command in wanted if command not in commands] == []
 
 
 def test_workflows_test_every_python_from_the_oldest_on() -> None:
@@ -70,7 +100,7 @@ def test_workflows_test_every_system_that_the_package_names() -> None:
         system.partition("-")[0]
         for workflow in WORKFLOWS
         for job, _ in steps(workflow)
-        for system in [job["runs-on"], *job.get("strategy", {}).get("matrix", {}).get("system", [])]
+        for system in [job.get("runs-on", ""), *job.get("strategy", {}).get("matrix", {}).get("system", [])]
     }
     named = set(re.findall(r'"Operating System :: (?:\w+ :: )?(\w+)"', SETUP))
     assert {"Linux": "ubuntu", "MacOS": "macos", "Windows": "windows"}.keys() == named
