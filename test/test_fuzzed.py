@@ -1,11 +1,16 @@
-"""Mutated files keep the laws of `fuzzing`: those that once broke one, and those of a minute."""
+"""Mutated files keep the laws of `fuzzing`: those that once broke one, and those of a minute.
+
+Cases are children of a process of their own: this one may hold more memory, after other tests, than a case may take.
+"""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -21,20 +26,28 @@ MINUTES = 1.0
 
 @pytest.fixture(scope="module")
 def bags() -> dict[str, bytes]:
-    fuzzing.warmed()
     return fuzzing.honest()
 
 
+@pytest.fixture(scope="module")
+def parent() -> Iterator[ProcessPoolExecutor]:
+    """The process whose children cases are."""
+    with ProcessPoolExecutor(1, get_context("spawn"), initializer=fuzzing.warmed) as pool:
+        yield pool
+
+
 @pytest.mark.parametrize("name", [name for name in fuzzing.VERBS if name != "campaign"])
-def test_honest_files_keep_the_laws_in_each_verb(bags: dict[str, bytes], name: str) -> None:
+def test_honest_files_keep_the_laws_in_each_verb(
+    bags: dict[str, bytes], parent: ProcessPoolExecutor, name: str
+) -> None:
     original = "estimate" if name == "evaluate" else "exact"
-    found = fuzzing.outcome(fuzzing.of_verb(name, bags[original], original), bags)
+    found = parent.submit(fuzzing.outcome, fuzzing.of_verb(name, bags[original], original), bags).result()
     assert (found.status, found.broken) == (0, "")
 
 
 @pytest.mark.parametrize("path", sorted(fuzzing.KEPT.glob("*.json")), ids=lambda path: path.stem)
-def test_what_broke_a_law_keeps_it(bags: dict[str, bytes], path: Path) -> None:
-    assert fuzzing.outcome(fuzzing.read(path), bags).broken == ""
+def test_what_broke_a_law_keeps_it(bags: dict[str, bytes], parent: ProcessPoolExecutor, path: Path) -> None:
+    assert parent.submit(fuzzing.outcome, fuzzing.read(path), bags).result().broken == ""
 
 
 def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
@@ -69,8 +82,10 @@ def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_mutated_files_keep_the_laws_for_a_minute(record_property: Callable[[str, object], None]) -> None:
-    counts, broken = fuzzing.fuzz(MINUTES, seed=int(time.time()) // 86400, keep=False)
+def test_mutated_files_keep_the_laws_for_a_minute(
+    parent: ProcessPoolExecutor, record_property: Callable[[str, object], None]
+) -> None:
+    counts, broken = parent.submit(fuzzing.fuzz, MINUTES, seed=int(time.time()) // 86400, keep=False).result()
     record_property("cases", counts["cases"])
     record_property("MiB at most", counts["MiB at most"])
     assert broken == []

@@ -25,22 +25,27 @@ class BestPossible:
     ----------
     filtered_deg, smoothed_deg : ndarray, shape (N,)
         Root mean square of the total error at best, degrees, from the readings up to each sample, and from all of them.
+        The constants of the sensors (scale, mounting, soft iron) are not known.
     unobserved : str
         What no reading tells; then no bound is of use.
     beaten : bool
-        Whether the estimate is nearer to the truth than the noise allows.
+        Whether the estimate is nearer to the truth than the noise allows, even where the constants are known.
+    calibrated : BestPossible or None
+        The same where the constants are known; None where there are none.
     """
 
     filtered_deg: Array
     smoothed_deg: Array
     unobserved: str
     beaten: bool
+    calibrated: BestPossible | None = None
 
     __repr__ = short_repr
 
     @classmethod
     def of(cls, bound: UnavoidableError, stamps_ns: Integers, rms_deg: float) -> BestPossible:
         """Interpolate the bound at stamps, ns, for an estimate whose total error has the given RMS, degrees."""
+        calibrated = None if bound.calibrated is None else cls.of(bound.calibrated, stamps_ns, rms_deg)
         since = stamps_ns - bound.stamps_ns[0]
         times = bound.stamps_ns - bound.stamps_ns[0]
         filtered, smoothed = (
@@ -49,7 +54,8 @@ class BestPossible:
         # errors that do not change, as by constant biases, are small by luck: no more often than those of one sample
         deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
         luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
-        return cls(filtered, smoothed, bound.unobserved, not bound.unobserved and luck < RARE)
+        beaten = not bound.unobserved and luck < RARE
+        return cls(filtered, smoothed, bound.unobserved, calibrated.beaten if calibrated else beaten, calibrated)
 
     @property
     def filtered(self) -> Statistics | None:
@@ -69,4 +75,5 @@ class BestPossible:
             "smoothed_deg": smoothed.to_json() if smoothed else None,
             "unobserved": self.unobserved,
             "beaten": self.beaten,
+            "calibrated": self.calibrated.to_json() if self.calibrated else None,
         }

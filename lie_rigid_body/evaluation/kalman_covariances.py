@@ -13,9 +13,11 @@ over the samples.
 
 The constants θ begin with the covariance 1, independent of the state. Their number costs little, as they are no part of
 the state. An estimate that takes them to be 0 errs by Ψ θ more. Its sensitivity Ψ follows the estimate's own recursion,
-with B θ for a turn and D θ for a reading. An innovation tells of them the rows S^(−½) (H Ψ + D), with its covariance S.
-Orthogonal transformations add such rows to a triangular R, RᵀR = 1 + Σ rowsᵀ rows, without squaring them; then the
-covariance is P + Ψ (RᵀR)⁻¹ Ψᵀ.
+with B θ for a step and D θ for a reading. An innovation of covariance S tells of them the rows S^(−½) (H Ψ + D). With
+the triangular R of all these rows, RᵀR = 1 + Σ rowsᵀ rows, the covariance is P + Ψ (RᵀR)⁻¹ Ψᵀ.
+
+Each covariance and information is kept as a root, P = rootᵀ root, which orthogonal transformations change. None is
+squared on the way, so that it stays right where noises are tiny beside the first deviations.
 
 References
 ----------
@@ -35,12 +37,13 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 
 Steps: TypeAlias = Callable[[Integers], tuple[Array, Array, Array, Array, Array]]
-"""F (S, n, n), Q (S, n, n), H (S, m, n), B (S, n, c) and D (S, m, c) of S samples by number.
+"""F (S, n, n), a root of Q (S, q, n), H (S, m, n), B (S, n, c) and D (S, m, c) of S samples by number.
 
 Those after the last change and tell nothing.
 """
+
 Pair: TypeAlias = tuple[Array, Array]
-"""A covariance, an information or a transition of states, (..., n, n), and its part for the constants, (..., n, c)."""
+"""Roots of covariances of states, and the sensitivities of their estimates to the constants."""
 
 
 class Covariances(NamedTuple):
@@ -71,8 +74,8 @@ def covariances(steps: Steps, count: int, first: Array, constants: int = 0) -> t
     steps : callable
     count : int
         Samples, N.
-    first : ndarray, shape (n, n)
-        Covariance of the state before sample 0.
+    first : ndarray, shape (n,)
+        Standard deviations of the state before sample 0, which are independent; none is 0.
     constants : int, optional
         Number of constants, c.
 
@@ -81,12 +84,13 @@ def covariances(steps: Steps, count: int, first: Array, constants: int = 0) -> t
     known, unknown : Covariances
     """
     numbers = np.arange(padded(count)).reshape(-1, _length(count)).T
-    transition, C, information = _blocks(steps, numbers, len(first), constants)
-    before, filtered, rows = _filtered(steps, numbers, _before(transition, C, information, first))
-    smoothed = _smoothed(steps, numbers, filtered, _after(transition, C, information))
-    added = _added(rows, numbers, before[1], filtered[1], smoothed[1])
-    known = Covariances(before[0][:count], filtered[0][:count], smoothed[0][:count])
-    return known, Covariances(*(P + more[:count] for P, more in zip(known, added, strict=True)))
+    start, end = _at_ends(*_blocks(steps, numbers, len(first), constants), np.diag(first))
+    before, filtered, rows = _filtered(steps, numbers, *start)
+    smoothed = _smoothed(steps, numbers, filtered, end)
+    parts = before, filtered, smoothed
+    known = [_square(root)[:count] for root, _ in parts]
+    added = _by_constants(numbers, rows, *(sensitivity for _, sensitivity in parts))
+    return Covariances(*known), Covariances(*(P + more[:count] for P, more in zip(known, added, strict=True)))
 
 
 def _length(count: int) -> int:
@@ -94,136 +98,126 @@ def _length(count: int) -> int:
     return max(1, math.isqrt(count))
 
 
-def _blocks(steps: Steps, numbers: Integers, n: int, c: int) -> tuple[Pair, Array, Pair]:
+def _blocks(steps: Steps, numbers: Integers, n: int, c: int) -> tuple[Array, Array, Array, Array, Array]:
+    """Blocks: A, what the constants add to the state, a root of C, and rows that tell of the state and of constants."""
     A, C, J = (np.tile(part, (numbers.shape[1], 1, 1)) for part in (np.eye(n), np.zeros((n, n)), np.zeros((n, n))))
     b, g = np.zeros((2, numbers.shape[1], n, c))
     for k in numbers:
-        F, Q, H, B, D = steps(k)
-        A, b, C = F @ A, F @ b + B, F @ C @ _transposed(F) + Q
-        told = np.concatenate([H @ A, H @ b + D], axis=-1)
-        gain, weighed = _gain(C, H, told)
-        information = _transposed(told[..., :n]) @ weighed
-        J, g = J + information[..., :n], g + information[..., n:]
-        A, b, C = A - gain @ told[..., :n], b - gain @ told[..., n:], _joseph(C, H, gain)
-    return (A, b), C, (J, g)
+        F, noise, H, B, D = steps(k)
+        A, b = F @ A, F @ b + B
+        C, gain, S = _updated(_stacked(C @ _transposed(F), noise), H)
+        told, beside = np.linalg.solve(S, H @ A), np.linalg.solve(S, H @ b + D)
+        A, b = A - _transposed(gain) @ told, b - _transposed(gain) @ beside
+        rows = _triangle(_stacked(_beside(J, g), _beside(told, beside)))
+        J, g = rows[..., :n, :n], rows[..., :n, n:]
+    return A, b, C, J, g
 
 
-def _before(transition: Pair, C: Array, information: Pair, first: Array) -> Pair:
-    """Covariance and sensitivity before each block."""
-    (A, b), (H, D) = transition, _rows(*information)
-    found = [(first, np.zeros(b.shape[1:]))]
-    for i in range(len(A) - 1):
-        P, sensitivity = _updated(*found[-1], H[i], D[i])
-        found.append((C[i] + A[i] @ P @ A[i].T, A[i] @ sensitivity + b[i]))
-    return _stacked(found)
-
-
-def _after(transition: Pair, C: Array, information: Pair) -> Pair:
-    """Information of the readings after each block on the state at its end."""
-    (A, b), (J, g), (H, D) = transition, information, _rows(C, np.zeros_like(transition[1]))
-    found = [(np.zeros_like(J[0]), np.zeros_like(g[0]))]
+def _at_ends(A: Array, b: Array, C: Array, J: Array, g: Array, first: Array) -> tuple[Pair, Pair]:
+    """Roots and sensitivities before each block by the readings before it, and after each block by all readings."""
+    before, updated = [(first, np.zeros_like(b[0]))], list[Pair]()
+    for i in range(len(A)):
+        root, sensitivity = before[-1]
+        root, gain, S = _updated(root, J[i])
+        sensitivity = sensitivity - gain.T @ np.linalg.solve(S, J[i] @ sensitivity + g[i])
+        updated.append((root, sensitivity))
+        before.append((_triangle(_stacked(root @ A[i].T, C[i])), A[i] @ sensitivity + b[i]))
+    after = [before.pop()]
     for i in range(len(A) - 1, 0, -1):
-        Y, beside = _updated(*found[-1], H[i], D[i])
-        found.append((J[i] + A[i].T @ Y @ A[i], g[i] + A[i].T @ (Y @ b[i] + beside)))
-    return _stacked(found[::-1])
+        after.append(_earlier(*updated[i], A[i], C[i], b[i], *after[-1]))
+    return _together(before), _together(after[::-1])
 
 
-def _filtered(steps: Steps, numbers: Integers, start: Pair) -> tuple[Pair, Pair, Array]:
-    """Covariance and sensitivity before and after each sample's readings, and the rows that these tell of constants."""
-    P, sensitivity = start
-    before, after = (
-        (np.empty((numbers.size, *P.shape[1:])), np.empty((numbers.size, *sensitivity.shape[1:]))) for _ in range(2)
-    )
-    rows = []
+def _filtered(steps: Steps, numbers: Integers, root: Array, sensitivity: Array) -> tuple[Pair, Pair, Array]:
+    """Roots and sensitivities before and after each sample's readings, and the rows that these tell of constants."""
+    before, after, rows = list[Pair](), list[Pair](), list[Array]()
     for k in numbers:
-        F, Q, H, B, D = steps(k)
-        before[0][k], before[1][k] = P, sensitivity = F @ P @ _transposed(F) + Q, F @ sensitivity + B
-        rows.append(_whitened(P, H, H @ sensitivity + D))
-        after[0][k], after[1][k] = P, sensitivity = _updated(P, sensitivity, H, D)
-    return before, after, np.array(rows)
+        F, noise, H, B, D = steps(k)
+        root, sensitivity = _stacked(root @ _transposed(F), noise), F @ sensitivity + B
+        before.append((root, sensitivity))
+        root, gain, S = _updated(root, H)
+        rows.append(np.linalg.solve(S, H @ sensitivity + D))
+        sensitivity = sensitivity - _transposed(gain) @ rows[-1]
+        after.append((root, sensitivity))
+    return _in_order(before), _in_order(after), np.array(rows)
 
 
-def _smoothed(steps: Steps, numbers: Integers, filtered: Pair, later: Pair) -> Pair:
-    found = np.empty_like(filtered[0]), np.empty_like(filtered[1])
-    Y, g = later
-    for k in numbers[::-1]:
-        P, sensitivity = filtered[0][k], filtered[1][k]
-        found[0][k], found[1][k] = _joined(P, sensitivity - P @ g, Y)
-        F, Q, H, B, D = steps(k)
-        Y, g = _joined(Y + _transposed(H) @ H, g + _transposed(H) @ D, Q)
-        Y, g = _transposed(F) @ Y @ F, _transposed(F) @ (Y @ B + g)
-    return found
+def _smoothed(steps: Steps, numbers: Integers, filtered: Pair, end: Pair) -> Pair:
+    """Roots and sensitivities by all readings."""
+    found = [end]
+    for k in numbers[:0:-1]:
+        F, noise, _, B, _ = steps(k)
+        found.append(_earlier(filtered[0][k - 1], filtered[1][k - 1], F, noise, B, *found[-1]))
+    return _in_order(found[::-1])
 
 
-def _added(rows: Array, numbers: Integers, before: Array, filtered: Array, smoothed: Array) -> tuple[Array, ...]:
-    """Covariances that the constants add before and after each sample's readings, and from all."""
-    starts = [np.eye(rows.shape[-1])]
+def _by_constants(
+    numbers: Integers, rows: Array, before: Array, filtered: Array, smoothed: Array
+) -> tuple[Array, Array, Array]:
+    """Covariances that the constants add to those before and after each sample's readings, and to the smoothed."""
+    factors = [np.eye(rows.shape[-1])]
     for block in rows.swapaxes(0, 1):
-        starts.append(_factor(starts[-1], np.concatenate(block)))
-    R, states = np.array(starts[:-1]), before.shape[-2]
+        factors.append(_triangle(_stacked(factors[-1], np.concatenate(block))))
+    R, states = np.array(factors[:-1]), before.shape[-2]
     added = np.empty((2, numbers.size, states, states))
     for k, row in zip(numbers, rows, strict=True):
-        added[0, k] = _by_constants(R, before[k])
-        R = _factor(R, row)
-        added[1, k] = _by_constants(R, filtered[k])
-    return (*added, _by_constants(starts[-1], smoothed))
+        added[0, k] = _left(R, before[k])
+        R = _triangle(_stacked(R, row))
+        added[1, k] = _left(R, filtered[k])
+    return added[0], added[1], _left(factors[-1], smoothed)
 
 
-def _factor(R: Array, rows: Array) -> Array:
-    return np.linalg.qr(np.concatenate([R, rows], axis=-2), mode="r")
+def _left(R: Array, sensitivity: Array) -> Array:
+    """Covariance of a state of this sensitivity to constants of the information RᵀR."""
+    return _square(np.linalg.solve(_transposed(R), _transposed(sensitivity)))
 
 
-def _by_constants(R: Array, sensitivity: Array) -> Array:
-    half = np.linalg.solve(_transposed(R), _transposed(sensitivity))
-    return _transposed(half) @ half
+def _updated(root: Array, H: Array) -> tuple[Array, Array, Array]:
+    """Root after readings; S^(−½) H P and S^½, with the covariance S = H P Hᵀ + 1 of the innovation."""
+    m = H.shape[-2]
+    seen, ones = root @ _transposed(H), np.broadcast_to(np.eye(m), (*root.shape[:-2], m, m))
+    found = _triangle(_stacked(_beside(ones, np.zeros_like(H)), _beside(seen, root)))
+    return found[..., m:, m:], found[..., :m, m:], _transposed(found[..., :m, :m])
 
 
-def _whitened(P: Array, H: Array, told: Array) -> Array:
-    """What innovations tell, divided by a root of their covariance; that has no eigenvalue below 1."""
-    values, vectors = np.linalg.eigh(H @ P @ _transposed(H) + np.eye(H.shape[-2]))
-    return _transposed(vectors) @ told / np.sqrt(values.clip(1.0))[..., np.newaxis]
+def _earlier(
+    root: Array, sensitivity: Array, F: Array, noise: Array, B: Array, later: Array, later_sensitivity: Array
+) -> Pair:
+    """Root and sensitivity of a state by all readings, of those by the readings up to it, and of the next state's."""
+    n = root.shape[-1]
+    found = _triangle(_stacked(_beside(root @ _transposed(F), root), _beside(noise, np.zeros_like(noise))))
+    gain = np.linalg.solve(found[..., :n, :n], found[..., :n, n:])  # transposed
+    smoothed = _triangle(_stacked(later @ gain, found[..., n:, n:]))
+    return smoothed, sensitivity + _transposed(gain) @ (later_sensitivity - F @ sensitivity - B)
 
 
-def _joined(P: Array, sensitivity: Array, J: Array) -> Pair:
-    """Covariance (P⁻¹ + J)⁻¹, also where P has no inverse, and (1 + P J)⁻¹ times the sensitivity."""
-    n = P.shape[-1]
-    found = np.linalg.solve(np.eye(n) + P @ J, np.concatenate([P, sensitivity], axis=-1))
-    P, sensitivity = found[..., :n], found[..., n:]
-    return 0.5 * (P + _transposed(P)), sensitivity
+def _in_order(pairs: list[Pair]) -> Pair:
+    """Join the first samples of all blocks, their second ones and so on, in the order of the samples."""
+    first, second = (np.concatenate(np.stack(parts, axis=1)) for parts in zip(*pairs, strict=True))
+    return first, second
 
 
-def _updated(P: Array, sensitivity: Array, H: Array, D: Array) -> Pair:
-    """Covariance and sensitivity after readings."""
-    gain, _ = _gain(P, H, H)
-    return _joseph(P, H, gain), sensitivity - gain @ (H @ sensitivity + D)
+def _triangle(rows: Array) -> Array:
+    """The triangular root of what rows are a root of."""
+    return np.linalg.qr(rows, mode="r")
 
 
-def _gain(P: Array, H: Array, told: Array) -> tuple[Array, Array]:
-    """Gain P Hᵀ S⁻¹ with the covariance S of the innovation, and S⁻¹ times what the readings tell."""
-    seen = H @ P
-    S = seen @ _transposed(H) + np.eye(H.shape[-2])
-    both = np.linalg.solve(S, np.concatenate([seen, told], axis=-1))
-    return _transposed(both[..., : seen.shape[-1]]), both[..., seen.shape[-1] :]
+def _square(root: Array) -> Array:
+    return _transposed(root) @ root
 
 
-def _joseph(P: Array, H: Array, gain: Array) -> Array:
-    """The covariance after readings in Joseph's form, which stays symmetric and positive."""
-    rest = np.eye(P.shape[-1]) - gain @ H
-    return np.asarray(rest @ P @ _transposed(rest) + gain @ _transposed(gain))
+def _stacked(first: Array, second: Array) -> Array:
+    return np.concatenate([first, second], axis=-2)
 
 
-def _rows(information: Array, beside: Array) -> Pair:
-    """Rows (H, D) of readings that tell the same as an information (HᵀH, HᵀD)."""
-    size = np.sqrt(np.diagonal(information, axis1=-2, axis2=-1).clip(np.finfo(float).tiny))[..., np.newaxis]
-    values, vectors = np.linalg.eigh(information / (size * _transposed(size)))  # of one size, whatever the units
-    root = np.sqrt(values.clip(0.0))[..., np.newaxis]
-    D = np.divide(_transposed(vectors) @ (beside / size), root, where=root > 0.0, out=np.zeros_like(beside))
-    return root * _transposed(vectors) * _transposed(size), D
-
-
-def _stacked(pairs: list[Pair]) -> Pair:
-    return np.array([first for first, _ in pairs]), np.array([second for _, second in pairs])
+def _beside(first: Array, second: Array) -> Array:
+    return np.concatenate([first, second], axis=-1)
 
 
 def _transposed(matrices: Array) -> Array:
     return np.swapaxes(matrices, -1, -2)
+
+
+def _together(pairs: list[Pair]) -> Pair:
+    first, second = (np.array(parts) for parts in zip(*pairs, strict=True))
+    return first, second

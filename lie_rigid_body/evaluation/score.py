@@ -222,6 +222,10 @@ def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     if score.best is not None and score.best.filtered and score.best.smoothed:
         yield "best filter", score.best.filtered
         yield "best smoother", score.best.smoothed
+        calibrated = score.best.calibrated
+        if calibrated is not None and calibrated.filtered and calibrated.smoothed:
+            yield "… calibrated", calibrated.filtered
+            yield "… smoother", calibrated.smoothed
 
 
 def numbers(statistics: Statistics) -> list[str]:

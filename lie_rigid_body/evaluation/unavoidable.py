@@ -319,7 +319,11 @@ class _System:
             size += 0 if known else 3
         self.gyro_bias, *vector_biases = places
         self.size, self._stamps = size, stamps
-        self._turn_on = [(p, bias.turn_on / unit) for p, bias, unit in zip(places, biases, units, strict=True) if p]
+        self._turn_on = [
+            (place, max(bias.turn_on, SMALLEST * bias.step) / unit)
+            for place, bias, unit in zip(places, biases, units, strict=True)
+            if place
+        ]
         self._padding = (0, padded(len(stamps)) - len(stamps))
         truth = np.pad(truth, (self._padding, (0, 0)), "edge")
         interval = np.diff(np.pad(stamps, self._padding, "edge"), prepend=stamps[0]) / 1e9
@@ -327,8 +331,8 @@ class _System:
         turn[1:] = turns(truth[:-1], truth[1:])
         self._back, jacobian = so3.exp(-turn), right_jacobian(turn)
         self._pushed = interval[:, np.newaxis, np.newaxis] * jacobian
-        self._gyro_variance = np.pad(gyro_noise**2, self._padding)
-        self._walks = [] if self.gyro_bias is None else [(self.gyro_bias, np.pad(gyro_walk**2, self._padding))]
+        self._gyro_noise = np.pad(gyro_noise, self._padding)
+        self._walks = [] if self.gyro_bias is None else [(self.gyro_bias, np.pad(gyro_walk, self._padding))]
         self._vectors = [self._vector(*each, truth) for each in zip(vectors, vector_biases, strict=True)]
         self._attitudes = [(self._count(each), each.whitening()) for each in attitudes]
         # a column for each constant of each sensor: what it adds to a turn, and to the readings of a vector
@@ -350,31 +354,28 @@ class _System:
         if place is not None and count.any():
             steps = count.copy()
             steps[np.flatnonzero(count)[0]] -= 1.0
-            self._walks.append((place, (sensor.bias.step / unit) ** 2 * steps))
+            self._walks.append((place, sensor.bias.step / unit * np.sqrt(steps)))
         weight = np.sqrt(count) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
         body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
         return weight[:, np.newaxis] * body, weight, place
 
     def steps(self, k: Integers) -> tuple[Array, Array, Array, Array, Array]:
-        """Steps to samples by number: transition, covariance that it adds, what readings tell, and the constants'."""
+        """Steps to samples by number: transition, root of the noise, what readings tell, and the constants' parts."""
         transition = np.tile(np.eye(self.size), (len(k), 1, 1))
         transition[:, :3, :3] = self._back[k]
-        added = np.zeros(transition.shape)
-        for place, walk in self._walks:
-            added[:, place : place + 3, place : place + 3] = walk[k, np.newaxis, np.newaxis] * np.eye(3)
-        pushed = np.asarray(self._pushed[k], dtype=np.float64)
+        noise = np.zeros((len(k), 1 + len(self._walks), 3, self.size))
+        pushed = self._pushed[k].swapaxes(1, 2)
+        noise[:, 0, :, :3] = self._gyro_noise[k, np.newaxis, np.newaxis] * pushed
+        for i, (place, walk) in enumerate(self._walks, 1):
+            noise[:, i, :, place : place + 3] = walk[k, np.newaxis, np.newaxis] * np.eye(3)
+            if place == self.gyro_bias:  # a step of the bias acts on the turn of the same interval
+                noise[:, i, :, :3] = walk[k, np.newaxis, np.newaxis] * pushed
         if self.gyro_bias is not None:
-            columns = slice(self.gyro_bias, self.gyro_bias + 3)
-            transition[:, :3, columns] = pushed
-            # a step of the bias acts on the turn of the same interval
-            added[:, :3, columns] = pushed @ added[:, columns, columns]
-            added[:, columns, :3] = added[:, :3, columns].swapaxes(1, 2)
-            added[:, :3, :3] = added[:, :3, columns] @ pushed.swapaxes(1, 2)
-        added[:, :3, :3] += self._gyro_variance[k, np.newaxis, np.newaxis] * pushed @ pushed.swapaxes(1, 2)
+            transition[:, :3, self.gyro_bias : self.gyro_bias + 3] = self._pushed[k]
         turned = np.zeros((len(k), self.size, self.constants))
         turned[:, :3, self._columns[0]] = self._turned[k]
         seen, read = self._seen(k)
-        return transition, added, seen, turned, read
+        return transition, noise.reshape(len(k), -1, self.size), seen, turned, read
 
     def _seen(self, k: Integers) -> tuple[Array, Array]:
         """Rows of the readings at samples, of unit variance each: three for each sensor, by state and by constants."""
@@ -395,7 +396,7 @@ class _System:
         deviations = np.full(self.size, initial)
         for place, deviation in self._turn_on:
             deviations[place : place + 3] = deviation
-        return covariances(self.steps, len(self._stamps), np.diag(deviations**2), self.constants)
+        return covariances(self.steps, len(self._stamps), deviations, self.constants)
 
 
 def _errors(matrices: Array, vectors: Array) -> Array:
@@ -403,6 +404,8 @@ def _errors(matrices: Array, vectors: Array) -> Array:
     return np.asarray(np.einsum("cij,nj->nic", matrices, vectors))
 
 
+SMALLEST: Final = 1e-6
+"""Turn-on of a bias that has none, in steps of its walk: the recursion divides by it."""
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
 """Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
 UNSEEN: Final = 0.25

@@ -106,7 +106,8 @@ def test_errors_are_finite_and_fall(family):
 def test_a_fixed_step_has_its_order(family, order):
     used = [(h, e) for h, e in of_family(family) if ROUND_OFF < e < 0.2]
     if family.startswith("MuJoCo"):
-        order = order_in_mujoco(family, tuple(map(int, version("mujoco").split(".")[:2])))
+        major, minor = map(int, version("mujoco").split(".")[:2])
+        order = order_in_mujoco(family, (major, minor))
     steps, errors_of_them = np.log(np.array(used)).T
     slope = np.polyfit(steps, errors_of_them, 1)[0]
     assert len(used) >= 3

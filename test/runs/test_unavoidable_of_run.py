@@ -56,9 +56,12 @@ def test_the_bound_is_that_of_the_declared_noise(run):
         gyro_bias=walk("gyro"),
         vectors=vectors,
     )
-    found = run.unavoidable_error()
+    unknown = run.unavoidable_error()
+    assert unknown is not None
+    found = unknown.calibrated
     assert found is not None
     np.testing.assert_array_equal(found.stamps_ns, t_ns)
+    assert (np.trace(unknown.smoothed - found.smoothed, axis1=1, axis2=2) > 0.0).all()
     np.testing.assert_allclose(found.filtered, wanted.filtered, rtol=1e-9, atol=1e-15)
     np.testing.assert_allclose(found.smoothed, wanted.smoothed, rtol=1e-6, atol=1e-12)
 
@@ -150,15 +153,20 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
     assert score.best is not None
     assert not score.best.beaten
     lines = str(score).splitlines()
-    assert [line.split("  ")[0] for line in lines[1:6]] == [
+    assert [line.split("  ")[0] for line in lines[1:8]] == [
         "total",
         "heading",
         "inclination",
         "best filter",
         "best smoother",
+        "… calibrated",
+        "… smoother",
     ]
     content = score.to_dict(series=True)
     assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms
+    calibrated = content["unavoidable"]["calibrated"]
+    assert 0.0 < calibrated["filtered_deg"]["rms"] < content["unavoidable"]["filtered_deg"]["rms"]
+    assert calibrated["calibrated"] is None
     assert len(content["series"]["unavoidable_deg"]) == score.samples
     write_plot(score, tmp_path / "errors.png")
     write_report(score, tmp_path / "errors.html")
