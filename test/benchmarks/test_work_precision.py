@@ -105,6 +105,8 @@ def test_errors_are_finite_and_fall(family):
 @pytest.mark.parametrize(("family", "order"), ORDERS.items())
 def test_a_fixed_step_has_its_order(family, order):
     used = [(h, e) for h, e in of_family(family) if ROUND_OFF < e < 0.2]
+    if family == "Drake, continuous RK5":  # longer steps are too coarse for its order to show, shorter at round-off
+        used = [(h, e) for h, e in of_family(family) if 0.005 <= h <= 0.02]
     if family.startswith("MuJoCo"):
         major, minor = map(int, version("mujoco").split(".")[:2])
         order = order_in_mujoco(family, (major, minor))
