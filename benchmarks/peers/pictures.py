@@ -28,7 +28,7 @@ STYLES: Final = {
     "ours, moving chart dmv10": ("#04626B", "p", "-"),
     "ours, moving chart dmv20": ("#013338", "H", "-"),
     "MuJoCo, Euler": ("#FDAE6B", "s", "--"),
-    "MuJoCo, implicit": ("#FDD0A2", "*", "--"),
+    "MuJoCo, implicit": ("#FDD0A2", "p", "--"),
     "MuJoCo, implicitfast": ("#A63603", "x", "--"),
     "MuJoCo, RK4": ("#E6550D", "D", "--"),
     "Drake, discrete": ("#FCBBA1", "v", "--"),
