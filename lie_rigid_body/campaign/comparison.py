@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -91,9 +92,13 @@ class Standing:
         return self.entry.contender.name
 
     def quantile(self, column: str, share: float) -> float:
-        """Quantile of a score over the runs that have it; NaN if none has."""
-        values = self.scores[column][~np.isnan(self.scores[column])]
-        return float(np.quantile(values, share, method="inverted_cdf")) if len(values) else np.nan
+        """Quantile of a score over the runs that have it, some of which may be infinite; NaN if none has."""
+        values = np.sort(self.scores[column][~np.isnan(self.scores[column])])
+        if not len(values):
+            return np.nan
+        place = share * len(values)
+        low, high = values[math.ceil(place) - 1], values[min(int(place), len(values) - 1)]
+        return float(low if low == high else 0.5 * (low + high))
 
     def worst(self, count: int) -> list[int]:
         """Numbers of the runs of the largest errors, first those in which it failed."""

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from statistics import median
 from typing import Any, Final
 
 from lie_rigid_body import console
@@ -173,9 +174,9 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
                 failed.pop(name, None)
             elif name in failed:
                 failed[name] = failed[name] or error
-    for name, error in failed.items():
-        reason = shortened(error.removesuffix(f": {MENDED}"), _LONGEST_REASON)
-        what = shown(name) if name else campaign.estimator
+    if failed:
+        reason = shortened(failed[min(failed)].removesuffix(f": {MENDED}"), _LONGEST_REASON)
+        what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
         raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 
 
@@ -220,8 +221,9 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     elif campaign.estimators:
         comparison = compare(campaign, journal.rows)
         lines += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
-    functions = {one.function: None for one in campaign.contenders.values() if one.function}
-    lines += [f"what is wrong with it: {console.program('diagnose')} {name}" for name in functions]
+    functions = sorted({one.function for one in campaign.contenders.values() if one.function})
+    what = "it" if campaign.estimator is not None else "one"
+    lines += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
     if given.report is not None:
         _write_page(campaign, journal, comparison, given)
         lines.append(f"wrote {printable(given.report)}")
@@ -240,9 +242,9 @@ def _of_one(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
     totals = sorted(
         total or 0.0 for run, total in zip(table["run"], table[SCORES[0]], strict=True) if run not in errors
     )
-    median = f", median {totals[len(totals) // 2]:.3g}° rms" if totals else ""
+    middle = f", median {median(totals):.3g}° rms" if totals else ""
     unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
-    yield f"{len(totals)} scored{median}{unscored}"
+    yield f"{len(totals)} scored{middle}{unscored}"
 
 
 def _write_page(campaign: Campaign, journal: Journal, comparison: Comparison | None, given: argparse.Namespace) -> None:

@@ -263,7 +263,11 @@ def courses_of(given: Mapping[str, object]) -> tuple[Course, ...]:
             "motion, the rates and the fields"
         )
     kept: dict[str, object] = {name: values[name] for name in given if name in _TAKEN}
-    rates = {name: kept.get(name) or RATE for name in ("imu_rate", "magnetometer_rate")}
+    rates = {name: kept.get(name, RATE) for name in ("imu_rate", "magnetometer_rate")}
+    if not all(rates.values()):
+        raise InputError(
+            f"{listed([name for name in rates if not rates[name]])}: 0: give rates above 0, or leave it out"
+        )
     own = {"motion": "closed_form", "gyro_rate": KINDS[0], "accelerometer_mode": "pivot_gravity", **rates}
     motions = [kept] if _OF_A_MOTION & kept.keys() else [{**motion, **kept} for motion in MOTIONS]
     courses = tuple(Course(Scenario.from_parameters({**motion, **own})) for motion in motions)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.showing import Shown
-from lie_rigid_body.wording import short_repr, shortened
+from lie_rigid_body.wording import counted, short_repr, shortened
 
 
 @dataclass(frozen=True)
@@ -149,8 +149,12 @@ class FilterDiagnosis(Shown):
         if "finite" in failed:
             return [f"Mend first {failed['finite']}; other failed probes: {', '.join(failed)}."]
         if self.rms_deg <= self.floor_deg:
-            found = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
-            return [found + (f"; it fails the probes {', '.join(failed)}." if failed else ".")]
+            sound = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
+            if not failed:
+                return [f"{sound}."]
+            first = next(iter(failed))
+            fails = f"The filter fails {counted(len(failed), 'probe')}: {', '.join(failed)}."
+            return [fails, f"{first}: {failed[first]}.", f"{sound}."]
         tried = "so far" if self.interrupted else "that was tried"
         return [
             f"Nothing {tried} mends the error of {degrees(self.rms_deg)}; failed: {', '.join(failed) or 'nothing'}."

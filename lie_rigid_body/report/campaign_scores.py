@@ -30,6 +30,7 @@ _COLUMNS: Final = (
     "failed",
     "a reading",
 )
+_HEAD: Final = "Medians over the runs; of errors and times 95 % of the runs are below the second number."
 _WIDTHS: Final = "{:<24} {:>15} {:>15} {:>15} {:>15} {:>6} {:>10} {:>7} {:>9}"
 _ERRORS: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg")
 _SHARES: Final = (0.5, 0.95)
@@ -43,7 +44,7 @@ _WIDE: Final = 30.0
 
 def as_text(comparison: Comparison) -> str:
     """The table, and a sentence for each pair, grid, covariance and failure."""
-    lines = ["RMS errors over the runs: median, and 95 % of the runs are below the second number.", ""]
+    lines = [_HEAD, ""]
     lines += [_WIDTHS.format(*row).rstrip() for row in (_COLUMNS, *map(_cells, comparison.standings))]
     lines.append("")
     for sentence in _sentences(comparison):
@@ -93,7 +94,8 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
     if best := comparison.best:
         of = [(one.name, float(one.scores["total_rms_deg"][one.runs == best.run][0])) for one in comparison.standings]
         errors = ", ".join(f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of)
-        yield f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best; there errs {errors}."
+        left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
+        yield f"{left}; in it errs {errors}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
     elif comparison.has_covariances and not any(one.covariance for one in comparison.standings):
@@ -113,7 +115,7 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Mapping[int, Ma
     yield "<h2>Estimators</h2>"
     yield from map(html_page.paragraph, _sentences(comparison))
     yield html_page.table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings])
-    yield html_page.paragraph("RMS errors over the runs: the median, and the number that 95 % of the runs are below.")
+    yield html_page.paragraph(_HEAD)
     shown = [(one, _COLOURS[at % len(_COLOURS)]) for at, one in enumerate(comparison.standings)]
     yield html_page.grid(_figures(comparison, shown, varied), wide=True)
     commands = [
