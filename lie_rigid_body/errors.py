@@ -26,7 +26,7 @@ def said(error: BaseException) -> str:
         return str(error)
     words = ""
     with suppress(Exception):  # of a class whose own words fail
-        words = str(error)
+        words = str(error).encode("utf-8", "backslashreplace").decode()  # half a character goes into no file
     return f"{type(error).__name__}: {words}"
 
 

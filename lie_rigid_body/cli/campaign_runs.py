@@ -206,7 +206,8 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     from pyarrow.parquet import read_table
 
     path = journal.write_table()
-    table = read_table(path).to_pydict()
+    with path.open("rb") as file:  # the name need not be Unicode
+        table = read_table(file).to_pydict()
     runs = table["run"]
     broken = [run for run, certified in zip(runs, table["certified"], strict=True) if not certified]
     lines = [

@@ -126,7 +126,7 @@ def evaluate(
     remarks = (
         *diagnosis.turns,
         *estimate.remarks,
-        *_absence(estimate.stamps_ns, len(known), truth),
+        *_absence(estimate.stamps_ns, len(known), truth, due_ns),
         *_interpolation(uncertainty, statistics),
     )
     consistency = None
@@ -226,12 +226,18 @@ def _apart(stamps: Integers, given: int, truth: Truth) -> str:
     )
 
 
-def _absence(stamps: Integers, given: int, truth: Truth) -> tuple[Remark, ...]:
-    """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds."""
+def _absence(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> tuple[Remark, ...]:
+    """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds.
+
+    Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
+    """
     remarks = []
-    duration, least = truth.last_ns - truth.first_ns, GAP * period_ns(stamps)
-    absent = int(stamps[0]) - truth.first_ns, truth.last_ns - int(stamps[-1])
-    for missing, what in zip(absent, ("begins {:g} s after the truth", "ends {:g} s before the truth"), strict=True):
+    last_ns, end = truth.last_ns, "ends {:g} s before the truth"
+    if due_ns is not None and due_ns > last_ns:
+        last_ns, end = due_ns, "ends {:g} s before it was to end"
+    duration, least = last_ns - truth.first_ns, GAP * period_ns(stamps)
+    absent = int(stamps[0]) - truth.first_ns, last_ns - int(stamps[-1])
+    for missing, what in zip(absent, ("begins {:g} s after the truth", end), strict=True):
         if missing > max(ABSENT * duration, least):
             message = f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
             remarks.append(Remark("gaps", message))

@@ -115,7 +115,7 @@ class FilterRow:
             numbers = np.array([[row.results[str(case)].total_deg] for case in CASES], dtype=np.float64)
             if not np.isfinite(numbers).all():
                 raise ValueError("an error that is not finite")
-        except (TypeError, KeyError, AttributeError, ValueError) as error:
+        except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             raise InputError(f"no row of the league ({shown(str(error))}): give what 'league --json' writes") from None
         return row
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from pathlib import Path
@@ -49,6 +50,11 @@ def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tm
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
         simulate(campaign.scenario_of(row["run"]), duration=campaign.duration).to_bag(again, overwrite=True)
         assert again.read_bytes() == (out / row["bag"]).read_bytes()
+
+
+def test_the_name_of_a_folder_need_not_be_unicode(out: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(out, tmp_path / os.fsdecode(b"out\xff"))
+    assert main([str(written(tmp_path)), "--out", str(copy)]) == 0
 
 
 def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:

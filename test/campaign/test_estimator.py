@@ -40,6 +40,9 @@ def three(run):
 def leaves(run):
     raise SystemExit(3)
 
+def halves(run):
+    raise RuntimeError("half a character: " + chr(0xd800))
+
 def interrupts(run):
     raise KeyboardInterrupt("enough")
 """
@@ -89,6 +92,7 @@ def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
         ("lost", "finite"),
         ("leaves", "SystemExit: 3"),
         ("interrupts", "KeyboardInterrupt: enough"),
+        ("halves", "RuntimeError: half a character: \\ud800"),
         ("missing", "no function 'missing'"),
     ],
 )

@@ -284,6 +284,15 @@ def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, t
     assert followed(alone, POSE_STAMPED).left_out() == {}
 
 
+def test_a_filter_that_dies_before_the_end_is_told(own, stamps, noisy):
+    """In lock-step the truth ends with it."""
+    heard = messages_in_turn(own, stamps, noisy, "")
+    whole, half = (live_of(heard, duration_s=duration).score()[1].findings for duration in (5.0, 10.0))
+    more = {each.message for each in half} - {each.message for each in whole}
+    assert len(more) == 1
+    assert [each.code for each in half if each.message in more] == ["gaps"]
+
+
 def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps, noisy, tmp_path):
     """As on a loaded machine, which reads the messages of many seconds at once; what comes later cannot spoil it."""
     spoilt = noisy.copy()
@@ -462,8 +471,8 @@ def messages_in_turn(bag: Path, stamps: np.ndarray, attitudes: np.ndarray, witho
     return [*scenarios[:1], *pairs]
 
 
-def live_of(heard: list[tuple[str, bytes]], batch: int = 5) -> LiveEstimate:
-    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
+def live_of(heard: list[tuple[str, bytes]], batch: int = 5, duration_s: float | None = None) -> LiveEstimate:
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=duration_s)
     for i in range(0, len(heard), batch):
         part = heard[i : i + batch]
         live.hear_estimates([payload for topic, payload in part if topic == "/estimate"])
