@@ -93,7 +93,7 @@ def decode_places(
 def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) -> Iterator[tuple[Integers, Bytes]]:
     """Group payloads by their sizes; those that follow each other are not copied."""
     indices = np.arange(len(starts))
-    if len(starts) and (sizes == sizes[0]).all() and (np.diff(starts) == sizes[0]).all():
+    if len(starts) and sizes[0] > 0 and (sizes == sizes[0]).all() and (np.diff(starts) == sizes[0]).all():
         size = int(sizes[0])
         yield indices, windows(data, size)[int(starts[0]) :: size][: len(starts)]
         return
