@@ -22,6 +22,8 @@ Bytes: TypeAlias = NDArray[np.uint8]
 
 _BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 """Byte order, as `struct` names it, by the first two bytes of plain CDR."""
+_ENCAPSULATION: Final = 2
+"""Number of these bytes, without which a message has no layout."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,9 @@ def decode_places(
     BagError
         Naming a message that is not such a payload.
     """
+    shortest = int(np.argmin(ends - starts)) if len(starts) else 0
+    if len(starts) and ends[shortest] - starts[shortest] < _ENCAPSULATION:
+        byte_order(bytes(data[starts[shortest] : ends[shortest]]), first + shortest)  # which refuses it
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
     frames = _Frames(len(starts))
@@ -93,7 +98,7 @@ def decode_places(
 def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) -> Iterator[tuple[Integers, Bytes]]:
     """Group payloads by their sizes; those that follow each other are not copied."""
     indices = np.arange(len(starts))
-    if len(starts) and sizes[0] > 0 and (sizes == sizes[0]).all() and (np.diff(starts) == sizes[0]).all():
+    if len(starts) and (sizes == sizes[0]).all() and (np.diff(starts) == sizes[0]).all():
         size = int(sizes[0])
         yield indices, windows(data, size)[int(starts[0]) :: size][: len(starts)]
         return
@@ -104,8 +109,6 @@ def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) ->
 
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
     """Group rows of one size by what determines their layout: the encapsulation and the length of the frame name."""
-    if rows.shape[1] < 4:  # too short for any layout
-        return [slice(None)]
     keys = _column(rows, 0, 2, "u2")[:, 0].astype(np.int64)
     if stamped and rows.shape[1] >= FRAME:
         keys += _column(rows, 12, 4, "u4")[:, 0].astype(np.int64) << 16
