@@ -22,6 +22,7 @@ from lie_rigid_body.runs.estimators import Estimator
 from lie_rigid_body.runs.node import NodeEstimator
 from lie_rigid_body.runs.workers import Alone, Crew, Workers, source_of
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
 
@@ -191,7 +192,5 @@ def _command(course: Course, errors: ErrorOverTime) -> str:
     late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
     default = Scenario.from_parameters({"imu_rate": 1.0}).parameters()
     words = ["lie-rigid-body", "record", "errs.mcap", "--duration", f"{np.ceil(max(1.0, late - REST)):g}"]
-    for name, value in course.scenario.parameters().items():
-        if value != default[name]:
-            words += ["-p", f"{name}:={list(value) if isinstance(value, tuple) else value}".replace(" ", "")]
+    words += assignments({n: value for n, value in course.scenario.parameters().items() if value != default[n]})
     return f"It errs most in: {shlex.join(words)}"

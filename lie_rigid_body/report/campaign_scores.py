@@ -17,6 +17,7 @@ from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.plotly_parts import axis, layout, line, logarithmic
+from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.wording import counted, printable, shortened
 
 _COLUMNS: Final = (
@@ -205,8 +206,4 @@ def _command(campaign: Campaign, run: int) -> str:
     """The command that makes a run again."""
     words = ["lie-rigid-body", "record", f"{run:06d}.mcap", "--duration", f"{campaign.duration:g}"]
     words += ["--scenario", campaign.scenario] if campaign.scenario else []
-    varied = campaign.varied(campaign.scenario_of(run))
-    for name, value in {**campaign.parameters, **varied}.items():
-        text = json.dumps(list(value) if isinstance(value, tuple) else value) if not isinstance(value, str) else value
-        words += ["-p", f"{name}:={text.replace(' ', '')}"]
-    return shlex.join(words)
+    return shlex.join(words + assignments({**campaign.parameters, **campaign.varied(campaign.scenario_of(run))}))

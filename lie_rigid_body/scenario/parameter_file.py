@@ -6,6 +6,7 @@ a word. So a file means the same to the node and to the headless verbs.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -108,6 +109,15 @@ def read_yaml(path: str | Path, *, pipes: bool = True) -> Any:
         If the file cannot be read, is not YAML, or gives a key twice.
     """
     return load_yaml(read_text(path, LARGEST_FILE, pipes=pipes), str(path), _Loader)
+
+
+def assignments(parameters: Mapping[str, object]) -> list[str]:
+    """Words of a command line that give parameters: ``-p`` and an assignment each, which `parse_assignment` reads."""
+    words = []
+    for name, value in parameters.items():
+        text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+        words += ["-p", f"{name}:={text}"]
+    return words
 
 
 def parse_assignment(text: str, option: str = "-p") -> tuple[str, object]:

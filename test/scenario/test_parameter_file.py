@@ -15,6 +15,7 @@ from test_what_scenarios_say import REFUSED
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import (
+    assignments,
     gather,
     parse_assignment,
     read_parameter_file,
@@ -226,3 +227,10 @@ def test_an_integer_of_any_length_is_refused_by_its_range(digits):
     with pytest.raises(ParameterError) as refusal:
         Scenario.from_parameters(gather(None, [], [f"epoch_ns:={digits}"]))
     assert refusal.value.name == "epoch_ns"
+
+
+def test_assignments_are_read_as_the_values_that_they_give() -> None:
+    given = {"rate": 1e-05, "inertia": (1.0, 2.0, 3.0), "paused": True, "epoch_ns": 7, "world_frame": "a map"}
+    words = assignments(given)
+    assert words[::2] == ["-p"] * len(given)
+    assert dict(map(parse_assignment, words[1::2])) == {**given, "inertia": [1.0, 2.0, 3.0]}
