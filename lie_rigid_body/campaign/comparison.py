@@ -13,7 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.estimators import Contender, Entry
-from lie_rigid_body.campaign.judging import CURVE, MORE_SCORES, SCORES, SERIES, Judgement
+from lie_rigid_body.campaign.judging import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, errors_of
 from lie_rigid_body.campaign.run import Row
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs
@@ -169,7 +169,7 @@ def compare(campaign: Campaign, rows: Callable[[], Iterable[Row]]) -> Comparison
     for row in rows():
         for name, (place, _) in chosen.items():
             if _counts(campaign.contenders[name], row.run) and len(kept[name]) < MOST_SERIES:
-                kept[name].append(Judgement.read(row.judgements[place]))
+                kept[name].append(Judgement(**row.judgements[place]))
     independent = _SEED in campaign.vary
     standings = tuple(
         tables.standing(entries[place], place, points, kept[name], duration if independent else None)
@@ -199,7 +199,7 @@ class _Tables:
         self._first: list[dict[int, str]] = [{} for _ in entries]
         for row in rows:
             runs.append(row.run)
-            read = [Judgement.read(judgement) for judgement in row.judgements]
+            read = [Judgement(**judgement) for judgement in row.judgements]  # the journal has looked at them
             scores.append([_numbers(judgement) for judgement in read])
             for first, judgement in zip(self._first, read, strict=True):
                 if judgement.error is not None:
@@ -273,13 +273,11 @@ def _verdict(duration_s: float, judgements: list[Judgement], of_bias: bool) -> H
     """Verdict on the covariance of the attitude, or of the gyro's bias, of enough runs that have one."""
     axes = {each.axes for each in judgements if each.covariance}
     series = [each.gyro_bias if of_bias else each.covariance for each in judgements]
-    values = np.array([rows for rows in series if rows], dtype=float)
-    if len(values) < FEWEST_RUNS or len(axes) > 1:
+    told = [rows for rows in series if rows]
+    if len(told) < FEWEST_RUNS or len(axes) > 1:
         return None
-    upper, P = np.triu_indices(3), np.empty((*values.shape[:2], 3, 3))
-    P[..., upper[0], upper[1]] = P[..., upper[1], upper[0]] = values[..., 3:9]
-    t_s, errors = np.linspace(0.0, duration_s, SERIES), values[..., :3]
+    t_s, (errors, P, attitude_xyzw) = np.linspace(0.0, duration_s, SERIES), errors_of(told)
     try:
-        return honesty(t_s, errors, P) if of_bias else honesty(t_s, errors, P, values[..., 9:], axes.pop())
+        return honesty(t_s, errors, P) if of_bias else honesty(t_s, errors, P, attitude_xyzw, axes.pop())
     except InputError:  # the digits that are kept of a covariance have no inverse
         return None

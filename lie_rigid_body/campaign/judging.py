@@ -169,6 +169,14 @@ def _rows(error: Array, P: Array, *more: Array) -> list[list[float]]:
     return [_short(row) for row in np.column_stack([error, P[:, _UPPER[0], _UPPER[1]], *more])]
 
 
+def errors_of(series: list[list[list[float]]]) -> tuple[Array, Array, Array]:
+    """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R judgements."""
+    values = np.array(series, dtype=float)
+    P = np.empty((*values.shape[:2], 3, 3))
+    P[..., _UPPER[0], _UPPER[1]] = P[..., _UPPER[1], _UPPER[0]] = values[..., 3:_BIAS]
+    return values[..., :3], P, values[..., _BIAS:]
+
+
 def _is_finite(rows: list[list[float]], shape: tuple[int, int]) -> bool:
     values = np.array(rows, dtype=float)
     return values.shape == shape and bool(np.isfinite(values).all())
