@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess, assignments, eventually
 
-from lie_rigid_body import attitude_error, simulate
+from lie_rigid_body import Run, attitude_error, simulate
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.ros.evaluate import main
 from lie_rigid_body.simulation import Segment
@@ -269,13 +269,17 @@ def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int
     assert content["total_deg"]["rms"] == pytest.approx(np.sqrt(np.mean(np.degrees(heard[:, 0]) ** 2)))
 
 
+def turned_run(duration: float) -> tuple[Run, np.ndarray]:
+    """A run at 20 Hz, and its attitudes in a world that is turned by 7.1°."""
+    run = simulate("tumbling_cubesat", duration=duration, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
+    return run, quaternion.multiply(quaternion.exp(np.radians([3.0, -4.0, -5.0])), run.truth.attitude_xyzw)
+
+
 @pytest.mark.ros
 @pytest.mark.long
 def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
     """The score is that of the others; a note counts those that were left out."""
-    run = simulate("tumbling_cubesat", duration=2.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
-    turn = quaternion.exp(np.radians([3.0, -4.0, -5.0]))
-    attitudes = quaternion.multiply(turn, run.truth.attitude_xyzw)
+    run, attitudes = turned_run(2.0)
     truth = ("--ros-args", "-r", "truth:=/strange/body/told", "--")
     with Peer("strange", domain) as peer, evaluator(domain, "strict", *truth, "--json", estimate="/odd") as process:
         errors = peer.listen(Vector3Stamped, "/strict/error")
@@ -306,9 +310,7 @@ def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
 @pytest.mark.parametrize("scenario", [True, False])
 def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
     """Wrong stamps, frames and attitudes on both topics, texts that are no scenario, and a second publisher."""
-    run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
-    turn = quaternion.exp(np.radians([3.0, -4.0, -5.0]))
-    attitudes = quaternion.multiply(turn, run.truth.attitude_xyzw)
+    run, attitudes = turned_run(3.0)
     name = f"of_{scenario}".lower()
     with (
         Peer("hostile", domain) as peer,
@@ -366,9 +368,7 @@ def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
 @pytest.mark.long
 def test_two_of_one_name_and_a_clock_that_jumps_back(domain: int) -> None:
     """Evaluators, and publishers, of one name each; /clock and the stamps go back by an hour for a while."""
-    run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
-    turn = quaternion.exp(np.radians([3.0, -4.0, -5.0]))
-    attitudes = quaternion.multiply(turn, run.truth.attitude_xyzw)
+    run, attitudes = turned_run(3.0)
     ros = ("--ros-args", "-r", "truth:=/twin/node/told", "-p", "use_sim_time:=true")
     with (
         Peer("twin", domain) as peer,
