@@ -7,13 +7,9 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
-from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording import output_file
 from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.simulation import Segment
 
@@ -108,19 +104,7 @@ function project(plot, {times, duration, pictures}) {
 """
 
 
-def require_room(path: str, inputs: Iterable[str | Path], *, overwrite: bool) -> None:
-    """Refuse a page that could not be written after the work for it, or is an input, or where plotly is not installed.
-
-    Raises
-    ------
-    InputError, BagError
-    """
-    if not find_spec("plotly"):
-        raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
-    output_file.require_room(path, inputs, overwrite=overwrite)
-
-
-def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
+def document(title: str, parts: Iterable[str], *, with_figures: bool = False) -> bytes:
     """Make a page.
 
     Parameters
@@ -128,7 +112,7 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
     title : str
     parts : iterable of str
         HTML, of which all text from outside is escaped.
-    with_figures : bool
+    with_figures : bool, optional
         Whether some are by `figure`: then plotly.js is in the page.
 
     Returns

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any, Final
 
@@ -13,7 +13,7 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report.html_page import Figure
+from lie_rigid_body.report.html_page import Figure, figure, grid, paragraph
 from lie_rigid_body.report.plotly_parts import axis, coordinates, layout, line, mark, over_time, space
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
@@ -74,6 +74,21 @@ def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
     t, look = reset_times(pieces), {"color": "black", "width": 1, "dash": "dash"}
     shapes = [{"type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper", "line": look} for x in t]
     return shapes if len(shapes) <= MOST_RESETS else []
+
+
+def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
+    """HTML of all figures of a recording, of whose segments each has a sample."""
+    first = pieces[0]
+    whose = " of the first segment" if len(pieces) > 1 else ""
+    if film := body(first):
+        yield figure(f"The body{whose}", *film, kind="body")
+    yield figure("Body rate", rate(pieces), "Angular velocity in the frame of the body.")
+    paths = (
+        (polhode(first), "Polhode", "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."),
+        (herpolhode(first), "Herpolhode", "ω in the world, seen along the angular momentum (cross)."),
+    )
+    drawn = [figure(f"{name}{whose}", content, text, kind="tall") for content, name, text in paths if content]
+    yield grid(drawn, wide=True) if drawn else paragraph("The body is at rest: no polhode, no herpolhode.")
 
 
 def rate(pieces: Sequence[RecordedSegment]) -> Figure:

@@ -44,6 +44,7 @@ _TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0
 """Distances of numbers and label from an axis, and half of a digit's width, points."""
 
 
+@np.errstate(all="ignore")  # recorded numbers may be anything
 def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     """Draw a recording.
 
