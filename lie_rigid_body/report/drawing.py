@@ -7,14 +7,14 @@ import json
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from importlib.util import find_spec
-from io import BytesIO, StringIO
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lie_rigid_body import console
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.console import require_suffix, say
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
 from lie_rigid_body.wording import printable
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 _LARGEST = 1e300
 """Largest number that is drawn: the length of an axis is a number as well."""
-_NO_GLYPH = "Glyph .* missing from"
-"""Warning of characters that the font lacks, such as Chinese ones of a name."""
 
 
 def drawable(values: Array) -> Array:
@@ -38,23 +36,25 @@ def drawable(values: Array) -> Array:
 @np.errstate(all="ignore")  # recorded numbers may be anything
 def png(figure: Figure) -> bytes:
     """PNG of a figure of Matplotlib."""
-    out = BytesIO()
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", _NO_GLYPH, UserWarning)
-        figure.savefig(out, format="png")
-    return out.getvalue()
+    return _saved(figure, format="png")
 
 
 def svg(figure: Figure) -> str:
     """SVG element of a figure of Matplotlib: the same bytes for the same figure, and text that a browser can search."""
     import matplotlib
 
-    out = StringIO()
-    with warnings.catch_warnings(), matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
-        warnings.filterwarnings("ignore", _NO_GLYPH, UserWarning)
-        figure.savefig(out, format="svg", metadata={"Date": None})
-    text = out.getvalue()
+    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
+        text = _saved(figure, format="svg", metadata={"Date": None}).decode()
     return text[text.index("<svg") :]
+
+
+def _saved(figure: Figure, **how: Any) -> bytes:
+    """File of a figure, without a warning of characters that the font lacks, such as Chinese ones of a name."""
+    out = BytesIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
+        figure.savefig(out, **how)
+    return out.getvalue()
 
 
 def require_page(given: argparse.Namespace, inputs: Iterable[str | Path], *, with_figures: bool = False) -> None:
@@ -72,7 +72,7 @@ def require_page(given: argparse.Namespace, inputs: Iterable[str | Path], *, wit
     InputError, BagError
     """
     if given.report is not None:
-        require_suffix("--report", given.report, ".html")
+        console.require_suffix("--report", given.report, ".html")
         if with_figures and not find_spec("plotly"):
             raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
         require_room(given.report, inputs, overwrite=given.force)
@@ -99,10 +99,9 @@ def answer(
     """
     made = {path: make() for path, make in (files or {}).items() if path is not None}
     if given.json:
-        finite = json.loads(json.dumps(content()), parse_constant=lambda name: None)
-        lines = [json.dumps(finite, indent=2)]
+        lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
     else:
         lines = [text(), *(f"wrote {printable(path)}" for path in made)]
     for path, data in made.items():
         write_file(path, data, overwrite=given.force)
-    say("\n".join(lines), done=", ".join(f"{path} is written" for path in made))
+    console.say("\n".join(lines), done=", ".join(f"{path} is written" for path in made))

@@ -72,21 +72,18 @@ def as_table(verdicts: Sequence[Verdict]) -> str:
 
 
 def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
-    """JSON-serialisable data: numbers of the verdicts, and for each bag or body what it has alone."""
+    """Data for JSON: numbers of the verdicts, and for each bag or body what it has alone."""
     counts = Counter(verdict.status for verdict in verdicts)
     return {
         "passed": all(verdict.status == console.SUCCESS for verdict in verdicts),
-        "certified": counts[console.SUCCESS],
-        "broken": counts[console.BROKEN],
-        "unusable": counts[console.UNUSABLE],
-        "bags": [_json(verdict) for verdict in verdicts],
+        **{name.lower(): counts[status] for status, name in _VERDICTS.items()},
+        "bags": [
+            {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}
+            if verdict.certificate is None
+            else certificates.as_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
+            for verdict in verdicts
+        ],
     }
-
-
-def _json(verdict: Verdict) -> dict[str, object]:
-    if verdict.certificate is None:
-        return {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}
-    return certificates.as_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
 
 
 def _row(verdict: Verdict) -> str:
@@ -104,15 +101,18 @@ def _worst_law(certificate: Certificate) -> LawResult:
 
 
 def _summary(verdicts: Sequence[Verdict]) -> str:
-    counts = Counter(verdict.status for verdict in verdicts)
     number = counted(len(verdicts), "bag") if kind_of(verdicts) == "bags" else f"{len(verdicts)} bodies"
-    if counts[console.SUCCESS] < len(verdicts):
-        return (
-            f"NOT CERTIFIED: of {number} {counts[console.SUCCESS]} are certified, "
-            f"{counts[console.BROKEN]} broken, {counts[console.UNUSABLE]} unusable."
-        )
-    worst = max(verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate is not None)
-    return f"CERTIFIED: {'all ' * (len(verdicts) > 1)}{number}, attitude within {worst:.2g} rad of the exact motion."
+    right = [
+        verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate and not verdict.status
+    ]
+    if len(right) == len(verdicts):
+        every = "all " * (len(verdicts) > 1)
+        return f"CERTIFIED: {every}{number}, attitude within {max(right):.2g} rad of the exact motion."
+    counts = Counter(verdict.status for verdict in verdicts)
+    return (
+        f"NOT CERTIFIED: of {number} {len(right)} are certified, "
+        f"{counts[console.BROKEN]} broken, {counts[console.UNUSABLE]} unusable."
+    )
 
 
 def kind_of(verdicts: Sequence[Verdict]) -> str:
@@ -170,10 +170,14 @@ class Line:
     @property
     def worst(self) -> tuple[str, str]:
         """Law that came nearest to its limit, or went farthest beyond, and its residual as a share of the limit."""
-        if not self.residuals:
-            return "", ""
-        name, (worst, limit) = max(self.residuals.items(), key=lambda item: _share(*item[1]))
-        return name, of_limit(worst, limit)
+
+        def share(law: str) -> tuple[bool, float]:
+            worst, limit = self.residuals[law]  # NaN goes beyond any limit
+            ratio = math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
+            return not worst <= limit, 0.0 if worst == 0.0 else ratio
+
+        name = max(self.residuals, key=share, default="")
+        return name, of_limit(*self.residuals[name]) if name else ""
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -186,11 +190,6 @@ class Line:
         accuracy, verdict = (f"{self.accuracy:.2g}", "certified") if self.certified else ("", "NOT CERTIFIED")
         name, *others = self.cells  # the verdict beside it: a wide table is cut off at the right
         return (name, verdict, *others, *self.worst, accuracy), self.certified
-
-
-def _share(worst: float, limit: float) -> tuple[bool, float]:
-    """Key of order, larger for what goes farther beyond its limit; NaN does by any."""
-    return not worst <= limit, 0.0 if worst == 0.0 else math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
 
 
 def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
@@ -207,15 +206,16 @@ def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
         HTML.
     """
     judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
-    unusable = [verdict.reason for verdict in verdicts if verdict.certificate is None]
     broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
     if len(broken) > MOST_MESSAGES:
         broken[MOST_MESSAGES:] = [f"and {len(broken) - MOST_MESSAGES} more"]
-    more = [
-        html_page.listing("Broken laws", map(escape, broken)),
-        html_page.listing("Not certified, besides what is not of any bag", map(escape, uncovered(verdicts))),
-        html_page.listing("Not judged", map(escape, unusable)),
-    ]
+    unusable = [verdict.reason for verdict in verdicts if verdict.certificate is None]
+    told = {
+        "Broken laws": broken,
+        "Not certified, besides what is not of any bag": uncovered(verdicts),
+        "Not judged": unusable,
+    }
+    more = [html_page.listing(heading, map(escape, sentences)) for heading, sentences in told.items()]
     lines = [Line((name,), each.passed, each.attitude_accuracy, each.residuals) for name, each in judged]
     return page(title, kind_of(verdicts), ("bag",), lines, more, len(unusable))
 
@@ -252,17 +252,12 @@ def page(
     bytes
         HTML.
     """
-    count = len(lines) + unusable
-    accuracies = [line.accuracy for line in lines if line.certified]
-    certified = len(accuracies)
-    whose = "Attitudes" if certified == count else f"The attitudes of the {what} that are certified"
+    count, accuracies = len(lines) + unusable, [line.accuracy for line in lines if line.certified]
+    whose = "Attitudes" if len(accuracies) == count else f"The attitudes of the {what} that are certified"
+    within = f"{whose} are within {max(accuracies, default=0.0):.2g} rad of the exact motion."
     parts = [
-        html_page.badge(f"{certified} of {count} {what} CERTIFIED", passed=certified == count),
-        *(
-            [html_page.paragraph(f"{whose} are within {max(accuracies):.2g} rad of the exact motion.")]
-            if accuracies
-            else []
-        ),
+        html_page.badge(f"{len(accuracies)} of {count} {what} CERTIFIED", passed=len(accuracies) == count),
+        *([html_page.paragraph(within)] if accuracies else []),
         *first,
         *_distributions(what, lines),
         *more,
@@ -272,8 +267,10 @@ def page(
 
 
 def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:
-    names = dict.fromkeys(name for line in lines for name in line.residuals)
-    laws = [(name, [line.residuals[name] for line in lines if name in line.residuals]) for name in names]
+    laws: dict[str, list[Sequence[float]]] = {}
+    for line in lines:
+        for name, pair in line.residuals.items():
+            laws.setdefault(name, []).append(pair)
     if panels := list(residual_figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"
         yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
@@ -286,6 +283,6 @@ def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterato
         shown = {id(line) for line in sorted(lines, key=lambda line: line.rank)[:MOST_LINES]}
         yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
         lines = [line for line in lines if id(line) in shown]
-    yield html_page.table(
-        (*headings[:1], "", *headings[1:], "worst law", "of limit", "attitude, rad"), [line.row for line in lines]
-    )
+    own, *others = headings
+    rows = [line.row for line in lines]
+    yield html_page.table((own, "", *others, "worst law", "of limit", "attitude, rad"), rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any, Final
 
@@ -78,13 +78,13 @@ def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> It
     yield from limits[-1:]
 
 
-def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: str) -> Iterator[str]:
+def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
     """Draw how often each size of the worst residual occurs among many bags, beside the limits.
 
     Parameters
     ----------
-    laws : sequence of (str, sequence of pairs of float)
-        Name of each law with its unit; of each bag the worst residual and its limit.
+    laws : mapping of str to sequence of pairs of float
+        Of each law, by its name with the unit, the worst residual and its limit in each bag.
     whose : str
         What there are many of, such as ``bags``.
 
@@ -93,7 +93,7 @@ def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: 
     str
         HTML. Laws that have no residual but 0, as those that hold or do not, are left out.
     """
-    for name, pairs in laws:
+    for name, pairs in laws.items():
         residuals, limits = np.array(pairs, dtype=np.float64).T
         finite = np.isfinite(residuals)
         shown = finite & (residuals > 0.0)
