@@ -44,7 +44,7 @@ def main(given: argparse.Namespace) -> int:
         )
 
     from lie_rigid_body.diagnosis import diagnose
-    from lie_rigid_body.report.diagnoses import as_text, page
+    from lie_rigid_body.report.diagnoses import lines, page
     from lie_rigid_body.report.drawing import answer, require_page
     from lie_rigid_body.scenario.parameter_file import gather
 
@@ -59,7 +59,7 @@ def main(given: argparse.Namespace) -> int:
             progress=lambda runs: bar.update(runs - bar.n),
             **parameters,
         )
-    answer(given, lambda: as_text(found), found.to_dict, {given.report: lambda: page(name_of(given), found)})
+    answer(given, lambda: "\n".join(lines(found)), found.to_dict, {given.report: lambda: page(name_of(given), found)})
     if found.interrupted:
         console.complain(console.program("diagnose"), "interrupted: this is what was found so far")
         return console.INTERRUPTED

@@ -40,7 +40,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_page
-    from lie_rigid_body.report.league import as_text, page
+    from lie_rigid_body.report.league import lines, page
     from lie_rigid_body.runs.workers import source_of
     from lie_rigid_body.system import cores
 
@@ -58,7 +58,7 @@ def main(given: argparse.Namespace) -> int:
     rows = own[:1] if estimate else table.rows
     answer(
         given,
-        lambda: as_text(table, own),
+        lambda: "\n".join(lines(table, own)),
         lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
         {given.report: lambda: page(table, own)},
     )

@@ -172,7 +172,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     int
         The exit status.
     """
-    from lie_rigid_body.report import drawing, score_picture, scores
+    from lie_rigid_body.report import drawing, scores
 
     (read, score), *others = scored
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))
@@ -188,7 +188,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
             lambda: scores.table_of_several(title, scored) + wrote,
             lambda: scores.json_of_several(source, scored, series=given.series),
             {
-                given.plot: lambda: drawing.png(score_picture.curves(title, scored)),
+                given.plot: lambda: drawing.png(scores.curves(title, scored)),
                 given.report: lambda: scores.page_of_several(title, scored),
             },
         )
@@ -198,7 +198,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
             lambda: scores.as_table(title, read, score) + wrote,
             lambda: scores.as_json(source or None, read, score, series=given.series),
             {
-                given.plot: lambda: drawing.png(score_picture.draw(title, score)),
+                given.plot: lambda: drawing.png(scores.draw(title, score)),
                 given.report: lambda: scores.page(title, read, score),
             },
         )
@@ -223,10 +223,10 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
         If the name ends otherwise, or the file exists or cannot be written.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report import drawing, score_picture
+    from lie_rigid_body.report import drawing, scores
 
     console.require_suffix("path", str(path), ".png")
-    write_file(path, drawing.png(score_picture.draw(title, score)), overwrite=overwrite)
+    write_file(path, drawing.png(scores.draw(title, score)), overwrite=overwrite)
 
 
 def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
