@@ -12,7 +12,9 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
+from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.html_page import axis, drawn, figure, line, logarithmic, mark, over_time
+from lie_rigid_body.report.motion_figures import resets
 from lie_rigid_body.report.recorded_motion import COLOURS, GREY, RED
 
 _BINS: Final = 30
@@ -24,7 +26,7 @@ _LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width"
 
 
 def figures_over_time(
-    certificate: Certificate, residuals: ResidualsOverTime, origin_ns: int, shapes: Sequence[dict[str, Any]]
+    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
 ) -> Iterator[str]:
     """Draw the largest residuals of each law over time, beside their limits.
 
@@ -33,10 +35,8 @@ def figures_over_time(
     certificate : Certificate
     residuals : ResidualsOverTime
         Of the same bag.
-    origin_ns : int
-        Stamp of time 0.
-    shapes : sequence of dict
-        What else is drawn, such as resets.
+    pieces : sequence of RecordedSegment
+        Of the same bag, with samples, the first of which has the time 0.
 
     Yields
     ------
@@ -46,13 +46,13 @@ def figures_over_time(
     watched = [law for law in certificate.laws if law.name in residuals.laws]
     for name, laws in groupby(watched, lambda law: re.sub(" [xyz]$", "", law.name)):
         own = [(law, residuals.laws[law.name]) for law in laws]
-        if traces := list(_traces(own, origin_ns)):
+        if traces := list(_traces(own, int(pieces[0].stamps_ns[0]))):
             unit = own[0][0].unit
             label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
             end = max(float(trace["x"][-1]) for trace in traces)
             values = np.concatenate([trace["y"] for trace in traces])
             axes = {"xaxis": axis("time [s]", range=[0.0, end]), "yaxis": logarithmic(label, values)}
-            yield figure(name, drawn(traces, **axes, shapes=list(shapes), showlegend=len(own) > 1))
+            yield figure(name, drawn(traces, **axes, shapes=resets(pieces), showlegend=len(own) > 1))
 
 
 def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
