@@ -71,9 +71,9 @@ def check(given: argparse.Namespace) -> int:
         proof = Proof(tuple(console.progress(prove(first, certificate, given.prove, inertia), unit=" samples")))
     answer(
         given,
+        {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
         lambda: certificates.as_table(name, certificate, proof),
         lambda: certificates.as_json(name, certificate, proof),
-        {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
     )
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
@@ -121,9 +121,9 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
     path = given.report if any(verdict.certificate for verdict in verdicts) else None
     answer(
         given,
+        {path: lambda: overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
         lambda: overview.as_table(verdicts),
         lambda: overview.as_json(verdicts),
-        {path: lambda: overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
     )
     return max(verdict.status for verdict in verdicts)
 

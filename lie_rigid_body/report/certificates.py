@@ -14,7 +14,7 @@ from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificat
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report import html_page, motion_figures, residual_figures
+from lie_rigid_body.report import figures, html_page
 from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
@@ -280,9 +280,9 @@ def _parts(
     if proof is not None:
         yield html_page.paragraph(proved(proof))
     if pieces:
-        yield from motion_figures.sections(pieces)
+        yield from figures.sections(pieces)
     yield from _laws(certificate)
-    if pieces and (panels := list(residual_figures.figures_over_time(certificate, residuals, pieces))):
+    if pieces and (panels := list(figures.residuals_over_time(certificate, residuals, pieces))):
         yield "<h2>Residuals over time</h2>"
         yield html_page.paragraph(
             "The largest residual of each law in each of some hundred intervals of time, beside its limit. "

@@ -14,23 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lie_rigid_body import console
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
 from lie_rigid_body.wording import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-_LARGEST = 1e300
-"""Largest number that is drawn: the length of an axis is a number as well."""
-
-
-def drawable(values: Array) -> Array:
-    """Numbers that an axis can have, NaN in place of those that are too large."""
-    with np.errstate(invalid="ignore"):
-        return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
 @np.errstate(all="ignore")  # recorded numbers may be anything
@@ -80,9 +69,10 @@ def require_page(given: argparse.Namespace, inputs: Iterable[str | Path], *, wit
 
 def answer(
     given: argparse.Namespace,
-    text: Callable[[], str],
-    content: Callable[[], object],
-    files: Mapping[str | None, Callable[[], bytes]] | None = None,
+    files: Mapping[str | None, Callable[[], bytes]],
+    text: Callable[[], str] | None = None,
+    content: Callable[[], object] | None = None,
+    written: Iterable[str] = (),
 ) -> None:
     """Write the files of a verb, and print its answer on stdout.
 
@@ -90,18 +80,20 @@ def answer(
     ----------
     given : argparse.Namespace
         Arguments: whether the answer is ``json``, and by ``force`` existing files are replaced.
-    text : callable
-        Gives the answer for people; lines that name the files follow it.
-    content : callable
-        Gives the answer for programs, for JSON; a number that is not finite becomes null.
-    files : mapping of str or None to callable, optional
+    files : mapping of str or None to callable
         What gives the content of each file, by its path; None where it is not wanted.
+    text : callable, optional
+        Gives the answer for people; lines that name the files follow it.
+    content : callable, optional
+        Gives the answer for programs, for JSON; a number that is not finite becomes null.
+    written : iterable of str, optional
+        Files that are written already.
     """
-    made = {path: make() for path, make in (files or {}).items() if path is not None}
-    if given.json:
+    made = {path: make() for path, make in files.items() if path is not None}
+    names = [*written, *made]
+    lines = [*([text()] if text else []), *(f"wrote {printable(name)}" for name in names)]
+    if content and given.json:
         lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
-    else:
-        lines = [text(), *(f"wrote {printable(path)}" for path in made)]
     for path, data in made.items():
         write_file(path, data, overwrite=given.force)
-    console.say("\n".join(lines), done=", ".join(f"{path} is written" for path in made))
+    console.say("\n".join(lines), done=", ".join(f"{name} is written" for name in names))

@@ -134,8 +134,9 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     if with_figures:
         from plotly.offline import get_plotlyjs
 
-        scripts = [get_plotlyjs(), _DRAW]
-    allowed = " ".join(f"'sha256-{_sha256(script)}'" for script in scripts) or "'none'"
+        scripts += [get_plotlyjs(), _DRAW]
+    hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
+    allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
     text = "\n".join(
         [
@@ -152,10 +153,6 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
         ]
     )
     return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
-
-
-def _sha256(script: str) -> str:
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
 def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
@@ -285,9 +282,8 @@ def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -
 def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
     """List of HTML under a heading; if there is no item, a sentence or nothing."""
     entries = "".join(f"<li>{item}</li>" for item in items)
-    if entries:
-        return f"<h2>{heading}</h2><ul>{entries}</ul>"
-    return f"<h2>{heading}</h2><p>{empty}</p>" if empty else ""
+    content = f"<ul>{entries}</ul>" if entries else empty and f"<p>{empty}</p>"
+    return content and f"<h2>{heading}</h2>{content}"
 
 
 def scenario(segment: Segment) -> str:

@@ -12,7 +12,7 @@ from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.report import certificates, html_page, residual_figures
+from lie_rigid_body.report import certificates, figures, html_page
 from lie_rigid_body.report.certificates import of_limit, wrapped
 from lie_rigid_body.wording import counted, printable, short_repr, shortened
 
@@ -271,7 +271,7 @@ def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:
     for line in lines:
         for name, pair in line.residuals.items():
             laws.setdefault(name, []).append(pair)
-    if panels := list(residual_figures.distributions(laws, what)):
+    if panels := list(figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"
         yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
         yield html_page.grid(panels)

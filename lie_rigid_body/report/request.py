@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed, printable
+from lie_rigid_body.wording import listed
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
@@ -176,31 +176,32 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
 
     (read, score), *others = scored
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))
-    wrote = ""
+    written = [] if given.out is None else [given.out]
     if given.out is not None:
         from lie_rigid_body.runs.scored_bag import write_scored
 
         write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
-        wrote = f"\nwrote {printable(given.out)}"
     if others:
         drawing.answer(
             given,
-            lambda: scores.table_of_several(title, scored) + wrote,
-            lambda: scores.json_of_several(source, scored, series=given.series),
             {
                 given.plot: lambda: drawing.png(scores.curves(title, scored)),
                 given.report: lambda: scores.page_of_several(title, scored),
             },
+            lambda: scores.table_of_several(title, scored),
+            lambda: scores.json_of_several(source, scored, series=given.series),
+            written,
         )
     else:
         drawing.answer(
             given,
-            lambda: scores.as_table(title, read, score) + wrote,
-            lambda: scores.as_json(source or None, read, score, series=given.series),
             {
                 given.plot: lambda: drawing.png(scores.draw(title, score)),
                 given.report: lambda: scores.page(title, read, score),
             },
+            lambda: scores.as_table(title, read, score),
+            lambda: scores.as_json(source or None, read, score, series=given.series),
+            written,
         )
     return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
 
