@@ -112,7 +112,6 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
             "tls:// keeps others out",
             "warning",
         )
-    runs = (run for run in range(campaign.runs) if run not in journal)
     with (
         console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
         client_of(given.workers, given.scheduler) as client,
@@ -120,7 +119,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
         rows = finished(
             client,
             campaign,
-            runs,
+            (run for run in range(campaign.runs) if run not in journal),
             journal.folder,
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
@@ -134,10 +133,9 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
                     journal.require_intact()
                 else:
                     journal.add(row)
-                    if len(errors) < MOST_FAILURES:
-                        errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
-                        if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
-                            _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
+                    errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
+                    if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
+                        _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
                 bar.update()
         except SchedulerGoneError as error:
             if len(journal) + len(failed) < campaign.runs:

@@ -159,10 +159,8 @@ def _as_text(scenario: Scenario, description: Description, title: str = "") -> s
     }
     if scenario.has_sensors:
         sections[f"Sensors, of the grade {scenario.sensor_grade}"] = _columns(_sensor_rows(scenario))
-    lines = [title] if title else []
-    lines.append(
-        f"inertia {_vector(scenario.inertia)} kg m², initial body rate {_vector(scenario.initial_body_rate)} rad/s"
-    )
+    inertia, rate = _vector(scenario.inertia), _vector(scenario.initial_body_rate)
+    lines = [*filter(None, [title]), f"inertia {inertia} kg m², initial body rate {rate} rad/s"]
     for heading, content in sections.items():
         lines += ["", heading, *(f"  {line}" for line in content)]
     return "\n".join(lines)
@@ -183,8 +181,7 @@ def _body_lines(description: Description) -> list[str]:
 
 def _regime(description: Description) -> str:
     """Regime of the motion, in sentences."""
-    steady = description.steady
-    if steady is not None:
+    if steady := description.steady:
         first, *others = steady.principal
         axis = f"{_vector(steady.axis)} in the body" if others else _axis_name(description, first)
         return _REGIMES["steady"].format(axis=axis, stability=_SPINS[description.axes[first].spin.verdict][0])
@@ -200,10 +197,9 @@ def _circled(description: Description) -> int:
 
 def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
     """Quantities of the motion by name: the rows of `_MOTION` that its cases have."""
-    circulation, top = description.circulation, description.symmetric_top
-    cases = {"any", "steady" if description.steady else "circling" if circulation else "rest"}
+    cases = {"any", "steady" if description.steady else "circling" if description.circulation else "rest"}
     values: dict[str, object] = {"momentum": _vector(description.world_momentum_kg_m2_s)}
-    if circulation is not None:
+    if circulation := description.circulation:
         lowest, highest = _degrees(circulation.tilt_min_rad), _degrees(circulation.tilt_max_rad)
         values |= {
             "axis": f"axis {_circled(description) + 1}",
@@ -212,13 +208,13 @@ def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
             "lowest": lowest,
             "highest": highest,
         }
-        flips, endless = circulation.flips, description.regime == "separatrix"
+        endless = description.regime == "separatrix"
         cases |= {"separatrix"} if endless else {"periodic", "regular" if lowest == highest else "nutating"}
-        if flips is not None:
+        if flips := circulation.flips:
             values["nearest"] = _degrees(flips.nearest_angle_rad)
             returns = "sudden" if flips.sudden else "slow"
             cases.add(returns if not endless else "last flip" if math.isfinite(flips.first_s) else "no flip")
-        if top is not None:
+        if top := description.symmetric_top:
             cases.add("symmetric")
             values |= {"to_axis": _degrees(top.rate_to_axis_rad), "to_momentum": _degrees(top.rate_to_momentum_rad)}
     for case, name, value in _MOTION:

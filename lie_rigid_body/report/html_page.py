@@ -272,11 +272,11 @@ def paragraph(text: str) -> str:
 def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
     """Table of plain text; each row comes with whether it passed."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
-    lines = [
+    body = "".join(
         f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
         for cells, passed in rows
-    ]
-    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
+    )
+    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def listing(heading: str, items: Iterable[str], empty: str = "") -> str:

@@ -124,8 +124,7 @@ def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """Lines about what is broken worst in each bag, of not too many."""
     broken = [(v.name, v.certificate) for v in verdicts if v.certificate is not None and not v.certificate.passed]
     for name, certificate in broken[:_MOST_TOLD]:
-        others = len(certificate.messages) - 1
-        more = f" ({others} more)" if others else ""
+        more = f" ({len(certificate.messages) - 1} more)" if len(certificate.messages) > 1 else ""
         yield wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
@@ -137,12 +136,16 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     for verdict in verdicts:
         for text in verdict.certificate.uncovered if verdict.certificate else ():
             found.setdefault(_NUMBERS.sub("", text), []).append((verdict, text))
-    count, lines = len({verdict.bag for verdict in verdicts}), []
+    lines, count = [], len({verdict.bag for verdict in verdicts})
     for what, places in found.items():
-        texts, bags = {text for _, text in places}, {verdict.bag for verdict, _ in places}
-        first = places[0][0].name if len(places) == 1 else places[0][0].bag
-        where = shortened(printable(first)) if len(bags) == 1 else f"{len(bags)} of {count} bags"
-        lines.append(f"{texts.pop() if len(texts) == 1 else what} ({where})")
+        (first, text), *others = places
+        bags = {verdict.bag for verdict, _ in places}
+        where = (
+            f"{len(bags)} of {count} bags"
+            if len(bags) > 1
+            else shortened(printable(first.bag if others else first.name))
+        )
+        lines.append(f"{text if all(other == text for _, other in others) else what} ({where})")
     more = len(lines) - _MOST_TOLD
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
@@ -170,14 +173,8 @@ class Line:
     @property
     def worst(self) -> tuple[str, str]:
         """Law that came nearest to its limit, or went farthest beyond, and its residual as a share of the limit."""
-
-        def share(law: str) -> tuple[bool, float]:
-            worst, limit = self.residuals[law]  # NaN goes beyond any limit
-            ratio = math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
-            return not worst <= limit, 0.0 if worst == 0.0 else ratio
-
-        name = max(self.residuals, key=share, default="")
-        return name, of_limit(*self.residuals[name]) if name else ""
+        name, (worst, limit) = max(self.residuals.items(), key=lambda law: _share(*law[1]), default=("", (0.0, 0.0)))
+        return name, of_limit(worst, limit) if name else ""
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -190,6 +187,11 @@ class Line:
         accuracy, verdict = (f"{self.accuracy:.2g}", "certified") if self.certified else ("", "NOT CERTIFIED")
         name, *others = self.cells  # the verdict beside it: a wide table is cut off at the right
         return (name, verdict, *others, *self.worst, accuracy), self.certified
+
+
+def _share(worst: float, limit: float) -> tuple[bool, float]:
+    """Key of order, larger for what goes farther beyond its limit; NaN does by any."""
+    return not worst <= limit, 0.0 if worst == 0.0 else math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
 
 
 def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
@@ -284,5 +286,5 @@ def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterato
         yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
         lines = [line for line in lines if id(line) in shown]
     own, *others = headings
-    rows = [line.row for line in lines]
-    yield html_page.table((own, "", *others, "worst law", "of limit", "attitude, rad"), rows)
+    head = (own, "", *others, "worst law", "of limit", "attitude, rad")
+    yield html_page.table(head, [line.row for line in lines])
