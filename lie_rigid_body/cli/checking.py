@@ -38,8 +38,6 @@ from lie_rigid_body.wording import listed
 
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
 
-Judge = Callable[[str], list[Verdict]]
-
 
 def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
@@ -182,7 +180,9 @@ def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
     return Verdict(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
 
 
-def _by_processes(one: Judge, bags: Sequence[str], most: int, interruption: Interruption) -> list[list[Verdict] | None]:
+def _by_processes(
+    one: Callable[[str], list[Verdict]], bags: Sequence[str], most: int, interruption: Interruption
+) -> list[list[Verdict] | None]:
     """Verdicts on each bag by so many processes at most; None for a bag whose process died."""
     context = multiprocessing.get_context()
     with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin)) as pool:

@@ -170,17 +170,15 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
     from plotly.io import to_json
 
     data = str(to_json(content, validate=False)).replace("<", "\\u003c")
-    controls = ""
-    if "film" in content:
-        times = content["film"]["times"]
-        controls = (
-            '<div class="controls"><button type="button">▶ play</button>'
-            f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
-            f"<output>{escape(times[0])}</output></div>"
-        )
+    times = content.get("film", {}).get("times")
+    controls = times and (
+        '<div class="controls"><button type="button">▶ play</button>'
+        f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
+        f"<output>{escape(times[0])}</output></div>"
+    )
     below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     return (
-        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>{controls}'
+        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>{controls or ""}'
         f'<script type="application/json">{data}</script>{below}</figure>'
     )
 

@@ -84,16 +84,15 @@ def curve_style(count: int, width: float) -> dict[str, Any]:
     return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
+@np.errstate(invalid="ignore", over="ignore")  # recorded numbers may be anything
 def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Booleans]:
     """States at some places of a segment, of unit quaternions, and which places have one that can be drawn.
 
     Left out are attitudes that are zero or not finite, and rates far beyond those of the motion.
     """
     attitude, rate = piece.states.attitude_xyzw[places], piece.states.body_rate[places]
-    with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
-        norms = np.linalg.norm(attitude, axis=1)
-        sane = np.isfinite(norms) & (norms > 0.0)
-        sane &= (np.abs(rate) <= _FAR * piece.segment.scenario.rate_bound()).all(axis=1)
+    norms, largest = np.linalg.norm(attitude, axis=1), np.abs(rate).max(axis=1)
+    sane = np.isfinite(norms) & (norms > 0.0) & (largest <= _FAR * piece.segment.scenario.rate_bound())
     return State.trusted(attitude[sane] / norms[sane, np.newaxis], rate[sane]), np.asarray(sane)
 
 

@@ -25,6 +25,66 @@ Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctr
 says the score. The topics are named after --ros-args: -r estimate:=/imu/data, and where the truth is not found by
 itself -r truth:=TOPIC, a scenario or poses. Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score.
 """
+_ARGUMENTS: Final = (
+    console.argument(
+        "run",
+        metavar="RUN",
+        type=console.path,
+        nargs="?",
+        help="an MCAP file, or a folder that 'ros2 bag record' made",
+    ),
+    console.argument(
+        "--estimate",
+        metavar="TOPIC",
+        action="append",
+        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
+        "several are compared",
+    ),
+    console.argument("--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"),
+    console.TOPIC,
+    console.argument("--json", action="store_true", help="print the score for programs"),
+    console.argument("--series", action="store_true", help="with --json: also the errors of every sample"),
+    console.argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time"),
+    console.argument(
+        "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
+    ),
+    console.argument(
+        "--out",
+        metavar="SCORED.mcap",
+        type=console.path,
+        help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
+    ),
+    console.argument(
+        "--max-rms",
+        metavar="ANGLE",
+        action="append",
+        default=[],
+        help="largest RMS of the total error, such as 1deg",
+    ),
+    console.argument(
+        "--max-after",
+        metavar="TIME:ANGLE",
+        action="append",
+        default=[],
+        help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
+    ),
+    console.argument(
+        "--covariance-axes",
+        choices=("world", "body"),
+        default="world",
+        help="what the covariance of the estimate is about (default: %(default)s)",
+    ),
+    console.argument("--force", action="store_true", help="replace outputs that exist"),
+    console.argument(
+        "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
+    ),
+    console.argument(
+        "--wait",
+        metavar="SECONDS",
+        type=float,
+        help="of topics: end when no estimate could be compared for so long",
+    ),
+)
 
 
 def is_live(argv: Sequence[str]) -> bool:
@@ -41,7 +101,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         If an option goes only with a bag, and there is none, or the other way round.
     """
     own, ros = console.split_ros_arguments(argv)
-    parser = _parser()
+    about = "Score and diagnose an attitude estimate against the truth."
+    parser = console.Parser("evaluate", about, *_ARGUMENTS, epilog=_EPILOG)
     given = parser.parse_args(own, argparse.Namespace(ros=ros))
     live = given.run is None
     if ros and not live:
@@ -64,74 +125,6 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     ):
         console.require_suffix(option, path, suffix)
     return given
-
-
-def _parser() -> console.Parser:
-    return console.Parser(
-        "evaluate",
-        "Score and diagnose an attitude estimate against the truth.",
-        console.argument(
-            "run",
-            metavar="RUN",
-            type=console.path,
-            nargs="?",
-            help="an MCAP file, or a folder that 'ros2 bag record' made",
-        ),
-        console.argument(
-            "--estimate",
-            metavar="TOPIC",
-            action="append",
-            help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
-            "several are compared",
-        ),
-        console.argument(
-            "--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"
-        ),
-        console.TOPIC,
-        console.argument("--json", action="store_true", help="print the score for programs"),
-        console.argument("--series", action="store_true", help="with --json: also the errors of every sample"),
-        console.argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time"),
-        console.argument(
-            "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
-        ),
-        console.argument(
-            "--out",
-            metavar="SCORED.mcap",
-            type=console.path,
-            help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
-        ),
-        console.argument(
-            "--max-rms",
-            metavar="ANGLE",
-            action="append",
-            default=[],
-            help="largest RMS of the total error, such as 1deg",
-        ),
-        console.argument(
-            "--max-after",
-            metavar="TIME:ANGLE",
-            action="append",
-            default=[],
-            help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
-        ),
-        console.argument(
-            "--covariance-axes",
-            choices=("world", "body"),
-            default="world",
-            help="what the covariance of the estimate is about (default: %(default)s)",
-        ),
-        console.argument("--force", action="store_true", help="replace outputs that exist"),
-        console.argument(
-            "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
-        ),
-        console.argument(
-            "--wait",
-            metavar="SECONDS",
-            type=float,
-            help="of topics: end when no estimate could be compared for so long",
-        ),
-        epilog=_EPILOG,
-    )
 
 
 def require_room(given: argparse.Namespace) -> None:

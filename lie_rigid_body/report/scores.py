@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
 from itertools import chain, combinations
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
@@ -208,50 +208,47 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
     width : float, optional
         Width, inches; a narrow one is for the screen of a phone.
     """
-    from lie_rigid_body.report.picture import Picture
-
-    panels = {_draw_total: "error [deg]", _draw_parts: "error [deg]"}
-    panels |= {_draw_nees: "NEES"} if score.consistency else {}
-    panels |= {_draw_bias: "gyro bias [rad/s]"} if score.gyro_bias else {}
-    size = (width, 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels))
-    figure = Picture(figsize=size, dpi=120, layout="constrained")
-    for (panel, label), axes in zip(panels.items(), figure.subplots(len(panels), sharex=True), strict=True):
-        panel(axes, score)
-        axes.set(xlim=(0.0, float(score.t_s[-1]) or 1.0), ylabel=label)
-        columns = 3 if panel is _draw_bias else 5 if width > _NARROW else 2
-        _finish(axes, columns, loc="lower right", bbox_to_anchor=(1.0, 1.0))
-    axes.set_xlabel("time since the first estimate [s]")
-    if title:
-        # the names of a file and a topic may hold anything, and ``$`` is no formula
-        rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
-        figure.suptitle(f"{shortened(printable(title), _LONGEST_LINE)}\n{rms}", fontsize=11, parse_math=False)
-    return figure
+    columns = 5 if width > _NARROW else 2
+    panels = [(_draw_total, "error [deg]", columns), (_draw_parts, "error [deg]", columns)]
+    panels += [(_draw_nees, "NEES", columns)] if score.consistency else []
+    panels += [(_draw_bias, "gyro bias [rad/s]", 3)] if score.gyro_bias else []
+    height = 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels)
+    rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
+    return _figure([title, rms], (width, height), panels, score)
 
 
 def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
     """Figure of the total errors of several estimates, under their topics; see `draw`."""
+    columns = 2 if width > _NARROW else 1
+    size = (width, 3.4 + 0.25 * len(scored) / columns)
+    return _figure([title], size, [(_draw_several, "total error [deg]", columns)], scored, "left")
+
+
+def _figure(
+    titles: Sequence[str],
+    size: tuple[float, float],
+    panels: Sequence[tuple[Callable[[Axes, Any], None], str, int]],
+    content: Any,
+    side: str = "right",
+) -> Figure:
+    """Panels of some content one above the other: what draws each, the label of its axis, and columns of its legend."""
     from lie_rigid_body.report.picture import Picture
 
-    columns = 2 if width > _NARROW else 1
-    figure = Picture(figsize=(width, 3.4 + 0.25 * len(scored) / columns), dpi=120, layout="constrained")
-    axes = figure.subplots()
-    first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
-    for number, (read, score) in enumerate(scored):
-        label = f"{shortened(printable(read.track.topic), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
-        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), label, f"C{number % 10}", 1.0)
-    _scale(axes, [np.degrees(score.error.total) for _, score in scored])
-    axes.set(xlabel="time since the first estimate [s]", ylabel="total error [deg]")
-    axes.margins(x=0.0)
-    _finish(axes, columns, loc="lower left", bbox_to_anchor=(0.0, 1.0))
-    if title:
-        figure.suptitle(shortened(printable(title), _LONGEST_LINE), fontsize=11, parse_math=False)
+    figure, place = Picture(figsize=size, dpi=120, layout="constrained"), float(side == "right")
+    for (draw_panel, label, columns), axes in zip(
+        panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
+    ):
+        draw_panel(axes, content)
+        axes.margins(x=0.0)
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.3, lw=0.6)
+        axes.legend(loc=f"lower {side}", bbox_to_anchor=(place, 1.0), ncols=columns, frameon=False, borderaxespad=0.1)
+    axes.set_xlabel("time since the first estimate [s]")
+    if titles[0]:
+        # the names of a file and a topic may hold anything, and ``$`` is no formula
+        above = "\n".join(shortened(printable(title), _LONGEST_LINE) for title in titles)
+        figure.suptitle(above, fontsize=11, parse_math=False)
     return figure
-
-
-def _finish(axes: Axes, columns: int, **place: Any) -> None:
-    """Add a grid, and a legend above the axes."""
-    axes.grid(alpha=0.3, lw=0.6)
-    axes.legend(**place, ncols=columns, frameon=False, borderaxespad=0.1)
 
 
 def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width: float = 1.1, style: str = "-") -> None:
@@ -263,9 +260,19 @@ def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width:
     axes.plot(*points, color=colour, ls=style, label=label, **curve_style(len(values), width))
 
 
+def _draw_several(axes: Axes, scored: Scored) -> None:
+    """Draw the total error of each estimate."""
+    first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
+    for number, (read, score) in enumerate(scored):
+        label = f"{shortened(printable(read.track.topic), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
+        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), label, f"C{number % 10}", 1.0)
+    _scale(axes, [np.degrees(score.error.total) for _, score in scored])
+
+
 def _draw_total(axes: Axes, score: Score) -> None:
     """Draw the total error, the best by noise and the limits, on a logarithmic axis where one of these is shown."""
     total, end = np.degrees(score.error.total), float(score.t_s[-1])
+    axes.set_xlim(0.0, end or 1.0)
     drawn = [total]
     _plot(axes, score.t_s, total, "total", _BLACK)
     if score.best is not None and not score.best.unobserved:
