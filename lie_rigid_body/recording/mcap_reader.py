@@ -8,6 +8,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -30,15 +31,19 @@ from lie_rigid_body.recording.mcap_contents import (
     TrackKey,
     Wanted,
 )
-from lie_rigid_body.recording.message_table import HEAD, NO_HINTS, MessageTable, Rows, find_messages
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
+    HEAD,
     MAGIC,
+    NO_HINTS,
     RECORD_HEAD,
     ContradictionError,
     ExcessError,
     FileBytes,
+    MessageTable,
     Place,
+    Rows,
+    find_messages,
     parsed,
     records,
     require,
@@ -91,7 +96,7 @@ class McapOutline:
 
     def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
         """Read the messages of some tracks, part by part; see `Outline.read`."""
-        with FileBytes(self.path) as file:
+        with closing(FileBytes(self.path)) as file:
             try:
                 require(file.state() == self.state, "it is another file")
                 before = 0
@@ -136,7 +141,7 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
-    with FileBytes(path) as file:
+    with closing(FileBytes(path)) as file:
         reader = _FileReader(file, contents, wanted)
         try:
             yield from reader.read()

@@ -20,7 +20,7 @@ from lie_rigid_body.recording.mcap_contents import (
     TrackKey,
     Wanted,
 )
-from lie_rigid_body.recording.message_table import LAST_TIME
+from lie_rigid_body.recording.records import LAST_TIME
 
 SUFFIX: Final = ".db3"
 """Suffix of the names of such files."""

@@ -25,8 +25,7 @@ from mcap.records import (
 )
 
 from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
-from lie_rigid_body.recording.message_table import LAST_TIME, MessageTable
-from lie_rigid_body.recording.records import ExcessError, parsed, require, size_of
+from lie_rigid_body.recording.records import LAST_TIME, ExcessError, MessageTable, parsed, require, size_of
 
 _IN_DATA: Final = frozenset(
     {

@@ -19,8 +19,7 @@ from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording.bag_files import BagFiles, unheard
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.mcap_contents import Found, McapContents, RawMessages
-from lie_rigid_body.recording.message_table import NO_HINTS, find_messages
-from lie_rigid_body.recording.records import ContradictionError, ExcessError
+from lie_rigid_body.recording.records import NO_HINTS, ContradictionError, ExcessError, find_messages
 from lie_rigid_body.runs import Run
 
 POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
