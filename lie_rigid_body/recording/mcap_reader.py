@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -21,16 +21,7 @@ from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, inflated_unverified, most_records
-from lie_rigid_body.recording.mcap_contents import (
-    FileSpan,
-    Found,
-    McapContents,
-    Progress,
-    RawMessages,
-    RawTrack,
-    TrackKey,
-    Wanted,
-)
+from lie_rigid_body.recording.mcap_contents import FileSpan, Found, McapContents, Parts, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
     HEAD,
@@ -67,6 +58,8 @@ _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _NO_ROWS: Final = np.empty((0, 2), dtype="<u8")
 _NO_SCHEMA: Final = Schema(data=b"", encoding="", id=0, name="")
+_Place: TypeAlias = tuple[int, int, dict[TrackKey, list[int]]]
+"""Bytes where a part with messages begins and ends, and the channels in it by their tracks."""
 _PROFILES: Final = ("ros2", "")
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
@@ -75,50 +68,7 @@ _OTHER_FORMATS: Final = {
 }
 
 
-@dataclass(frozen=True)
-class McapOutline:
-    """Places of the messages in an MCAP file that was found whole.
-
-    Parameters
-    ----------
-    path : Path
-    state : tuple of int
-        Which file it was, and what it would not be any more if it changed.
-    parts : list of (int, int, tuple of TrackKey)
-        Bytes where each part with messages begins and ends, and of which tracks they are.
-    channels : dict of TrackKey to list of int
-    """
-
-    path: Path
-    state: tuple[int, ...]
-    parts: list[tuple[int, int, tuple[TrackKey, ...]]] = field(default_factory=list)
-    channels: dict[TrackKey, list[int]] = field(default_factory=dict)
-
-    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
-        """Read the messages of some tracks, part by part; see `Outline.read`."""
-        with closing(FileBytes(self.path)) as file:
-            try:
-                require(file.state() == self.state, "it is another file")
-                before = 0
-                for begin, end, there in self.parts:
-                    channels = {key: self.channels[key] for key in there if key in keys}
-                    if channels:
-                        raw = file[begin:end]
-                        _, places, data = _records_of(raw, inflated_unverified)
-                        index = dict(_index(raw, place) for place in places)  # compared when the file was outlined
-                        index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
-                        yield _by_track(data, index, channels)
-                        progress(end - before)
-                        before = end
-                require(file.state() == self.state, "it is another file")
-            except BagError:
-                raise
-            except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
-                what = f"{self.path} changed while it was read: try again when nobody writes it"
-                raise BagError(what) from error
-
-
-def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
+def read_file(path: Path, contents: McapContents) -> Parts:
     """Read a file, and count its messages.
 
     Parameters
@@ -126,15 +76,13 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
     path : Path
     contents : McapContents
         What it holds is added there.
-    wanted : callable
-        Which messages are given out. See `Wanted`.
 
     Yields
     ------
-    position : int
+    size : int
         Bytes that were read.
     found : Found
-        Messages that are wanted of the last part.
+        Those messages in them that are wanted.
 
     Raises
     ------
@@ -142,13 +90,35 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
     with closing(FileBytes(path)) as file:
-        reader = _FileReader(file, contents, wanted)
+        reader = _FileReader(file, contents)
         try:
             yield from reader.read()
         except (BagError, ModuleNotFoundError):
             raise
         except Exception as error:  # the library's parsers fail in many ways on damaged bytes
             raise BagError(f"{path} {_told(error, reader.at)}") from None
+
+
+def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], keys: Collection[TrackKey]) -> Parts:
+    """Messages of some tracks in a file that was read before, and was in some state then; see `McapContents.read`."""
+    with closing(FileBytes(path)) as file:
+        try:
+            require(file.state() == state, "it is another file")
+            for begin, end, there in places:
+                channels, found = {key: own for key, own in there.items() if key in keys}, Found()
+                if channels:
+                    raw = file[begin:end]
+                    _, indexes, data = _records_of(raw, inflated_unverified)
+                    index = dict(_index(raw, place) for place in indexes)  # compared when the file was read first
+                    index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
+                    found = _by_track(data, index, channels)
+                yield end - begin, found
+            require(file.state() == state, "it is another file")
+        except BagError:
+            raise
+        except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
+            what = f"{path} changed while it was read: try again when nobody writes it"
+            raise BagError(what) from error
 
 
 def _told(error: Exception, at: int) -> str:
@@ -195,25 +165,23 @@ class _FileReader:
         Byte where the record begins that is looked at.
     """
 
-    def __init__(self, file: FileBytes, contents: McapContents, wanted: Wanted) -> None:
-        self._file, self._contents, self._wanted = file, contents, wanted
+    def __init__(self, file: FileBytes, contents: McapContents) -> None:
+        self._file, self._contents, self._state = file, contents, file.state()
         self._records_left = most_records(len(self._file))
         self._keys: dict[int, TrackKey] = {}
-        self._outline = McapOutline(file.path, file.state())
+        self._places: list[_Place] = []
         self._summary = Summary()
         self._check = SummaryCheck(self._summary)
         self._crc = zlib.crc32(MAGIC)  # of the data section, then of the summary
         self._bare_chunks = 0
         self.at, self._end = 0, len(MAGIC)
 
-    def read(self) -> Iterator[tuple[int, Found]]:
+    def read(self) -> Parts:
         """Read all records; see `read_file`."""
         self._require_magic()
         opcode = 0
         for opcode, begin, end in self._parts():
-            found = self._take(opcode, begin, self._file[begin:end])
-            if found is not None:
-                yield end, found
+            yield end - begin, self._take(opcode, begin, self._file[begin:end])
         if opcode != Opcode.FOOTER or self._file[self._end : self._end + len(MAGIC) + 1] != MAGIC:
             raise self._cut_off()
 
@@ -246,15 +214,15 @@ class _FileReader:
             last = part[0] if part[0].opcode == Opcode.CHUNK else part[-1]
             yield part[0].opcode, part[0].start, last.end
 
-    def _take(self, opcode: int, begin: int, raw: bytes) -> Found | None:
-        """Take a part; return the messages of it that are wanted, or None if it is no part with messages."""
+    def _take(self, opcode: int, begin: int, raw: bytes) -> Found:
+        """Take a part; return the messages of it that are wanted."""
         self.at = begin
         self._verify_section(opcode, raw)
         self._check.place(opcode, begin, begin + len(raw))
         if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
             return self._take_messages(begin, raw)
         self._take_record(opcode, raw[RECORD_HEAD.size :])
-        return None
+        return {}
 
     def _verify_section(self, opcode: int, raw: bytes) -> None:
         """Compare the checksum of the section that ends here, if one does."""
@@ -289,11 +257,10 @@ class _FileReader:
         """Take the account of the whole file into that of the bag."""
         found, contents = self._summary, self._contents
         for channel in found.channels:
-            self._outline.channels.setdefault(self._key(channel), []).append(channel)
             contents.tracks[self._key(channel)].count += found.counts[channel]
         contents.attachments += len(found.attachments)
         contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
-        contents.outlines.append(self._outline)
+        contents.again.append(partial(_read_again, self._file.path, self._state, self._places))
 
     def _key(self, number: int) -> TrackKey:
         """Track of a channel."""
@@ -351,11 +318,12 @@ class _FileReader:
         channels: dict[TrackKey, list[int]] = {}
         for channel in table.index:
             channels.setdefault(self._key(channel), []).append(channel)
-        self._outline.parts.append((begin, end, tuple(channels)))
+        self._places.append((begin, end, channels))
         otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
         for key, own in channels.items() if len(otherwise) else ():
             self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
-        return _by_track(table.data, table.index, {key: own for key, own in channels.items() if self._wanted(*key)})
+        wanted = {key: own for key, own in channels.items() if self._contents.wanted(*key)}
+        return _by_track(table.data, table.index, wanted)
 
     def _cut_off(self) -> BagError:
         self.at = self._end
