@@ -15,7 +15,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 from mcap.opcode import Opcode
-from mcap.records import Chunk, Footer, Header, McapRecord, Metadata, Schema
+from mcap.records import Chunk, Footer, Header, Metadata, Schema
 
 from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
@@ -125,8 +125,7 @@ def _told(error: Exception, at: int) -> str:
     """Words for an error. No variable of a frame that it keeps may keep it, as both would stay, with all their data."""
     if isinstance(error, ContradictionError):
         return error.sentence.format(at=at, what=error)
-    what = f"{type(error).__name__}: {error}".removesuffix(": ")
-    return ContradictionError.sentence.format(at=at, what=what)
+    return ContradictionError.sentence.format(at=at, what=f"{type(error).__name__}: {error}".removesuffix(": "))
 
 
 def _records_of(raw: bytes, inflate: Callable[[Chunk], bytes]) -> tuple[Chunk | None, list[Place], bytes]:
@@ -168,7 +167,7 @@ class _FileReader:
     def __init__(self, file: FileBytes, contents: McapContents) -> None:
         self._file, self._contents, self._state = file, contents, file.state()
         self._records_left = most_records(len(self._file))
-        self._keys: dict[int, TrackKey] = {}
+        self._tracks: dict[int, RawTrack] = {}
         self._places: list[_Place] = []
         self._summary = Summary()
         self._check = SummaryCheck(self._summary)
@@ -215,13 +214,25 @@ class _FileReader:
             yield part[0].opcode, part[0].start, last.end
 
     def _take(self, opcode: int, begin: int, raw: bytes) -> Found:
-        """Take a part; return the messages of it that are wanted."""
+        """Take a part; return the messages of it that are wanted. Records of unknown kinds are left to others."""
         self.at = begin
         self._verify_section(opcode, raw)
-        self._check.place(opcode, begin, begin + len(raw))
-        if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
+        has_messages = opcode in (Opcode.CHUNK, Opcode.MESSAGE)
+        record = None if has_messages else parsed(opcode, raw[RECORD_HEAD.size :])
+        self._check.place(opcode, begin, begin + len(raw), record)
+        if has_messages:
             return self._take_messages(begin, raw)
-        self._take_record(opcode, raw[RECORD_HEAD.size :])
+        self._summary.add(record, begin, len(raw))
+        match record:
+            case Header():
+                is_known = record.profile in _PROFILES
+                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+                self._contents.library = self._contents.library or record.library
+            case Metadata():
+                self._contents.metadata[record.name] = record.metadata
+            case Footer():
+                self._check.finish(record)
+                self._finish()
         return {}
 
     def _verify_section(self, opcode: int, raw: bytes) -> None:
@@ -236,43 +247,25 @@ class _FileReader:
         if opcode == Opcode.DATA_END and not declared:
             self._contents.without_checksum += self._bare_chunks or not self._summary.chunks
 
-    def _take_record(self, opcode: int, content: bytes) -> None:
-        """Take a record that is no part of one with messages; records of unknown kinds are left to others."""
-        record = parsed(opcode, content)
-        self._summary.add(record, self.at, RECORD_HEAD.size + len(content))
-        match record:
-            case Header():
-                is_known = record.profile in _PROFILES
-                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
-                self._contents.library = self._contents.library or record.library
-            case Metadata():
-                self._contents.metadata[record.name] = record.metadata
-            case Footer():
-                self._check.finish(record)
-                self._finish()
-            case McapRecord():
-                self._check.said[opcode].append(record)
-
     def _finish(self) -> None:
         """Take the account of the whole file into that of the bag."""
         found, contents = self._summary, self._contents
         for channel in found.channels:
-            contents.tracks[self._key(channel)].count += found.counts[channel]
+            self._track(channel).count += found.counts[channel]
         contents.attachments += len(found.attachments)
         contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
         contents.again.append(partial(_read_again, self._file.path, self._state, self._places))
 
-    def _key(self, number: int) -> TrackKey:
+    def _track(self, number: int) -> RawTrack:
         """Track of a channel."""
-        if number not in self._keys:
+        if number not in self._tracks:
             channel = self._summary.channels[number]
             schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
-            key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
-            track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
-            alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
+            own = RawTrack(channel.topic, schema.name, channel.message_encoding, (schema.encoding, schema.data))
+            track = self._tracks[number] = self._contents.tracks.setdefault(own.key, own)
+            alike = (track.encoding, track.definition) == (own.encoding, own.definition)
             require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
-            self._keys[number] = key
-        return self._keys[number]
+        return self._tracks[number]
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
@@ -294,46 +287,43 @@ class _FileReader:
         table.require_times()
         self._summary.add_messages(table)
         if chunk is not None:
-            behind = begin + (places[0].start if places else len(raw))
-            self._take_chunk(chunk, table, indexes)
+            self._hold_chunk(chunk, table, indexes)
             starts = {channel: start for channel, (start, _) in indexes.items()}
-            self._summary.add_chunk(chunk, begin, starts, behind, begin + len(raw))
+            self._summary.add_chunk(chunk, begin, starts, begin + len(raw))
         return self._wanted_of(table, begin, begin + len(raw))
 
-    def _take_chunk(self, chunk: Chunk, table: MessageTable, indexes: Mapping[int, tuple[int, Rows]]) -> None:
-        said, at = (chunk.message_start_time, chunk.message_end_time), self.at
+    def _hold_chunk(self, chunk: Chunk, table: MessageTable, indexes: Mapping[int, tuple[int, Rows]]) -> None:
+        """Hold what a chunk and its indexes say against its messages."""
+        said, begin = (chunk.message_start_time, chunk.message_end_time), self.at
         require(said == table.span_ns or not table.index, f"the times of a chunk are {table.span_ns}, not {said}")
         self._records_left -= len(table.starts) + len(table.others)
         self._bare_chunks += not chunk.uncompressed_crc
-        for channel, (start, rows) in indexes.items():
-            self.at = start
+        for channel, (self.at, rows) in indexes.items():
             is_same = np.array_equal(rows, table.index.get(channel, _NO_ROWS))
             require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
-        self.at = at
-        missing = table.index.keys() - indexes.keys() if indexes else ()
-        require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
+        self.at = begin
+        missing = table.index.keys() - indexes.keys()
+        require(not (indexes and missing), f"a chunk has no index of channel {min(missing, default=0)}")
 
     def _wanted_of(self, table: MessageTable, begin: int, end: int) -> Found:
         """Messages that are wanted of a part that stands between two bytes, which is noted."""
+        otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
         channels: dict[TrackKey, list[int]] = {}
         for channel in table.index:
-            channels.setdefault(self._key(channel), []).append(channel)
+            track = self._track(channel)
+            track.published_otherwise += int(np.count_nonzero(otherwise == channel))
+            channels.setdefault(track.key, []).append(channel)
         self._places.append((begin, end, channels))
-        otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
-        for key, own in channels.items() if len(otherwise) else ():
-            self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
         wanted = {key: own for key, own in channels.items() if self._contents.wanted(*key)}
         return _by_track(table.data, table.index, wanted)
 
     def _cut_off(self) -> BagError:
-        self.at = self._end
-        opcode, ends_well = self._file[self._end : self._end + 1], self._file[-len(MAGIC) :] == MAGIC
-        is_record = len(self._file) - self._end >= RECORD_HEAD.size and opcode != b"\0"
-        require(not (is_record and ends_well), "a record is longer than the file")
+        self.at, path = self._end, self._file.path
+        is_record = len(self._file) - self._end >= RECORD_HEAD.size and self._file[self._end : self._end + 1] != b"\0"
+        require(not (is_record and self._file[-len(MAGIC) :] == MAGIC), "a record is longer than the file")
         count = self._summary.counts.total()
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
-        what = f"was cut off, or is still being written: it {holds}: rescue them with {RESCUE}"
-        return BagError(f"{self._file.path} {what}")
+        return BagError(f"{path} was cut off, or is still being written: it {holds}: rescue them with {RESCUE}")
 
 
 def _by_track(data: bytes, index: Mapping[int, Rows], channels: Mapping[TrackKey, Sequence[int]]) -> Found:
