@@ -21,7 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.recording.output_file import require_room
     from lie_rigid_body.report.drawing import answer
     from lie_rigid_body.report.league import as_text, page
-    from lie_rigid_body.runs.workers import source_of
+    from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
     if given.report is not None:

@@ -9,7 +9,8 @@
 - `scored_bag`: a bag of estimates, their errors and the truth;
 - `kept_attitudes`: what counts of an estimate, and of its truth;
 - `estimate`: what an estimator returns;
-- `estimators`, `blind`: functions of a run that estimate, and runs that do not tell them the truth.
+- `estimators`, `node`: functions of a run, programs and nodes that estimate, and `blind`: runs without the truth;
+- `workers`: processes in which estimators are called.
 """
 
 from lie_rigid_body.runs.ensemble import simulate
