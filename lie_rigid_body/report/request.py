@@ -188,7 +188,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
         content = comparison.to_json(source, several, series=given.series) if given.json else {}
         text = comparison.as_table(source, several)
     if given.out is not None:
-        from lie_rigid_body.runs.scored_bag import write_scored
+        from lie_rigid_body.runs.recorded_estimate import write_scored
 
         write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
         text += f"\nwrote {printable(given.out)}"
