@@ -9,7 +9,7 @@ from lie_rigid_body.console import argument
 from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:
-    from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.estimators import CommandEstimator
 
 ESTIMATOR: Final = (
     argument(
@@ -50,7 +50,7 @@ def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | 
 
         return given.node, NodeEstimator(given.node, given.timeout)
     if given.command is not None:
-        from lie_rigid_body.runs.command import CommandEstimator
+        from lie_rigid_body.runs.estimators import CommandEstimator
 
         return given.command, CommandEstimator(given.command, given.timeout)
     return given.estimator or "", given.estimator

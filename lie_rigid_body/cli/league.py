@@ -41,7 +41,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_page
     from lie_rigid_body.report.league import lines, page
-    from lie_rigid_body.runs.workers import source_of
+    from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
     require_page(given, given.others)

@@ -171,7 +171,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))
     written = [] if given.out is None else [given.out]
     if given.out is not None:
-        from lie_rigid_body.runs.scored_bag import write_scored
+        from lie_rigid_body.runs.recorded_estimate import write_scored
 
         write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
     if others:

@@ -96,7 +96,7 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
         "bag": bag,
         "topic": read.track.topic,
         "type": read.track.message_type,
-        "truth": read.source,
+        "truth": read.motion.source,
         **score.to_dict(series=series),
         "notes": list(read.notes),
     }
@@ -124,7 +124,7 @@ def json_of_several(bag: str, scored: Scored, *, series: bool) -> dict[str, obje
 def extent(read: RecordedEstimate | None, score: Score) -> str:
     """Sentence that says what was compared with what; without an estimate that was read for one in arrays."""
     kind = "attitudes" if read is None else read.track.message_type.replace("/msg/", "/")
-    source = "" if read is None else f" ({read.source})"
+    source = "" if read is None else f" ({read.motion.source})"
     first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds
     left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""
     return (
@@ -174,7 +174,7 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
         "<h2>Errors</h2>",
         *tables(score),
         html_page.paragraph(f"{extent(read, score)}."),
-        *map(html_page.scenario, read.segments if read else ()),
+        *map(html_page.scenario, read.motion.segments if read else ()),
         html_page.paragraph(f"{_SOURCE}."),
     ]
     return html_page.document(title, parts)
