@@ -6,18 +6,14 @@ from collections.abc import Callable, Mapping
 from itertools import combinations
 from typing import TYPE_CHECKING, Final
 
-from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
-from lie_rigid_body.ros.control import standard_services
-from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
-from lie_rigid_body.ros.control.services import Services
-from lie_rigid_body.ros.control.standard_control import StandardControl
+from lie_rigid_body.ros.control.services import PACKAGE, StandardServices, offer_triggers
 from lie_rigid_body.ros.installation import is_installed
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
 from lie_rigid_body.ros.publishing.markers import MARKERS_TOPIC, Markers
@@ -82,7 +78,6 @@ class SimulatorNode(Node):
         _require_distinct("topics", {topic: self.resolve_topic_name(topic) for topic in (*TOPICS, *SENSOR_TOPICS)})
         _require_distinct("services", {service: self.resolve_service_name(service) for service in SERVICES})
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
-        self._answers = AnsweringParameterService(self)
         scenario, values = self.parameters.scenario(), self.parameters.values()
         topic = values["lockstep_topic"]
         self.publisher = SamplePublisher(
@@ -113,10 +108,6 @@ class SimulatorNode(Node):
         if scenario.without_effect:
             self.get_logger().warning(scenario.without_effect)
 
-    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Set all parameters or none; a refusal gives value, limit and remedy, which that of rclpy does not."""
-        return self.parameters.refusal(parameter_list) or super().set_parameters_atomically(parameter_list)
-
     def _look_for_namesakes(self) -> None:
         """Warn of another node of the same name, once those that were killed are forgotten."""
         self._looks += 1
@@ -139,16 +130,16 @@ class SimulatorNode(Node):
     def serve(self, run: LiveRun) -> None:
         """Offer the services, and let changes of the real-time factor take effect."""
 
-        def change_factor(factor: float) -> None:
-            run.ask(run.change_factor, factor)
-            self.publisher.set_factor(factor)
+        def change_factor(changes: list[Parameter]) -> None:
+            for change in changes:
+                if change.name == "real_time_factor":
+                    run.ask(run.change_factor, change.value)
+                    self.publisher.set_factor(change.value)
 
-        self.parameters.on_change_of_factor(change_factor)
-        Services(run, self.parameters.scenario).offer(self)
-        if is_installed(standard_services.PACKAGE):
-            standard = StandardControl(run, self.parameters.scenario, self.get_name())
-            self._standard = standard_services.StandardServices(standard)
-            self._standard.offer(self)
+        self.add_post_set_parameters_callback(change_factor)
+        offer_triggers(self, run, self.parameters.scenario)
+        if is_installed(PACKAGE):
+            StandardServices(run, self.parameters.scenario, self.get_name()).offer(self)
 
 
 def _require_distinct(kind: str, full_names: Mapping[str, str]) -> None:

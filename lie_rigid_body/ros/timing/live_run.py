@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from enum import Enum
+from enum import IntEnum
 from fractions import Fraction
 from typing import Final
 
@@ -34,14 +34,14 @@ LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
-class RunState(Enum):
-    """Run states: stopped, playing, paused."""
+class RunState(IntEnum):
+    """Run states: stopped, playing, paused, by their numbers in simulation_interfaces/SimulationState."""
 
-    STOPPED = "stopped"
+    STOPPED = 0
     """Simulated time stands still at the start of a segment."""
-    PLAYING = "playing"
+    PLAYING = 1
     """Simulated time passes, as the real-time factor says."""
-    PAUSED = "paused"
+    PAUSED = 2
     """Simulated time stands still, and samples are sent by step requests only."""
 
 
@@ -231,7 +231,7 @@ class LiveRun:
             If the last stamp would lie beyond `MAX_EPOCH_NS`.
         """
         if self.state is not RunState.PAUSED:
-            raise ControlError(f"the run is {self.state.value}: pause it before a step")
+            raise ControlError(f"the run is {self.state.name.lower()}: pause it before a step")
         if self._request is not None:
             raise ControlError(f"{self._request.completed} of {self._request.total} steps are done: wait, or pause")
         if count < 1:
