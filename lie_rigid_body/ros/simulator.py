@@ -21,7 +21,7 @@ from lie_rigid_body.ros.publishing.recorder import Recorder
 from lie_rigid_body.ros.session import destroying, initialised, spinning
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.lockstep import Lockstep
-from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.requests import Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.simulation import Simulation

@@ -15,8 +15,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.ros.timing.live_run import LiveRun
-from lie_rigid_body.ros.timing.mailbox import Mailbox
-from lie_rigid_body.ros.timing.step_request import StepRequest
+from lie_rigid_body.ros.timing.requests import Mailbox, StepRequest
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 

@@ -13,7 +13,7 @@ from fake_time import KeepingSink
 
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.timing.live_run import LiveRun
-from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.requests import Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
