@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import os
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, suppress
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final
@@ -212,48 +212,57 @@ class Journal(AbstractContextManager["Journal"]):
         BagError
             If one cannot be written.
         """
-        first = next(self.rows())
+        kinds = {
+            "run": "int",
+            **{name: BY_NAME[name].kind for name in next(self.rows()).parameters},
+            "certified": "bool",
+            "attitude_accuracy_rad": "double",
+            "bag": "string",
+            **(_SCORES if self._entries and not self._compared else {}),
+        }
         try:
             os.fsync(self._file.fileno())
         except OSError as error:
             raise self._unwritten(error) from None
         if self._compared:
-            kinds = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
-            self._write_parquet(self.folder / SCORES_TABLE, kinds, chain.from_iterable(map(self._scores, self.rows())))
-        path = self.folder / TABLE
-        scores = {} if self._compared or not self._entries else _SCORES
-        kinds = {
-            "run": "int",
-            **{name: BY_NAME[name].kind for name in first.parameters},
-            "certified": "bool",
-            "attitude_accuracy_rad": "double",
-            "bag": "string",
-            **scores,
-        }
-        self._write_parquet(path, kinds, (_cells(row, scores) for row in self.rows()))
-        return path
+            more = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
+            cells = (
+                {
+                    "run": row.run,
+                    "estimator": entry.contender.name,
+                    "parameters": json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False),
+                    **judgement["scores"],
+                }
+                for row in self.rows()
+                for entry, judgement in zip(self._entries, row.judgements, strict=True)
+            )
+            self._write_parquet(SCORES_TABLE, more, cells)
+        cells = (
+            {**vars(row), **row.parameters, **(row.judgements[0]["scores"] if row.judgements else {})}
+            for row in self.rows()
+        )
+        return self._write_parquet(TABLE, kinds, cells)
 
-    def _scores(self, row: Row) -> Iterator[dict[str, Any]]:
-        """Cells of the scores of a run."""
-        for entry, judgement in zip(self._entries, row.judgements, strict=True):
-            parameters = json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False)
-            yield {
-                "run": row.run,
-                "estimator": entry.contender.name,
-                "parameters": parameters,
-                **judgement["scores"],
-            }
-
-    def _write_parquet(self, path: Path, kinds: dict[str, str], rows: Iterator[dict[str, Any]]) -> None:
+    def _write_parquet(self, name: str, kinds: Mapping[str, str], rows: Iterator[dict[str, Any]]) -> Path:
+        """Write a table of rows, of whose cells it takes those in its columns, which have the kinds of parameters."""
         import pyarrow.parquet
 
-        schema = _schema(kinds).with_metadata({OF_TABLE: self._heading.strip()})
+        types: dict[str, Any] = {
+            "double": pyarrow.float64(),
+            "double_array": pyarrow.list_(pyarrow.float64()),
+            "int": pyarrow.int64(),
+            "string": pyarrow.string(),
+            "bool": pyarrow.bool_(),
+        }
+        schema = pyarrow.schema([(column, types[kind]) for column, kind in kinds.items()])
+        schema, path = schema.with_metadata({OF_TABLE: self._heading.strip()}), self.folder / name
         try:
             with written(path, overwrite=True) as stream, pyarrow.parquet.ParquetWriter(stream, schema) as writer:
                 while some := list(islice(rows, _ROWS_AT_ONCE)):
                     writer.write_table(pyarrow.Table.from_pylist(some, schema))
         except BagError as error:
             raise BagError(f"{error}; {RESUMED}") from None
+        return path
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -283,25 +292,6 @@ def _canonical(heading: bytes) -> str:
         return int(value) if value.is_integer() and str(value) != "-0.0" else value
 
     return json.dumps(json.loads(heading, parse_float=number))
-
-
-def _schema(columns: dict[str, str]) -> Any:
-    """Columns of a table by the kinds of parameters."""
-    import pyarrow
-
-    kinds: dict[str, Any] = {
-        "double": pyarrow.float64(),
-        "double_array": pyarrow.list_(pyarrow.float64()),
-        "int": pyarrow.int64(),
-        "string": pyarrow.string(),
-        "bool": pyarrow.bool_(),
-    }
-    return pyarrow.schema([(name, kinds[kind]) for name, kind in columns.items()])
-
-
-def _cells(row: Row, scores: Iterable[str]) -> dict[str, Any]:
-    own = {name: getattr(row, name) for name in ("run", "certified", "attitude_accuracy_rad", "bag")}
-    return {**own, **row.parameters, **{name: row.judgements[0]["scores"][name] for name in scores}}
 
 
 def _require_own(folder: Path) -> None:

@@ -220,7 +220,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     if campaign.estimator is not None:
         lines += _of_one(table)
     elif campaign.estimators:
-        comparison = compare(campaign, journal.rows)
+        comparison = compare(campaign, journal.rows())
         lines += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
     functions = sorted({one.function for one in campaign.contenders.values() if one.function})
     what = "it" if campaign.estimator is not None else "one"
