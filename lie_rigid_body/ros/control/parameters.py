@@ -112,9 +112,7 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         if not self._node.has_parameter(name):
             raise InputError(f"{name}: no such parameter: {suggestion(name, BY_NAME, 'parameters')}")
         given = RosParameter.from_parameter_msg(change)
-        if name not in BY_NAME:
-            return given
-        return RosParameter(name, value=_as_ros(BY_NAME[name].read(given.value)))
+        return RosParameter(name, value=_as_ros(BY_NAME[name].read(given.value))) if name in BY_NAME else given
 
 
 def _as_ros(value: Value) -> Any:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Protocol
 
-FOREVER: Final = 2**63
-"""A time longer than any wait, and later than any stamp, ns."""
+from lie_rigid_body.ros.timing.sink import FOREVER
+
 CATCH_UP: Final = 1.25
 """Speed of a late run, as a multiple of that of simulated time: a higher one would overrun subscribers."""
 BREATH_NS: Final = 500_000

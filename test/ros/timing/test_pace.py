@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.ros.timing.pace import FOREVER, Scaled, UpTo, pace_of
+from lie_rigid_body.ros.timing.pace import Scaled, UpTo, pace_of
+from lie_rigid_body.ros.timing.sink import FOREVER
 
 FACTORS = [0.1, 0.3, 1 / 3, 0.7, 0.999, 1.0, 1.1, 2.0, 3.3, 29.97, 1000.0]
 EPOCH = 1_700_000_000_123_456_789
