@@ -6,8 +6,9 @@ import logging
 import signal
 import tempfile
 import time
+from asyncio import TimeoutError as Late  # before Python 3.11 not the built-in one
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
@@ -94,25 +95,24 @@ class Connection:
         ------
         SchedulerGoneError
         """
-        from distributed import CancelledError
         from distributed.comm import CommClosedError
 
         try:
             yield
         except Exception as error:
             if self.is_lost or isinstance(error, CommClosedError | CancelledError):
-                raise self._gone() from None
+                raise SchedulerGoneError(f"the scheduler at {self._address} no longer answers") from None
             raise
 
     def arriving(self, pool: as_completed) -> Iterator[tuple[Any, Any]]:
-        """Futures of a pool and their results as they arrive.
+        """Futures of a pool and their results as they arrive, in a context where the connection is `needed`.
 
         Dask's own iterator waits for ever for a result that was about to be sent when the scheduler went.
 
         Raises
         ------
-        SchedulerGoneError
-            When all that did arrive is yielded.
+        ConnectionError
+            If it is lost, when all that did arrive is yielded.
         """
         since = time.monotonic()
         while not pool.is_empty():
@@ -131,19 +131,14 @@ class Connection:
                 with pool.thread_condition:
                     pool.thread_condition.wait(_LOOK_S)
         if self.is_lost:
-            raise self._gone()
+            raise ConnectionError
 
     def _look_for_workers(self, alone: Callable[[str], object]) -> None:
-        from distributed import TimeoutError as Late
-
         with suppress(Late, OSError):
             is_alone = not self._client.nthreads(callback_timeout=_ANSWER_S)
             if is_alone and not self._was_alone:
                 alone(self._address)
             self._was_alone = is_alone
-
-    def _gone(self) -> SchedulerGoneError:
-        return SchedulerGoneError(f"the scheduler at {self._address} no longer answers")
 
 
 def require_address(scheduler: str) -> None:
@@ -168,10 +163,7 @@ def require_address(scheduler: str) -> None:
 
 def is_open(scheduler: str) -> bool:
     """Whether an address is of TCP without TLS, which asks nobody for a certificate."""
-    from distributed.comm.addressing import parse_address
-
-    protocol: str = parse_address(scheduler)[0]
-    return protocol == "tcp"
+    return scheduler.partition("://")[0] in ("tcp", scheduler)
 
 
 @contextmanager
@@ -259,8 +251,6 @@ def _deafen() -> None:
 @contextmanager
 def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
     """A context at whose end a client or a cluster is closed, within `LONGEST_CLOSING_S`."""
-    from distributed import TimeoutError as Late
-
     try:
         yield what
     finally:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -107,8 +107,7 @@ class Standing:
         return [int(run) for run in self.runs[np.argsort(-key, kind="stable")[:count]]]
 
 
-@dataclass(frozen=True)
-class Best:
+class Best(NamedTuple):
     """What the sensors of a run leave at best.
 
     Attributes
@@ -120,8 +119,6 @@ class Best:
 
     run: int
     rms_deg: float
-
-    __repr__ = short_repr
 
 
 @dataclass(frozen=True)

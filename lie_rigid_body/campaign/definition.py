@@ -93,11 +93,10 @@ class Campaign:
         for name, given in (("parameters", self.parameters), ("vary", self.vary)):
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
-        unknown = next((str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME), None)
-        if unknown is not None:
-            raise InputError(f"there is no parameter {shown(unknown)}: {suggestion(unknown, BY_NAME, 'parameters')}")
-        both = sorted(set(self.parameters) & set(self.vary))
-        if both:
+        if unknown := [str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME]:
+            hint = suggestion(unknown[0], BY_NAME, "parameters")
+            raise InputError(f"there is no parameter {shown(unknown[0])}: {hint}")
+        if both := sorted(set(self.parameters) & set(self.vary)):
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
         live = [f"vary.{name}" for name in self.vary if name in OF_THE_NODE]
         live += ["record_path"] if self.parameters.get("record_path") else []
@@ -110,8 +109,7 @@ class Campaign:
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
-        grids = [name for name, one in self.contenders.items() if one.grid]
-        if grids and self.runs < 2:
+        if self.runs < 2 and any(one.grid for one in self.contenders.values()):
             raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
         try:
             self.to_json()
@@ -134,11 +132,9 @@ class Campaign:
         content = read_yaml(path)
         if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
             raise InputError(f"{path} is no campaign: give it at least 'runs:', 'seed:' and 'duration:'")
-        unknown = [key for key in content if key not in _KEYS]
-        if unknown:
+        if unknown := [key for key in content if key not in _KEYS]:
             raise InputError(f"{path}: there is no {shown(unknown[0])} in a campaign: give {', '.join(_KEYS)}")
-        missing = [key for key in _KEYS[:3] if key not in content]
-        if missing:
+        if missing := [key for key in _KEYS[:3] if key not in content]:
             raise InputError(f"{path} has no '{missing[0]}:': add it")
         try:
             return cls(**{key: value for key, value in content.items() if value is not None})

@@ -71,12 +71,11 @@ class Contender:
             return
         if any(one.kind is one.VAR_KEYWORD for one in taken.values()):
             return
-        named = [name for name, one in taken.items() if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)]
-        own = named[1:] if next(iter(taken.values()), None) and next(iter(taken)) in named else named
-        unknown = next((name for name in (*self.parameters, *self.grid) if name not in own), None)
-        if unknown is not None:
-            remedy = suggestion(unknown, own, "parameters") if own else "leave it out"
-            raise InputError(f"{_place(self.name)}: {self.function} takes no {shown(unknown)}: {remedy}")
+        after_run = [*taken.values()][1:]
+        own = [one.name for one in after_run if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)]
+        if unknown := [name for name in (*self.parameters, *self.grid) if name not in own]:
+            remedy = suggestion(unknown[0], own, "parameters") if own else "leave it out"
+            raise InputError(f"estimators.{self.name}: {self.function} takes no {shown(unknown[0])}: {remedy}")
 
 
 @dataclass(frozen=True)
@@ -131,14 +130,12 @@ def contenders(given: object) -> dict[str, Contender]:
 
 def _contender(name: object, content: object) -> Contender:
     if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _LONGEST_NAME):
-        limit = f"give 1 to {_LONGEST_NAME} printable characters"
-        raise InputError(f"estimators: {shown(name)} is no name: {limit}")
-    place = _place(name)
+        raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_LONGEST_NAME} printable characters")
+    place = f"estimators.{name}"
     if not isinstance(content, Mapping):
         raise InputError(f'{place} is to be a mapping: give {{function: "module:function"}}')
-    unknown = next((key for key in content if key not in _KEYS), None)
-    if unknown is not None:
-        raise InputError(f"{place}: there is no {shown(unknown)}: give {', '.join(_KEYS)}")
+    if unknown := [key for key in content if key not in _KEYS]:
+        raise InputError(f"{place}: there is no {shown(unknown[0])}: give {', '.join(_KEYS)}")
     function, command = content.get("function"), content.get("command")
     if (function is None) == (command is None):
         raise InputError(f"{place}: give function or command, one of them")
@@ -146,14 +143,15 @@ def _contender(name: object, content: object) -> Contender:
         raise InputError(f"{place}.function: {shown(function)} names no function: give module:function")
     parameters, grid = (_mapping(f"{place}.{key}", content.get(key)) for key in ("parameters", "grid"))
     if command is not None and (not isinstance(command, str) or not command.strip() or parameters or grid):
-        what = "a program takes its parameters in its line"
-        raise InputError(f"{place}.command: {shown(command)}: {what}: give a text, and no parameters or grid")
+        raise InputError(
+            f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, and no "
+            "parameters or grid"
+        )
     for key, values in grid.items():
         if not (isinstance(values, list | tuple) and values):
             raise InputError(f"{place}.grid.{key}: {shown(values)} is no list of values: give some, or leave it out")
-    both = next((key for key in parameters if key in grid), None)
-    if both is not None:
-        raise InputError(f"{place}: {both} is in parameters and in grid: leave it out of one of them")
+    if both := [key for key in parameters if key in grid]:
+        raise InputError(f"{place}: {both[0]} is in parameters and in grid: leave it out of one of them")
     if "grid" in content and not grid:
         raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
     try:
@@ -164,12 +162,7 @@ def _contender(name: object, content: object) -> Contender:
 
 
 def _mapping(place: str, value: object) -> dict[str, Any]:
-    if value is None:
-        return {}
-    if not isinstance(value, Mapping) or not all(isinstance(key, str) and key.isidentifier() for key in value):
+    given = {} if value is None else value
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) and key.isidentifier() for key in given):
         raise InputError(f"{place}: {shown(value)} is no mapping of names of keyword arguments: give one")
-    return dict(value)
-
-
-def _place(name: str) -> str:
-    return f"estimators.{name}"
+    return dict(given)

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, suppress
 from itertools import islice
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
@@ -57,8 +56,7 @@ class Journal(AbstractContextManager["Journal"]):
         self.folder, self.path = folder, folder / JOURNAL
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
-        self._varied, self._entries = {*campaign.vary}, campaign.entries
-        self._compared = bool(campaign.estimators)
+        self._campaign = campaign
         if self.path.exists() and not self.path.is_file():  # of a pipe nothing would ever come
             raise BagError(f"{self.path} is no regular file: move it away, or give another folder")
         try:
@@ -90,12 +88,10 @@ class Journal(AbstractContextManager["Journal"]):
     def _read(self) -> None:
         self._file.seek(0)
         first = self._file.readline(LONGEST_ROW)
-        if first and not _equal(first, self._heading):
-            if not self._is_bare(first):
+        if not _equal(first, self._heading):
+            if first and not self._is_bare(first):
                 raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
             self._file.truncate(0)
-            first = b""
-        if not first:
             self._write(self._heading)
             return
         self._heading = first  # as it was written, so that the table has the same bytes whoever ends it
@@ -116,19 +112,17 @@ class Journal(AbstractContextManager["Journal"]):
         return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _row(self, line: bytes, place: int) -> Row:
-        try:
+        with suppress(TypeError, ValueError):
             row = Row(**load_json(line, JOURNAL))
             if self._is_own(row):
                 return row
-        except (TypeError, ValueError):
-            pass
         raise BagError(f"{self.path} is damaged: byte {place} begins no row of this campaign: delete that line")
 
     def _is_own(self, row: Row) -> bool:
         """Whether a row that was read is one of this campaign, with a bag in this folder."""
         kinds = (int, bool, float, dict, dict, list)
         fields = (row.run, row.certified, row.attitude_accuracy_rad, row.parameters, row.residuals, row.judgements)
-        if [*map(type, fields)] != [*kinds] or row.parameters.keys() != self._varied:
+        if [*map(type, fields)] != [*kinds] or row.parameters.keys() != self._campaign.vary.keys():
             return False
         for name, value in row.parameters.items():
             BY_NAME[name].read(value)
@@ -138,7 +132,7 @@ class Journal(AbstractContextManager["Journal"]):
             0 <= row.run < len(self._places)
             and (not row.certified or row.attitude_accuracy_rad >= 0.0)
             and row.bag in (None, bag_name(row.run))
-            and len(row.judgements) == len(self._entries)
+            and len(row.judgements) == len(self._campaign.entries)
         )
 
     def __len__(self) -> int:
@@ -192,12 +186,10 @@ class Journal(AbstractContextManager["Journal"]):
         ------
         BagError
         """
-        try:
-            same = os.path.samestat(self.path.stat(), os.fstat(self._file.fileno()))
-        except OSError:
-            same = False
-        if not same:
-            raise BagError(f"{self.path} was deleted or moved meanwhile: keep others away, and begin anew")
+        with suppress(OSError):
+            if os.path.samestat(self.path.stat(), os.fstat(self._file.fileno())):
+                return
+        raise BagError(f"{self.path} was deleted or moved meanwhile: keep others away, and begin anew")
 
     def write_table(self) -> Path:
         """Write the table of all rows, in the order of their numbers, and that of the scores where estimators compare.
@@ -218,13 +210,13 @@ class Journal(AbstractContextManager["Journal"]):
             "certified": "bool",
             "attitude_accuracy_rad": "double",
             "bag": "string",
-            **(_SCORES if self._entries and not self._compared else {}),
+            **(_SCORES if self._campaign.estimator else {}),
         }
         try:
             os.fsync(self._file.fileno())
         except OSError as error:
             raise self._unwritten(error) from None
-        if self._compared:
+        if self._campaign.estimators:
             more = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
             cells = (
                 {
@@ -234,7 +226,7 @@ class Journal(AbstractContextManager["Journal"]):
                     **judgement["scores"],
                 }
                 for row in self.rows()
-                for entry, judgement in zip(self._entries, row.judgements, strict=True)
+                for entry, judgement in zip(self._campaign.entries, row.judgements, strict=True)
             )
             self._write_parquet(SCORES_TABLE, more, cells)
         cells = (
@@ -264,9 +256,7 @@ class Journal(AbstractContextManager["Journal"]):
             raise BagError(f"{error}; {RESUMED}") from None
         return path
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *of_an_error: object) -> None:
         with suppress(OSError):  # what could not be written cannot be now
             self._open.close()
 
