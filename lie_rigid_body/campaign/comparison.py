@@ -13,8 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.estimators import Entry
-from lie_rigid_body.campaign.judging import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, errors_of
-from lie_rigid_body.campaign.run import Row
+from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
@@ -98,8 +97,7 @@ class Standing:
         if not len(values):
             return np.nan
         place = share * len(values)
-        low, high = values[math.ceil(place) - 1], values[min(int(place), len(values) - 1)]
-        return float(low if low == high else 0.5 * (low + high))
+        return float(0.5 * (values[math.ceil(place) - 1] + values[min(int(place), len(values) - 1)]))
 
     def worst(self, count: int) -> list[int]:
         """Numbers of the runs of the largest errors, first those in which it failed."""

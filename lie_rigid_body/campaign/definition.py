@@ -24,8 +24,6 @@ from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import short_repr, shown, suggestion
 
-MOST_RUNS: Final = 1_000_000
-LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
 SCORES_TABLE: Final = "scores.parquet"
@@ -33,8 +31,8 @@ SCORES_TABLE: Final = "scores.parquet"
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
 _NUMBERS: Final = (
-    Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=MOST_RUNS),
-    Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=LARGEST_SEED),
+    Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=1_000_000),
+    Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=2**64 - 1),
 )
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
 _LEFT_OUT: Final = ("estimator", "estimators")

@@ -14,8 +14,7 @@ from typing import Any, Final
 from lie_rigid_body import __version__
 from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
-from lie_rigid_body.campaign.judging import ERROR, MORE_SCORES, SCORES, Judgement
-from lie_rigid_body.campaign.run import BAGS, Row, bag_name
+from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, Judgement, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
@@ -28,7 +27,6 @@ RESUMED: Final = "the same command does the rest"
 _NONE: Final = -1
 """Place of a row that is not in the file."""
 _SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
-_MORE_SCORES: Final = dict.fromkeys(MORE_SCORES, "double")
 _ROWS_AT_ONCE: Final = 10_000
 """Number of rows of the table that are in memory together."""
 
@@ -217,7 +215,13 @@ class Journal(AbstractContextManager["Journal"]):
         except OSError as error:
             raise self._unwritten(error) from None
         if self._campaign.estimators:
-            more = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
+            more = {
+                "run": "int",
+                "estimator": "string",
+                "parameters": "string",
+                **_SCORES,
+                **dict.fromkeys(MORE_SCORES, "double"),
+            }
             cells = (
                 {
                     "run": row.run,

@@ -24,7 +24,7 @@ from lie_rigid_body.campaign.cluster import (
 from lie_rigid_body.campaign.comparison import Comparison, compare
 from lie_rigid_body.campaign.definition import SCORES_TABLE
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.judging import ERROR, SCORES
+from lie_rigid_body.campaign.run import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value

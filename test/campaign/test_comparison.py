@@ -17,7 +17,7 @@ from campaigns import NEEDS_DASK, written
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing, compare
 from lie_rigid_body.campaign.journal import Journal
-from lie_rigid_body.campaign.judging import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
+from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.runs import simulate
 
