@@ -9,7 +9,7 @@ from lie_rigid_body.console import argument
 from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:
-    from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.estimators import CommandEstimator
 
 ESTIMATOR: Final = (
     argument(
@@ -50,7 +50,7 @@ def given_estimator(given: argparse.Namespace) -> CommandEstimator | str | None:
 
         return NodeEstimator(given.node, given.timeout)
     if given.command is not None:
-        from lie_rigid_body.runs.command import CommandEstimator
+        from lie_rigid_body.runs.estimators import CommandEstimator
 
         return CommandEstimator(given.command, given.timeout)
     found: str | None = given.estimator

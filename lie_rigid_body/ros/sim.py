@@ -51,12 +51,11 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     Returns
     -------
     argparse.Namespace
-        The options of `console.add_scenario_arguments`, and as ``ros`` the arguments for rclpy, with their
+        The options of a scenario, and as ``ros`` the arguments for rclpy, with their
         ``--ros-args``; empty if there are none.
     """
     own, ros = console.split_ros_arguments(argv)
-    parser = console.Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG)
-    given = console.add_scenario_arguments(parser).parse_args(own)
+    given = console.Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG, scenario=True).parse_args(own)
     given.ros = ros
     return given
 
