@@ -158,12 +158,12 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     rows : iterable of Row
         Those of the finished runs, at least one, in the order of their numbers.
     """
-    judged = [_Judged(entry) for entry in campaign.entries]
+    entries = [_EntryScores(entry) for entry in campaign.entries]
     for row in rows:
-        for one, judgement in zip(judged, row.judgements, strict=True):
+        for one, judgement in zip(entries, row.judgements, strict=True):
             one.add(row.run, Judgement(**judgement))  # the journal has looked at it
     duration, independent = float(campaign.exact_duration), _SEED in campaign.vary
-    chosen = [_best([one for one in judged if one.entry.contender.name == name]) for name in campaign.contenders]
+    chosen = [_best([one for one in entries if one.entry.contender.name == name]) for name in campaign.contenders]
     standings = tuple(one.standing(points, duration if independent else None) for one, points in chosen)
     return Comparison(
         standings,
@@ -175,7 +175,7 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     )
 
 
-class _Judged:
+class _EntryScores:
     """What an entry is worth in all runs.
 
     Attributes
@@ -229,18 +229,18 @@ def _numbers(judgement: Judgement) -> list[float]:
     return [np.nan if value is None else float(value) for value in map(scores.get, (*_COLUMNS, _READING))]
 
 
-def _best(judged: Sequence[_Judged]) -> tuple[_Judged, tuple[Point, ...]]:
+def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, ...]]:
     """The entry of an estimator, with a grid that of the best point, and all points."""
-    if not judged[0].entry.contender.grid:
-        return judged[0], ()
+    if not entries[0].entry.contender.grid:
+        return entries[0], ()
     points = []
-    for one in judged:
+    for one in entries:
         totals = one.scored(0)[1][_TOTAL]
         right = totals[~np.isnan(totals)]
         mean = float(np.mean(right)) if len(right) else np.nan
         points.append(Point(one.entry.parameters, mean, len(totals) - len(right)))
     best = min(range(len(points)), key=lambda at: (points[at].failures, np.nan_to_num(points[at].mean_deg, nan=np.inf)))
-    return judged[best], tuple(points)
+    return entries[best], tuple(points)
 
 
 def _difference(first: Standing, second: Standing) -> Difference:
