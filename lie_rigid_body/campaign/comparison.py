@@ -11,8 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.estimators import Entry
+from lie_rigid_body.campaign.definition import Campaign, Entry
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs

@@ -1,13 +1,16 @@
-"""The definition of a campaign: a base scenario, the parameters that vary from run to run, and how many runs."""
+"""The definition of a campaign: a base scenario, what varies from run to run, how many runs, and the estimators."""
 
 from __future__ import annotations
 
+import inspect
+import itertools
 import json
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,9 +18,9 @@ import numpy as np
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
-from lie_rigid_body.campaign.estimators import FUNCTION, Contender, Entry, contenders
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
+from lie_rigid_body.runs.estimators import CommandEstimator, Estimator, NamedFunction
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
@@ -37,6 +40,12 @@ _NUMBERS: Final = (
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
 _LEFT_OUT: Final = ("estimator", "estimators")
 """Keys that a campaign's line has only where they are given."""
+_FUNCTION: Final = r"\w+(\.\w+)*:\w+"
+"""What names a function: module, colon, function."""
+MOST_POINTS: Final = 100
+"""Largest number of estimators and points of grids: each is called in every run, and has its place in the run's row."""
+_LONGEST_NAME: Final = 40
+_KEYS_OF_ONE: Final = ("function", "command", "parameters", "grid")
 
 
 @dataclass(frozen=True)
@@ -103,7 +112,7 @@ class Campaign:
                 f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
             )
         self._draws  # noqa: B018 refuses what is no distribution
-        if self.estimator is not None and not re.fullmatch(FUNCTION, str(self.estimator)):
+        if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
@@ -230,3 +239,146 @@ class Campaign:
 def _remade(text: str) -> Campaign:
     """The campaign of a JSON text, kept for the next run of a worker, which brings the same text along."""
     return Campaign(*json.loads(text))
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One of the estimators of a campaign.
+
+    Attributes
+    ----------
+    name : str
+    function, command : str or None
+        ``module:function``, or a program; one of them is given.
+    parameters : dict of str to object
+        Keyword arguments beside the run.
+    grid : dict of str to list
+        Values that are tried of further ones, each with each of the others.
+    """
+
+    name: str
+    function: str | None = None
+    command: str | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    grid: Mapping[str, list[Any]] = field(default_factory=dict)
+
+    __repr__ = short_repr
+
+    @property
+    def entries(self) -> Iterator[Entry]:
+        """The estimator at each point of its grid; one without a grid once."""
+        for values in itertools.product(*self.grid.values()):
+            yield Entry(self, {**self.parameters, **dict(zip(self.grid, values, strict=True))})
+
+    def require_parameters(self) -> None:
+        """Refuse parameters that the function does not take.
+
+        Raises
+        ------
+        InputError
+            Also if it cannot be imported.
+        """
+        if self.function is None:
+            return
+        function = NamedFunction(self.function).load()
+        try:
+            taken = inspect.signature(function).parameters
+        except (TypeError, ValueError):  # of a function in C that does not tell
+            return
+        if any(one.kind is one.VAR_KEYWORD for one in taken.values()):
+            return
+        after_run = [*taken.values()][1:]
+        own = [one.name for one in after_run if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)]
+        if unknown := [name for name in (*self.parameters, *self.grid) if name not in own]:
+            remedy = suggestion(unknown[0], own, "parameters") if own else "leave it out"
+            raise InputError(f"estimators.{self.name}: {self.function} takes no {shown(unknown[0])}: {remedy}")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An estimator with the keyword arguments that it is called with.
+
+    Attributes
+    ----------
+    contender : Contender
+    parameters : dict of str to object
+    """
+
+    contender: Contender
+    parameters: Mapping[str, Any]
+
+    __repr__ = short_repr
+
+    def load(self) -> Estimator:
+        """The estimator as a function of a run.
+
+        Raises
+        ------
+        InputError
+            If it cannot be imported.
+        """
+        if self.contender.command is not None:
+            return CommandEstimator(self.contender.command)
+        found = NamedFunction(str(self.contender.function)).load()
+        return partial(found, **self.parameters) if self.parameters else found
+
+
+def contenders(given: object) -> dict[str, Contender]:
+    """Read the estimators of a campaign by their names, in whose order they are.
+
+    Parameters
+    ----------
+    given : object
+        A mapping of names to mappings, as in the file.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(given, Mapping):
+        raise InputError("estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below")
+    found = dict(sorted((name, _contender(name, content)) for name, content in given.items()))
+    count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
+    if count > MOST_POINTS:
+        raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
+    return found
+
+
+def _contender(name: object, content: object) -> Contender:
+    if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _LONGEST_NAME):
+        raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_LONGEST_NAME} printable characters")
+    place = f"estimators.{name}"
+    if not isinstance(content, Mapping):
+        raise InputError(f'{place} is to be a mapping: give {{function: "module:function"}}')
+    if unknown := [key for key in content if key not in _KEYS_OF_ONE]:
+        raise InputError(f"{place}: there is no {shown(unknown[0])}: give {', '.join(_KEYS_OF_ONE)}")
+    function, command = content.get("function"), content.get("command")
+    if (function is None) == (command is None):
+        raise InputError(f"{place}: give function or command, one of them")
+    if function is not None and not re.fullmatch(_FUNCTION, str(function)):
+        raise InputError(f"{place}.function: {shown(function)} names no function: give module:function")
+    parameters, grid = (_mapping(f"{place}.{key}", content.get(key)) for key in ("parameters", "grid"))
+    if command is not None and (not isinstance(command, str) or not command.strip() or parameters or grid):
+        raise InputError(
+            f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, and no "
+            "parameters or grid"
+        )
+    for key, values in grid.items():
+        if not (isinstance(values, list | tuple) and values):
+            raise InputError(f"{place}.grid.{key}: {shown(values)} is no list of values: give some, or leave it out")
+    if both := [key for key in parameters if key in grid]:
+        raise InputError(f"{place}: {both[0]} is in parameters and in grid: leave it out of one of them")
+    if "grid" in content and not grid:
+        raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
+    try:
+        json.dumps([parameters, grid], allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{place}: {error}: give finite numbers, texts, lists and mappings") from None
+    return Contender(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
+
+
+def _mapping(place: str, value: object) -> dict[str, Any]:
+    given = {} if value is None else value
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) and key.isidentifier() for key in given):
+        raise InputError(f"{place}: {shown(value)} is no mapping of names of keyword arguments: give one")
+    return dict(given)

@@ -15,8 +15,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.estimators import Entry
+from lie_rigid_body.campaign.definition import Campaign, Entry
 from lie_rigid_body.errors import BagError, said
 from lie_rigid_body.evaluation.attitude_error import attitude_error, body_error, numbers, unit, world_error
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
