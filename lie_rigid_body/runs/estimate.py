@@ -112,16 +112,16 @@ class Estimate:
     def __repr__(self) -> str:
         return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})
 
-    def messages(self, topic: str, stamps_ns: Integers, frame: str) -> tuple[Messages, str]:
+    def messages(self, topic: str, frame: str) -> tuple[Messages, str]:
         """Attitudes as messages of a bag, with a covariance where there is one, and their type.
 
         Parameters
         ----------
         topic : str
-        stamps_ns : ndarray of int64, shape (N,)
         frame : str
             Name of the world's frame.
         """
+        stamps_ns: Integers = self.t_ns
         if self.covariance is None:
             layout = Layout(header(frame), [0.0] * POSE_NUMBERS, [range(3, POSE_NUMBERS)])
             return Messages(topic, stamps_ns, layout.encode(stamps_ns, self.attitude_xyzw)), POSE_STAMPED

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages import NOT_GIVEN
 from lie_rigid_body.messages.definitions import places
@@ -146,8 +146,8 @@ class SensorArrays:
         }
         return cls(first.stamps_ns, arrived_ns, arrays)
 
-    def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
-        """Take the readings that arrive in some time, as messages tell them.
+    def samples(self, sensor: Sensor, begin_ns: int, end_ns: int) -> SensorSamples:
+        """Take the readings that arrive from one time on and before another one, ns, as messages tell them.
 
         Raises
         ------
@@ -167,7 +167,8 @@ class SensorArrays:
                 )
         readings = {name: array for name, array in arrays.items() if array is not None}
         lost = np.zeros(len(self.t_ns), dtype=np.bool_)
-        return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside(self.arrival_ns)]
+        inside = (self.arrival_ns >= begin_ns) & (self.arrival_ns < end_ns)
+        return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside]
 
 
 def _array(

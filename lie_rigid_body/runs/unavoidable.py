@@ -10,10 +10,10 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Truth
-from lie_rigid_body.evaluation.unavoidable import (
+from lie_rigid_body.evaluation import (
     AttitudeReadings,
     BiasNoise,
+    Truth,
     UnavoidableError,
     VectorReadings,
     unavoidable_error,
@@ -21,8 +21,7 @@ from lie_rigid_body.evaluation.unavoidable import (
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
-from lie_rigid_body.simulation import Segment
-from lie_rigid_body.simulation.segment import SampleClock
+from lie_rigid_body.simulation import SampleClock, Segment
 
 THINNED: Final = 40_000
 """Readings of the IMU at which the bound is computed for a score, in a few seconds at most.
