@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.evaluation.score import wrapped
-from lie_rigid_body.league import CASES, GRADES, FilterRow, LeagueTable, standing
+from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
 
 HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
@@ -25,7 +25,7 @@ def as_text(table: LeagueTable, own: Sequence[FilterRow]) -> str:
 
 
 def _lines(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
-    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {table.edition}."
+    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {EDITION}."
     yield _COLUMNS.format(*HEADINGS).rstrip()
     for row in table.rows:
         name, *others = cells(table, row)
@@ -66,7 +66,7 @@ def page(table: LeagueTable, own: Sequence[FilterRow]) -> bytes:
     bytes
         HTML.
     """
-    return html_page.document(f"League of attitude filters {table.edition}", _parts(table, own), with_figures=False)
+    return html_page.document(f"League of attitude filters {EDITION}", _parts(table, own), with_figures=False)
 
 
 def _parts(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:

@@ -112,13 +112,12 @@ class NamedFunction:
             sys.path.append(os.getcwd())  # an executable has its own folder there, not where it was started
         what = f"estimator {shown(self.name)}"
         try:
-            found = getattr(import_module(module), function, None)
+            found: Estimator | None = getattr(import_module(module), function, None)
         except (Exception, SystemExit) as error:
             raise InputError(f"{what} cannot be imported: {shortened(said(error))}: {MENDED}") from None
         if not callable(found):
             raise InputError(f"{what}: {shown(module)} has no function {shown(function)}: define it there")
-        estimate: Estimator = found
-        return estimate
+        return found
 
 
 @dataclass(frozen=True)
@@ -174,8 +173,9 @@ class CommandEstimator:
                     start_new_session=True,  # so that it can be ended with what it starts
                 )
             except OSError as error:
-                what = f"{self._name} cannot be started: {error.strerror}"
-                raise InputError(f"{what}: give the path of a program") from None
+                raise InputError(
+                    f"{self._name} cannot be started: {error.strerror}: give the path of a program"
+                ) from None
             try:
                 self._wait(process, output, errors)
             finally:
@@ -197,8 +197,9 @@ class CommandEstimator:
         end = time.monotonic() + self.timeout_s
         while process.returncode is None:
             if time.monotonic() >= end:
-                what = f"{self._name} did not end within {self.timeout_s:g} s"
-                raise InputError(f"{what}: let it end with its input, or give it more")
+                raise InputError(
+                    f"{self._name} did not end within {self.timeout_s:g} s: let it end with its input, or give it more"
+                )
             with suppress(subprocess.TimeoutExpired):
                 process.wait(_PATIENCE_S)
             if any(os.fstat(file.fileno()).st_size > _LARGEST_OUTPUT for file in files):

@@ -134,10 +134,8 @@ class Interpreter:
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
         timer.start()
         try:
-            assert self._process.stdin
-            assert self._process.stdout
             send(self._process.stdin, question)
-            reply = pickle.load(self._process.stdout)
+            reply = pickle.load(self._process.stdout)  # type: ignore[arg-type]  # it is a pipe
         except (EOFError, OSError, pickle.UnpicklingError):
             is_late = time.monotonic() >= end
             self.end()

@@ -134,7 +134,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:
         for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:
-            _require_scenario(scenario, _settings(grade, chosen))
+            _require_scenario(scenario, {**PARAMETERS, "sensor_grade": grade, **chosen})
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
 
 
@@ -156,11 +156,6 @@ def _fail(message: str) -> NoReturn:
     raise pytest.fail.Exception(f"{FIXTURE}: {message}", pytrace=False) from None
 
 
-def _settings(grade: str, chosen: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `simulate` beside the scenario, for a grade and what a marker gives."""
-    return {**PARAMETERS, "sensor_grade": grade, **chosen}
-
-
 def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
     names = [mark.args[0] for mark in metafunc.definition.iter_markers("parametrize") if mark.args]
     return any(FIXTURE in (name.split(",") if isinstance(name, str) else name) for name in names)
@@ -180,7 +175,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     scenario, grade = request.param if isinstance(request.param, tuple | list) else (request.param, "perfect")
     marker = request.node.get_closest_marker(FIXTURE)
     chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
-    given = _settings(grade, chosen)
+    given = {**PARAMETERS, "sensor_grade": grade, **chosen}
     try:
         key = _key(scenario, given)
         if key not in _runs:
