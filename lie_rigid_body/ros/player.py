@@ -84,7 +84,7 @@ def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:
             node = rclpy.create_node("lie_rigid_body", start_parameter_services=False)
         with destroying(node):
             publisher = ReadingPublisher(node, dict.fromkeys(reading.sensor for reading in play.readings))
-            answers = Answers(node, publisher, play.topic, [])
+            answers = Answers(node, publisher, play.node.topic, [])
             try:
                 return Player(play, publisher, answers, require_alive).played()
             finally:
@@ -106,7 +106,7 @@ class Player:
         self, play: Play, publisher: ReadingPublisher, answers: Answers, require_alive: Callable[[], None]
     ) -> None:
         self._play, self._publisher, self._answers, self._require_alive = play, publisher, answers, require_alive
-        self._longest_s = play.timeout_s / 2.0
+        self._longest_s = play.node.timeout_s / 2.0
         self._heard = SimpleQueue[tuple[int, bytes]]()
         self._payloads: list[bytes] = []
         answers.tell(lambda *answer: self._heard.put(answer))

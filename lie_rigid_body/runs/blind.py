@@ -22,7 +22,6 @@ _MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bo
 _TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
 """Methods of a run that would tell the truth, were it in a bag."""
 _NO_TRUTH: Final[Any] = None
-_REMEDY: Final = "estimate from what run.imu and run.magnetometer read"
 
 
 class WithheldError(InputError, AttributeError):
@@ -30,7 +29,9 @@ class WithheldError(InputError, AttributeError):
 
 
 def _refuse(name: str) -> NoReturn:
-    raise WithheldError(f"{name} would tell the truth, which this run withholds: {_REMEDY}")
+    raise WithheldError(
+        f"{name} would tell the truth, which this run withholds: estimate from what run.imu and run.magnetometer read"
+    )
 
 
 class BlindScenario(Scenario):

@@ -135,8 +135,8 @@ class Estimate:
 
 def vectors(topic: str, stamps_ns: Integers, rows: Array, frame: str) -> tuple[Messages, str]:
     """Vectors as messages of a bag, and their type."""
-    layout = Layout(header(frame), [0.0] * 3, [range(3)])
-    return Messages(topic, stamps_ns, layout.encode(stamps_ns, rows)), VECTOR3_STAMPED
+    payloads = Layout(header(frame), [0.0] * 3, [range(3)]).encode(stamps_ns, rows)
+    return Messages(topic, stamps_ns, payloads), VECTOR3_STAMPED
 
 
 def messages_of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:

@@ -34,9 +34,6 @@ HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,m
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
 ANSWER: Final = "t_ns,x,y,z,w"
 """Columns that the program prints, with this line above them or without."""
-TIMEOUT_S: Final = 60.0
-_NO_IMU: Final = ",,,,,"
-_NO_FIELD: Final = ",,"
 _LARGEST_OUTPUT: Final = 256 * 2**20
 """Largest number of bytes that the program may print; an attitude takes about 100."""
 _PATIENCE_S: Final = 0.05
@@ -133,7 +130,7 @@ class CommandEstimator:
     """
 
     command: str
-    timeout_s: float = TIMEOUT_S
+    timeout_s: float = 60.0
 
     __repr__ = short_repr
 
@@ -222,7 +219,7 @@ def _lines(run: Run) -> Iterator[str]:
     of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
     of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
     for stamp in sorted({*of_imu, *of_field}):
-        yield f"{stamp},{of_imu.get(stamp, _NO_IMU)},{of_field.get(stamp, _NO_FIELD)}"
+        yield f"{stamp},{of_imu.get(stamp, ',,,,,')},{of_field.get(stamp, ',,')}"
 
 
 def _texts(t_ns: Integers, rows: Array) -> dict[int, str]:

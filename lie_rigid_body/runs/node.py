@@ -45,9 +45,7 @@ class Reading(NamedTuple):
 class Play(NamedTuple):
     """What a player is to do: start a command, play it the readings, and return what it publishes on a topic."""
 
-    command: str
-    topic: str
-    timeout_s: float
+    node: NodeEstimator
     readings: tuple[Reading, ...]
 
 
@@ -84,7 +82,7 @@ class NodeEstimator(CommandEstimator):
             If it cannot be started, ends, hears no IMU, publishes no attitude of the body, or leaves a reading without
             an answer.
         """
-        answered = self._played(Play(self.command, self.topic, self.timeout_s, readings_of(run)))
+        answered = self._played(Play(self, readings_of(run)))
         try:
             found = attitudes_of(*answered)
         except BagError as error:

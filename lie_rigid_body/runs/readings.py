@@ -71,8 +71,8 @@ class SensorArrays:
     direction: Array
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
-        everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
-        vars(self).update({name: read_only(array) for name, array in everything.items()})
+        own = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
+        vars(self).update({name: read_only(array) for name, array in own.items()})
 
     @property
     def t_s(self) -> Array:
@@ -135,9 +135,8 @@ class SensorArrays:
         if name not in found and not models:
             return None
         first = found.setdefault(name, TopicMessages.none_of(message_type))
-        arrived_ns = first.log_times_ns
-        if not recording.as_written:
-            arrived_ns = measured_ns(segments, sensor.name, first.stamps_ns)
+        is_heard = not recording.as_written
+        arrived_ns = measured_ns(segments, sensor.name, first.stamps_ns) if is_heard else first.log_times_ns
         declared = {field.array for model in models for topic in sensor.topics for field in told_fields(topic, model)}
         arrays = {
             field.array: _array(topic, field, found.get(topic.name), first.stamps_ns, declared)
