@@ -9,12 +9,10 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.messages import NOT_GIVEN
-from lie_rigid_body.messages.definitions import places
 from lie_rigid_body.messages.encoding import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
-from lie_rigid_body.recording.topic_messages import TopicMessages, fixed_number, value_columns
+from lie_rigid_body.recording.topic_messages import TopicMessages, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
 from lie_rigid_body.showing import data_frame
 from lie_rigid_body.simulation import Segment, SensorSamples
@@ -173,16 +171,13 @@ class SensorArrays:
 def _array(
     topic: Topic, field: Field, messages: TopicMessages | None, t_ns: Integers, declared: Collection[str]
 ) -> Array | None:
-    """Array of a field at the stamps of readings: None if no message tells it, NaN at readings without a message."""
+    """Array of a field at the stamps of readings: None if it is not told, NaN at readings without a message."""
     columns = value_columns(topic, field)
     shape = field.shape or (len(columns),)
     if messages is None:
         return None if len(t_ns) else np.empty((0, *shape))
-    if field.covariance:
-        begin = places(topic.message_type)[field.covariance].start
-        given = fixed_number(messages, topic.message_type, begin) != NOT_GIVEN
-        if not (given.any() if len(given) else field.array in declared):
-            return None
+    if field.covariance and field.array not in declared:
+        return None
     values = messages.values[:, columns].reshape(-1, *shape)
     if np.array_equal(messages.stamps_ns, t_ns):
         return values
