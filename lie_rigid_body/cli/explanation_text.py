@@ -6,16 +6,12 @@ import math
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
-from typing import Any, Final, TypeAlias, cast
+from typing import Any, Final, cast
 
-from lie_rigid_body.mechanics.top import SpinStability
 from lie_rigid_body.motion.description import Description
 from lie_rigid_body.parameters import Value, Vector
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import GRADE, SENSORS
-
-Conserved: TypeAlias = tuple[str, tuple[float, ...], str, str]
-"""A conserved quantity, its values, their unit, and the reason."""
 
 _WIDTH: Final = 98
 """Width of a line of sentences, characters."""
@@ -145,19 +141,8 @@ def as_text(scenario: Scenario, description: Description, title: str = "") -> st
 
 
 def as_json(scenario: Scenario, description: Description) -> dict[str, object]:
-    """JSON-serialisable data of the description; a number that is not finite becomes null."""
-    keys = ("quantity", "values", "unit", "why")
-    conserved = [dict(zip(keys, fact, strict=True)) for fact in _conserved(description)]
-    facts = _plain({**asdict(description), "conserved": conserved})
-    return {"parameters": scenario.parameters(), **facts}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {name: _plain(content) for name, content in value.items()}
-    return [_plain(content) for content in value] if isinstance(value, tuple | list) else value
+    """Data of the description for JSON; a number that there is not is infinite or NaN."""
+    return {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)}
 
 
 def _body_lines(description: Description) -> list[str]:
@@ -214,42 +199,39 @@ def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
 
 
 def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
+    """Spins about the principal axes, and what becomes of each when it is disturbed."""
     for i, axis in enumerate(description.axes, 1):
-        yield (
-            f"axis {i}",
-            f"{axis.spin.spin_rate_rad_s:.6g} rad/s",
-            axis.spin.verdict,
-            _disturbed(axis.spin, description),
-        )
+        spin = axis.spin
+        tenfold = f"{math.log(10.0) / spin.growth_rate_1_s:.6g} s" if spin.growth_rate_1_s else "no finite time"
+        _, sentence = _SPINS["spherical" if description.kind == "spherical" else spin.verdict]
+        disturbed = sentence.format(spin=spin, tenfold=tenfold, wobble=_period(spin.wobble_rate_rad_s))
+        yield f"axis {i}", f"{spin.spin_rate_rad_s:.6g} rad/s", spin.verdict, disturbed
 
 
-def _disturbed(spin: SpinStability, description: Description) -> str:
-    """Sentence about a spin that is disturbed."""
-    tenfold = f"{math.log(10.0) / spin.growth_rate_1_s:.6g} s" if spin.growth_rate_1_s else "no finite time"
-    _, sentence = _SPINS["spherical" if description.kind == "spherical" else spin.verdict]
-    return sentence.format(spin=spin, tenfold=tenfold, wobble=_period(spin.wobble_rate_rad_s))
-
-
-def _conserved(description: Description) -> list[Conserved]:
-    """Quantities that the symmetries of the motion conserve."""
-    unit, whole = "kg m²/s", "angular momentum in the world, all components"
-    found: list[Conserved] = [
-        ("kinetic energy", (description.kinetic_energy_j,), "J", _WHY["time"]),
-        (whole, description.world_momentum_kg_m2_s, unit, _WHY["space"]),
-    ]
-    if along := description.conserved_body_momenta:
+def _conserved(description: Description) -> list[dict[str, Any]]:
+    """Quantities that the symmetries of the motion conserve, each with its values, their unit, and the reason."""
+    body, along = "angular momentum in the body", description.conserved_body_momenta
+    found: dict[str, tuple[tuple[float, ...], str, str]] = {
+        "kinetic energy": ((description.kinetic_energy_j,), "J", "time"),
+        "angular momentum in the world, all components": (description.world_momentum_kg_m2_s, "kg m²/s", "space"),
+    }
+    if along:
         is_sphere = description.kind == "spherical"
-        which = "body, all components" if is_sphere else f"body along {_vector(along[0].direction)}"
+        name = f"{body}, all components" if is_sphere else f"{body} along {_vector(along[0].direction)}"
         values = tuple(component.momentum_kg_m2_s for component in along)
-        found.append((f"angular momentum in the {which}", values, unit, _WHY["sphere" if is_sphere else "axis"]))
-    return found
+        found[name] = (values, "kg m²/s", "sphere" if is_sphere else "axis")
+    return [
+        {"quantity": name, "values": values, "unit": unit, "why": _WHY[symmetry]}
+        for name, (values, unit, symmetry) in found.items()
+    ]
 
 
 def _conservation_lines(description: Description) -> Iterator[str]:
     """Conserved quantities, each with the reason below it."""
-    for quantity, values, unit, why in _conserved(description):
-        yield f"{quantity}: {f'{values[0]:.6g}' if len(values) == 1 else _vector(values)} {unit}"
-        yield from _wrapped(why, indent="  ")
+    for fact in _conserved(description):
+        values = fact["values"]
+        yield f"{fact['quantity']}: {f'{values[0]:.6g}' if len(values) == 1 else _vector(values)} {fact['unit']}"
+        yield from _wrapped(fact["why"], indent="  ")
     if not description.conserved_body_momenta:
         yield from _wrapped(_WHY["no axis"])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import Any, Final
 
@@ -13,8 +13,18 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report.html_page import Figure
-from lie_rigid_body.report.plotly_parts import axis, coordinates, layout, line, mark, over_time, space
+from lie_rigid_body.report.html_page import (
+    Figure,
+    axis,
+    coordinates,
+    drawn,
+    figure,
+    grid,
+    line,
+    mark,
+    over_time,
+    paragraph,
+)
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
@@ -51,9 +61,8 @@ _AXIS: Final = 0.8
 """Length of the body's axes, in longest sides of the box."""
 _REACH: Final = 1.25
 """Half of the picture's width, in longest sides of the box."""
-_SHORTEST: Final = 8e3
-_LONGEST: Final = 16e3
-"""Shortest and longest duration of the film, ms."""
+_DURATION_MS: Final = (8e3, 16e3)
+"""Shortest and longest duration of the film, ms: neither too fast nor too slow to be followed."""
 
 _MOMENTUM, _RATE, _TRACE, _WORLD = "#8C5AA8", "#E69F00", "#56606B", "#9AA5B1"
 _CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
@@ -66,7 +75,6 @@ _TINTS: Final = tuple(tint for tint in ("#7FA6D9", "#B5CBE8", "#E3ECF7") for _ i
 _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
 """Corners along a path through all edges."""
 _NONE: Final = np.zeros((1, 3))
-_SKIP: Final[dict[str, Any]] = {"showlegend": False, "hoverinfo": "skip"}
 
 
 def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
@@ -74,6 +82,21 @@ def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
     t, look = reset_times(pieces), {"color": "black", "width": 1, "dash": "dash"}
     shapes = [{"type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper", "line": look} for x in t]
     return shapes if len(shapes) <= MOST_RESETS else []
+
+
+def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
+    """HTML of all figures of a recording, of whose segments each has a sample."""
+    first = pieces[0]
+    whose = " of the first segment" if len(pieces) > 1 else ""
+    if film := body(first):
+        yield figure(f"The body{whose}", *film, kind="body")
+    yield figure("Body rate", rate(pieces), "Angular velocity in the frame of the body.")
+    paths = (
+        (polhode(first), "Polhode", "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."),
+        (herpolhode(first), "Herpolhode", "ω in the world, seen along the angular momentum (cross)."),
+    )
+    figures = [figure(f"{name}{whose}", content, text, kind="tall") for content, name, text in paths if content]
+    yield grid(figures, wide=True) if figures else paragraph("The body is at rest: no polhode, no herpolhode.")
 
 
 def rate(pieces: Sequence[RecordedSegment]) -> Figure:
@@ -86,7 +109,7 @@ def rate(pieces: Sequence[RecordedSegment]) -> Figure:
         at = extremes(t, component)
         traces.append(over_time(t[at], component[at], f"ω<sub>{name}</sub>", colour, **few))
     axes = {"xaxis": axis("time [s]", range=[0.0, float(t[-1]) or 1.0]), "yaxis": axis("body rate [rad/s]")}
-    return {"data": traces, "layout": layout(**axes, shapes=resets(pieces))}
+    return drawn(traces, **axes, shapes=resets(pieces))
 
 
 def polhode(piece: RecordedSegment) -> Figure | None:
@@ -95,33 +118,29 @@ def polhode(piece: RecordedSegment) -> Figure | None:
     if ellipsoid is None:
         return None
     circles = np.insert(ellipsoid.principal_circles(), 0, np.nan, axis=1).reshape(-1, 3)
+    surface = {
+        "type": "surface",
+        **coordinates(np.moveaxis(ellipsoid.surface(_ABOVE), 0, -1)),
+        "colorscale": [[0, SURFACE], [1, SURFACE]],
+        "showscale": False,
+        "opacity": 0.75,
+        "hoverinfo": "skip",
+        "lighting": {"specular": 0.1, "diffuse": 0.6},
+    }
     traces = [
-        _surface(ellipsoid),
+        surface,
         line(circles, "principal planes", CIRCLES, 1.5),
         line(ellipsoid.polhode, "polhode", RED, 5),
         mark(ellipsoid.polhode[0], "first sample", size=4, color="black"),
     ]
-    axes = {f"{name}axis": _rate_axis(i, ellipsoid.radii[i]) for i, name in enumerate("xyz")}
-    eye = _DISTANCE * ellipsoid.best_view().axes[0]
-    scene = space(eye, {**axes, "aspectmode": "data"}, projection={"type": "orthographic"})
-    return {"data": traces, "layout": layout(scene=scene, showlegend=False)}
-
-
-def _rate_axis(i: int, radius: float) -> dict[str, Any]:
-    return {
-        "title": {"text": f"ω<sub>{i + 1}</sub>"},
-        "range": [-1.08 * radius, 1.08 * radius],
-        "nticks": 4,
-        "showbackground": False,
-        "gridcolor": "#D5DAE0",
-        "zeroline": False,
+    look = {"nticks": 4, "showbackground": False, "gridcolor": "#D5DAE0", "zeroline": False}
+    axes = {
+        f"{name}axis": {"title": {"text": f"ω<sub>{i}</sub>"}, "range": [-1.08 * radius, 1.08 * radius], **look}
+        for i, (name, radius) in enumerate(zip("xyz", ellipsoid.radii, strict=True), 1)
     }
-
-
-def _surface(ellipsoid: Ellipsoid) -> dict[str, Any]:
-    points = coordinates(np.moveaxis(ellipsoid.surface(_ABOVE), 0, -1))
-    look = {"colorscale": [[0, SURFACE], [1, SURFACE]], "showscale": False, "opacity": 0.75, "hoverinfo": "skip"}
-    return {"type": "surface", **points, **look, "lighting": {"specular": 0.1, "diffuse": 0.6}}
+    eye = coordinates(_DISTANCE * ellipsoid.best_view().axes[0])
+    camera = {"eye": eye, "projection": {"type": "orthographic"}}
+    return drawn(traces, scene={**axes, "aspectmode": "data", "camera": camera}, showlegend=False)
 
 
 def herpolhode(piece: RecordedSegment) -> Figure | None:
@@ -134,7 +153,10 @@ def herpolhode(piece: RecordedSegment) -> Figure | None:
     upright = momentum / size
     rates = world_rates(states)
     across = rates - np.outer(rates @ upright, upright)
-    right = _right(across[0], upright, fastest)
+    right = across[0]  # of ω's first part across the momentum, or any if it has none
+    if np.linalg.norm(right) < 1e-9 * fastest:
+        right = np.cross(upright, np.eye(3)[np.argmin(np.abs(upright))])
+    right = right / np.linalg.norm(right)
     points = across @ np.stack([right, np.cross(upright, right)], axis=-1)
     traces = [
         line(points, "herpolhode", RED, 1.5),
@@ -144,14 +166,7 @@ def herpolhode(piece: RecordedSegment) -> Figure | None:
     reach = 1.1 * max(float(np.abs(points).max()), 1e-3 * fastest)
     look: dict[str, Any] = {"range": [-reach, reach], "constrain": "domain", "nticks": 6}
     axes = {"xaxis": axis("ω across L [rad/s]", **look), "yaxis": axis("[rad/s]", scaleanchor="x", **look)}
-    return {"data": traces, "layout": layout(**axes, showlegend=False)}
-
-
-def _right(across: Array, upright: Array, fastest: float) -> Array:
-    """Direction to the right of the picture: of ω's first part across the momentum, or any if it has none."""
-    if np.linalg.norm(across) < 1e-9 * fastest:
-        across = np.cross(upright, np.eye(3)[np.argmin(np.abs(upright))])
-    return np.asarray(across / np.linalg.norm(across))
+    return drawn(traces, **axes, showlegend=False)
 
 
 def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
@@ -165,26 +180,32 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
     moving = _moving(piece, states, followed)
     trace = moving[2][:, 3 * followed + 1]
+    world = {"text": ["", "X", "", "", "Y", "", "", "Z", ""], "textfont": {"size": 12, "color": _WORLD}}
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
         _arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM),
         line(trace, f"path of the {'xyz'[followed]} axis", _TRACE, 2, opacity=0.6, hoverinfo="name"),
-        _axes_of_the_world(),
+        line(_cross(1.0), "axes of the world", _WORLD, 2, mode="lines+text", hoverinfo="name", **world),
     ]
+    # the eye is across the angular momentum and somewhat above
+    azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
+    eye = coordinates(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
     hidden = {f"{name}axis": {"visible": False, "range": [-_REACH, _REACH]} for name in "xyz"}
-    scene = space(_eye(momentum), {**hidden, "aspectmode": "cube"})
+    scene = {**hidden, "aspectmode": "cube", "camera": {"eye": eye}}
+    digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
+    duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
     each = [[_places(points[k]) for points in moving] for k in range(len(t))]
     film = {
-        "times": _texts(t),
-        "duration": _duration(t),
+        "times": [f"{seconds:.{digits}f} s" for seconds in t.tolist()],
+        "duration": duration,
         "pictures": [{name: [place[name] for place in places] for name in "xyz"} for places in each],
     }
-    margin = {"l": 0, "r": 0, "t": 30, "b": 0}
     shown = (
-        f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * _duration(t):.3g} s: a box of the body's principal "
+        f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * duration:.3g} s: a box of the body's principal "
         "moments in the world. Drag to turn, scroll to come nearer."
     )
-    return {"data": data, "layout": layout(scene=scene, uirevision="kept", margin=margin), "film": film}, shown
+    margin = {"l": 0, "r": 0, "t": 30, "b": 0}
+    return {**drawn(data, scene=scene, uirevision="kept", margin=margin), "film": film}, shown
 
 
 def _frames(piece: RecordedSegment) -> tuple[Array, State]:
@@ -205,8 +226,8 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
     Each has shape (N, M, 3), on the axes of the world, in longest sides of the box.
     """
     own, fastest = piece.segment.scenario.body(), piece.segment.scenario.rate_bound()
-    corners = _turned(states, (_CORNERS * box_sides(own.principal_moments)) @ own.principal_axes.T)
-    axes = _turned(states, _cross(_AXIS))
+    box = (_CORNERS * box_sides(own.principal_moments)) @ own.principal_axes.T
+    corners, axes = (quaternion.rotate(states.attitude_xyzw[:, np.newaxis], points) for points in (box, _cross(_AXIS)))
     rates = world_rates(states)[:, np.newaxis] * (_ARROW / fastest if fastest else 0.0)
     latest = np.maximum(0, np.arange(len(rates))[:, np.newaxis] + np.arange(-_TAIL, 1))
     return (
@@ -216,11 +237,6 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
         np.concatenate([np.zeros_like(rates), rates], axis=1),
         axes[latest, 3 * followed + 1],
     )
-
-
-def _turned(states: State, points: Array) -> Array:
-    """Points of the body in the world at each state, shape (N, M, 3)."""
-    return quaternion.rotate(states.attitude_xyzw[:, np.newaxis], points[np.newaxis])
 
 
 def _cross(length: float) -> Array:
@@ -237,15 +253,6 @@ def _arrow(points: Array, name: str, colour: str) -> dict[str, Any]:
     return line(points, name, colour, 8, mode="lines+markers", marker=marker, hoverinfo="name")
 
 
-_BOX: Final[dict[str, Any]] = {
-    "type": "mesh3d",
-    "name": "body",
-    **dict(zip("ijk", zip(*_FACES, strict=True), strict=True)),
-    "facecolor": _TINTS,
-    "flatshading": True,
-    "lighting": {"ambient": 0.75, "diffuse": 0.5, "specular": 0.05},
-    "hoverinfo": "skip",
-}
 _LETTERS: Final[dict[str, Any]] = {
     "mode": "lines+text",
     "line": {"color": [colour for colour in COLOURS for _ in range(3)], "width": 5},
@@ -253,32 +260,18 @@ _LETTERS: Final[dict[str, Any]] = {
     "textfont": {"size": 14},
 }
 _LOOKS: Final = (
-    _BOX,
-    line(_NONE, "edges", "#3B5B85", 3, **_SKIP),
-    line(_NONE, "axes of the body", COLOURS[0], 4, **_LETTERS, **_SKIP),
+    {
+        "type": "mesh3d",
+        "name": "body",
+        **dict(zip("ijk", zip(*_FACES, strict=True), strict=True)),
+        "facecolor": _TINTS,
+        "flatshading": True,
+        "lighting": {"ambient": 0.75, "diffuse": 0.5, "specular": 0.05},
+        "hoverinfo": "skip",
+    },
+    line(_NONE, "edges", "#3B5B85", 3, showlegend=False, hoverinfo="skip"),
+    line(_NONE, "axes of the body", COLOURS[0], 4, **_LETTERS, showlegend=False, hoverinfo="skip"),
     _arrow(_NONE, "angular velocity ω", _RATE),
     line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
 )
 """Looks of what moves, in the order of `_moving`."""
-
-
-def _axes_of_the_world() -> dict[str, Any]:
-    """Axes of the world, thin and grey."""
-    letters = {"text": ["", "X", "", "", "Y", "", "", "Z", ""], "textfont": {"size": 12, "color": _WORLD}}
-    return line(_cross(1.0), "axes of the world", _WORLD, 2, mode="lines+text", hoverinfo="name", **letters)
-
-
-def _eye(momentum: Array) -> Array:
-    """Place of the eye, across the angular momentum and somewhat above."""
-    azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
-    return 1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45])
-
-
-def _texts(t: Array) -> list[str]:
-    digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
-    return [f"{seconds:.{digits}f} s" for seconds in t.tolist()]
-
-
-def _duration(t: Array) -> float:
-    """Duration of the film, ms: that of what it shows, but neither too fast nor too slow to be followed."""
-    return float(np.clip(1e3 * t[-1], _SHORTEST, _LONGEST))

@@ -10,7 +10,7 @@ from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.score import verdict
-from lie_rigid_body.report import certificate_text, diagnoses, html_page, scores
+from lie_rigid_body.report import certificates, diagnoses, html_page, scores
 from lie_rigid_body.runs import Run
 
 
@@ -28,8 +28,9 @@ def _(score: Score) -> str:
 
 @html.register
 def _(certificate: Certificate) -> str:
-    rows = [(certificate_text.law_cells(law, None), law.holds) for law in certificate.laws]
-    return _shown([certificate_text.verdict(certificate)], [html_page.table(certificate_text.HEADINGS, rows)])
+    return _shown(
+        [certificates.verdict(certificate)], [certificates.law_table((law, None) for law in certificate.laws)]
+    )
 
 
 @html.register

@@ -12,9 +12,8 @@ from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.report import html_page, residual_figures
-from lie_rigid_body.report.certificate_text import as_json as certificate_json
-from lie_rigid_body.report.certificate_text import of_limit, wrapped
+from lie_rigid_body.report import certificates, html_page, residual_figures
+from lie_rigid_body.report.certificates import of_limit, wrapped
 from lie_rigid_body.wording import counted, printable, short_repr, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
@@ -87,7 +86,7 @@ def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
 def _json(verdict: Verdict) -> dict[str, object]:
     if verdict.certificate is None:
         return {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}
-    return certificate_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
+    return certificates.as_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
 
 
 def _row(verdict: Verdict) -> str:

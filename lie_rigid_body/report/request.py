@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -42,8 +41,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         If an option goes only with a bag, and there is none, or the other way round.
     """
     own, ros = console.split_ros_arguments(argv)
-    given = _parser().parse_args(own)
-    given.ros = ros
+    parser = _parser()
+    given = parser.parse_args(own, argparse.Namespace(ros=ros))
     live = given.run is None
     if ros and not live:
         raise InputError(f"--ros-args: {given.run} is read without ROS: leave it out, or leave out the bag")
@@ -52,15 +51,18 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
             remedy = f"remap the topic, --ros-args -r {remapped}:=TOPIC" if remapped and live else "leave it out"
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
-        _parser().error("the following arguments are required: --estimate")
+        parser.error("the following arguments are required: --estimate")
     if given.estimate and len(set(given.estimate)) < len(given.estimate):
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
-    if given.max_rms and len(given.max_rms) > 1:
+    if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
-    given.max_rms = given.max_rms[0] if given.max_rms else None
-    console.require_suffix("--plot", given.plot, ".png")
-    console.require_suffix("--report", given.report, ".html")
-    console.require_suffix("--out", given.out, ".mcap")
+    given.max_rms = next(iter(given.max_rms), None)
+    for option, path, suffix in (
+        ("--plot", given.plot, ".png"),
+        ("--report", given.report, ".html"),
+        ("--out", given.out, ".mcap"),
+    ):
+        console.require_suffix(option, path, suffix)
     return given
 
 
@@ -99,7 +101,11 @@ def _parser() -> console.Parser:
             help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
         ),
         console.argument(
-            "--max-rms", metavar="ANGLE", action="append", help="largest RMS of the total error, such as 1deg"
+            "--max-rms",
+            metavar="ANGLE",
+            action="append",
+            default=[],
+            help="largest RMS of the total error, such as 1deg",
         ),
         console.argument(
             "--max-after",
@@ -166,35 +172,36 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     int
         The exit status.
     """
-    from lie_rigid_body.report import comparison, drawing, score_picture, scores
+    from lie_rigid_body.report import drawing, score_picture, scores
 
-    files: dict[str, bytes] = {}
-    content: dict[str, object]
-    if len(scored) == 1:
-        ((read, score),) = scored
-        title = f"{source}: {read.track.topic}" if source else read.track.topic
-        if given.plot is not None:
-            files[given.plot] = drawing.png(score_picture.draw(title, score))
-        if given.report is not None:
-            files[given.report] = scores.page(title, read, score)
-        content = scores.as_json(source or None, read, score, series=given.series) if given.json else {}
-        text = scores.as_table(title, read, score)
-    else:
-        several = [comparison.Scored(*each) for each in scored]
-        if given.plot is not None:
-            files[given.plot] = drawing.png(comparison.draw(source, several))
-        if given.report is not None:
-            files[given.report] = comparison.page(source, several)
-        content = comparison.to_json(source, several, series=given.series) if given.json else {}
-        text = comparison.as_table(source, several)
+    (read, score), *others = scored
+    title = source if others else ": ".join(filter(None, (source, read.track.topic)))
+    wrote = ""
     if given.out is not None:
         from lie_rigid_body.runs.recorded_estimate import write_scored
 
         write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
-        text += f"\nwrote {printable(given.out)}"
-    if given.json:
-        text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    drawing.answer(text, files, overwrite=given.force, named=not given.json)
+        wrote = f"\nwrote {printable(given.out)}"
+    if others:
+        drawing.answer(
+            given,
+            lambda: scores.table_of_several(title, scored) + wrote,
+            lambda: scores.json_of_several(source, scored, series=given.series),
+            {
+                given.plot: lambda: drawing.png(score_picture.curves(title, scored)),
+                given.report: lambda: scores.page_of_several(title, scored),
+            },
+        )
+    else:
+        drawing.answer(
+            given,
+            lambda: scores.as_table(title, read, score) + wrote,
+            lambda: scores.as_json(source or None, read, score, series=given.series),
+            {
+                given.plot: lambda: drawing.png(score_picture.draw(title, score)),
+                given.report: lambda: scores.page(title, read, score),
+            },
+        )
     return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
+import re
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 from typing import Any, Final
 
 import numpy as np
@@ -11,8 +12,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
-from lie_rigid_body.report.html_page import figure
-from lie_rigid_body.report.plotly_parts import axis, layout, line, logarithmic, mark, over_time
+from lie_rigid_body.report.html_page import axis, drawn, figure, line, logarithmic, mark, over_time
 from lie_rigid_body.report.recorded_motion import COLOURS, GREY, RED
 
 _BINS: Final = 30
@@ -20,7 +20,6 @@ _LEAST_SPAN: Final = 0.3
 """Least span of a distribution, decades."""
 _ABOVE: Final = 10.0
 """Height at which residuals are drawn that are not finite, as a multiple of all that is."""
-_COMPONENTS: Final = ("x", "y", "z")
 _LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
 
 
@@ -45,47 +44,38 @@ def figures_over_time(
         HTML. Laws that have no residual but 0 are left out.
     """
     watched = [law for law in certificate.laws if law.name in residuals.laws]
-    for name, laws in itertools.groupby(watched, lambda law: _family(law.name)):
+    for name, laws in groupby(watched, lambda law: re.sub(" [xyz]$", "", law.name)):
         own = [(law, residuals.laws[law.name]) for law in laws]
         if traces := list(_traces(own, origin_ns)):
             unit = own[0][0].unit
             label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
-            ends = [float(trace["x"][-1]) for trace in traces]
+            end = max(float(trace["x"][-1]) for trace in traces)
             values = np.concatenate([trace["y"] for trace in traces])
-            axes = {"xaxis": axis("time [s]", range=[0.0, max(ends)]), "yaxis": logarithmic(label, values)}
-            look = layout(**axes, shapes=list(shapes), showlegend=len(own) > 1)
-            yield figure(name, {"data": traces, "layout": look})
-
-
-def _family(name: str) -> str:
-    """Name of a law without the component that it is of."""
-    head, _, last = name.rpartition(" ")
-    return head if last in _COMPONENTS else name
+            axes = {"xaxis": axis("time [s]", range=[0.0, end]), "yaxis": logarithmic(label, values)}
+            yield figure(name, drawn(traces, **axes, shapes=list(shapes), showlegend=len(own) > 1))
 
 
 def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
-    limits: dict[str, Any] | None = None
+    """Curves of a law, or of its components, marks at what is broken and at the worst, and their limit."""
+    limits = []
     for i, (worst, law) in enumerate(laws):
         t, residuals, limit, broken = law.series(origin_ns)
         if not (residuals > 0.0).any():
             continue
         if (limit > 0.0).any():
-            limits = over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT)
-        finite = residuals[np.isfinite(residuals)]
-        top = _ABOVE * max(float(finite.max(initial=0.0)), float(limit.max())) or 1.0
-        drawn = np.where(np.isfinite(residuals), np.where(residuals > 0.0, residuals, np.nan), top)
-        name, colour = (
-            (worst.name.rpartition(" ")[2], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
-        )
-        yield over_time(t, drawn, name, colour)
+            limits.append(over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT))
+        finite = np.isfinite(residuals)
+        top = _ABOVE * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
+        heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
+        name, colour = (worst.name[-1], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
+        yield over_time(t, heights, name, colour)
         if broken.any():
-            yield over_time(t[broken], drawn[broken], "broken", RED, mode="markers", showlegend=False)
+            yield over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
         if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
             at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
             circle = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
             yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
-    if limits is not None:
-        yield limits
+    yield from limits[-1:]
 
 
 def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: str) -> Iterator[str]:
@@ -105,10 +95,12 @@ def distributions(laws: Sequence[tuple[str, Sequence[Sequence[float]]]], whose: 
     """
     for name, pairs in laws:
         residuals, limits = np.array(pairs, dtype=np.float64).T
-        shown = np.isfinite(residuals) & (residuals > 0.0)
+        finite = np.isfinite(residuals)
+        shown = finite & (residuals > 0.0)
         if shown.any() and limits.max() > 0.0:
-            content = _distribution(residuals[shown], limits[shown], limits, whose)
-            yield figure(name, content, _left_out(residuals, whose))
+            left_out = {"0": np.sum(residuals == 0.0), "not finite": np.sum(~finite)}
+            caption = ", ".join(f"{what} in {count} {whose}" for what, count in left_out.items() if count)
+            yield figure(name, _distribution(residuals[shown], limits[shown], limits, whose), caption)
 
 
 def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
@@ -124,21 +116,11 @@ def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> di
         if counts.any():
             look = {"type": "bar", "marker": {"color": colour}, "name": label}
             traces.append({**look, "x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts})
-    traces.append(_limits(limits, max(int(np.max(trace["y"])) for trace in traces)))
+    top, least, most = max(int(np.max(trace["y"])) for trace in traces), float(limits.min()), float(limits.max())
+    corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
+    if least == most:
+        traces.append({**line(corners[:2], "limit", GREY, 1.4), **_LIMIT})
+    else:
+        traces.append({**line(corners, "limits", GREY, 1.4), **_LIMIT, "fill": "toself"})
     axes = {"xaxis": logarithmic("worst residual", np.append(edges, limits)), "yaxis": axis(whose, rangemode="tozero")}
-    return {"data": traces, "layout": layout(**axes, barmode="stack", bargap=0)}
-
-
-def _limits(limits: Array, height: int) -> dict[str, Any]:
-    """Line at the limit, or band from the smallest to the largest."""
-    low, high = float(limits.min()), float(limits.max())
-    corners = np.array([(low, 0), (low, height), (high, height), (high, 0)], dtype=np.float64)
-    if low == high:
-        return {**line(corners[:2], "limit", GREY, 1.4), **_LIMIT}
-    return {**line(corners, "limits", GREY, 1.4), **_LIMIT, "fill": "toself"}
-
-
-def _left_out(residuals: Array, whose: str) -> str:
-    zero, endless = int(np.count_nonzero(residuals == 0.0)), int(np.count_nonzero(~np.isfinite(residuals)))
-    parts = [f"0 in {zero} {whose}"] * (zero > 0) + [f"not finite in {endless} {whose}"] * (endless > 0)
-    return ", ".join(parts)
+    return drawn(traces, **axes, barmode="stack", bargap=0)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
+
 COLOURS: Final = {
     "total": "#333333",
     "heading": "#0072B2",
@@ -71,19 +73,19 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
     return figure
 
 
-def curves(title: str, scores: Sequence[tuple[str, Score]], width: float = 10.0) -> Figure:
-    """Figure of the total errors of several estimates, under their names; see `draw`."""
+def curves(title: str, scored: Sequence[tuple[RecordedEstimate, Score]], width: float = 10.0) -> Figure:
+    """Figure of the total errors of several estimates, under their topics; see `draw`."""
     from lie_rigid_body.report.picture import Picture
 
     columns = 2 if width > _NARROW else 1
-    figure = Picture(figsize=(width, 3.4 + 0.25 * len(scores) / columns), dpi=120, layout="constrained")
+    figure = Picture(figsize=(width, 3.4 + 0.25 * len(scored) / columns), dpi=120, layout="constrained")
     axes = figure.subplots()
-    first_ns = min(int(score.stamps_ns[0]) for _, score in scores)
-    for number, (name, score) in enumerate(scores):
+    first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
+    for number, (read, score) in enumerate(scored):
         t_s, degrees = (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total)
-        label = f"{shortened(printable(name), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
+        label = f"{shortened(printable(read.track.topic), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
         axes.plot(*_thinned(t_s, degrees), label=label, color=f"C{number % 10}", **curve_style(len(degrees), 1.0))
-    _scale(axes, [np.degrees(score.error.total) for _, score in scores])
+    _scale(axes, [np.degrees(score.error.total) for _, score in scored])
     axes.set(xlabel="time since the first estimate [s]", ylabel="total error [deg]")
     axes.grid(alpha=0.3, lw=0.6)
     axes.margins(x=0.0)

@@ -158,12 +158,14 @@ def recorded_estimate(
     truth_of = motion.until(int(ordered.stamps_ns[-1]))
     read = RecordedEstimate(ordered, motion, truth_of, notes, kept.number_of(STRAY, DISORDERED))
     biases = contents.tracks.get((f"{topic}{BIAS}", VECTOR3_STAMPED))
-    return read if biases is None or not biases.count else _with_bias(read, path, biases, truth_bag or path)
+    return read if biases is None or not biases.count else _with_bias(read, path, contents, biases, truth_bag or path)
 
 
-def _with_bias(read: RecordedEstimate, path: Path, biases: RawTrack, truth_bag: str | Path) -> RecordedEstimate:
+def _with_bias(
+    read: RecordedEstimate, path: Path, contents: McapContents, biases: RawTrack, truth_bag: str | Path
+) -> RecordedEstimate:
     """An estimate with biases of the gyro beside the true ones, or with a note why these are not known."""
-    found = topic_messages(path, biases.key, biases.take())
+    found = topic_messages(path, biases.key, contents.messages(biases.key))
     try:
         truth = _run_of(read, truth_bag).gyro_bias_at(found.stamps_ns)
     except (BagError, InputError) as error:

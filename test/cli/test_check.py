@@ -12,7 +12,7 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report.certificate_text import law_cells, law_row
+from lie_rigid_body.report.certificates import law_cells, law_row
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 

@@ -1,14 +1,20 @@
-"""A certificate, and what is proved beside it, as a table for people and as JSON for programs."""
+"""A certificate, and what is proved beside it: a table for people, JSON for programs, and a page with figures."""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Iterator
-from typing import Final
+from collections.abc import Iterable, Iterator, Sequence
+from html import escape
+from typing import Any, Final
+
+import numpy as np
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
+from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof
+from lie_rigid_body.recording.samples import RecordedSegment
+from lie_rigid_body.report import html_page, motion_figures, residual_figures
 from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
@@ -22,6 +28,8 @@ _COUNTS: Final = (99.0, 1e7)
 """Between these a whole number is a count, and shown with all digits; from the second on it does not fit."""
 _WIDTH: Final = 80
 """Width of the table, and of the sentences, characters."""
+MOST_TABLES: Final = 30
+"""Largest number of segments whose laws are on a page: the first ones, those that break a law before the others."""
 
 
 def as_table(bag: str, certificate: Certificate, proof: Proof | None = None) -> str:
@@ -56,26 +64,24 @@ def verdict(certificate: Certificate) -> str:
     """Sentences that say to what accuracy a bag is certified, or which laws it breaks."""
     if not certificate.passed:
         return "\n".join(["NOT CERTIFIED", *(wrapped(message, "  - ") for message in certificate.messages)])
+    told = _accuracy(certificate)
+    worst = told["attitude_worst"]
     lines = [
-        f"CERTIFIED: attitude within {certificate.attitude_accuracy:.2g} rad of the exact motion "
-        f"(limit {_loosest(certificate):.2g}),",
-        f"  kinetic energy to {certificate.accuracy('kinetic energy'):.2g}, "
-        f"world momentum to {_momentum(certificate):.2g} (relative).",
-        *_worst_sample(certificate),
+        f"CERTIFIED: attitude within {told['attitude_rad']:.2g} rad of the exact motion "
+        f"(limit {told['attitude_limit_rad']:.2g}),",
+        f"  kinetic energy to {told['kinetic_energy_relative']:.2g}, "
+        f"world momentum to {told['world_momentum_relative']:.2g} (relative).",
     ]
+    if worst["sample"] is not None and certificate.accuracy("closed form") != 0.0:
+        where = f" of segment {worst['segment']}" if len(certificate.segments) > 1 else ""
+        lines.append(
+            f"  Attitude is worst at sample {worst['sample']}{where}, {worst['time_s']:.7g} s after the start."
+        )
     if certificate.to_the_bit is not None:
         lines.append(f"  It is {'' if certificate.to_the_bit else 'not '}equal to the bit to what is computed here.")
     if certificate.sensors:
         lines.append(wrapped(f"Every reading is what its scenario determines: {', '.join(certificate.sensors)}.", "  "))
     return "\n".join(lines)
-
-
-def _worst_sample(certificate: Certificate) -> Iterator[str]:
-    number, segment = certificate.farthest
-    law = segment.law("closed form")
-    if law.sample is not None and law.worst != 0.0:
-        where = f" of segment {number}" if len(certificate.segments) > 1 else ""
-        yield f"  Attitude is worst at sample {law.sample}{where}, {segment.time_s(law):.7g} s after the start."
 
 
 def proved(proof: Proof) -> str:
@@ -95,27 +101,39 @@ def proved(proof: Proof) -> str:
 
 
 def as_json(bag: str, certificate: Certificate, proof: Proof | None = None) -> dict[str, object]:
-    """JSON-serialisable data of a certificate; a number that is not finite becomes null."""
+    """Data of a certificate for JSON; its numbers may be infinite or NaN."""
     return {
         "bag": bag,
         "passed": certificate.passed,
-        "certified": _accuracy_json(certificate) if certificate.passed else None,
+        "certified": _accuracy(certificate) if certificate.passed else None,
         "certified_sensors": list(certificate.sensors) if certificate.passed else [],
         "not_certified": list(certificate.not_certified),
         "messages": list(certificate.messages),
-        "segments": [_segment_json(segment) for segment in certificate.segments],
+        "segments": [
+            {
+                "start_ns": segment.segment.start_ns,
+                "first_sample": segment.segment.first_sample,
+                "samples": segment.samples,
+                "passed": segment.passed,
+                "scenario": segment.segment.scenario.parameters(),
+                "laws": [_law_json(law, segment.time_s(law)) for law in segment.laws],
+                "notes": list(segment.notes),
+            }
+            for segment in certificate.segments
+        ],
         "laws": [_law_json(law, None) for law in certificate.whole],
     } | ({} if proof is None else {"proved": _proof_json(proof)})
 
 
-def _accuracy_json(certificate: Certificate) -> dict[str, object]:
+def _accuracy(certificate: Certificate) -> dict[str, Any]:
+    """How exact a certified bag is, and where it is so least."""
     number, segment = certificate.farthest
     law = segment.law("closed form")
     return {
-        "attitude_rad": _finite(certificate.attitude_accuracy),
-        "attitude_limit_rad": _finite(_loosest(certificate)),
-        "kinetic_energy_relative": _finite(certificate.accuracy("kinetic energy")),
-        "world_momentum_relative": _finite(_momentum(certificate)),
+        "attitude_rad": certificate.attitude_accuracy,
+        "attitude_limit_rad": max(each.law("closed form").limit for each in certificate.segments),
+        "kinetic_energy_relative": certificate.accuracy("kinetic energy"),
+        "world_momentum_relative": max(certificate.accuracy(f"world momentum {axis}") for axis in "xyz"),
         "attitude_worst": {
             "segment": number,
             "sample": law.sample,
@@ -126,25 +144,13 @@ def _accuracy_json(certificate: Certificate) -> dict[str, object]:
     }
 
 
-def _segment_json(certificate: SegmentCertificate) -> dict[str, object]:
-    return {
-        "start_ns": certificate.segment.start_ns,
-        "first_sample": certificate.segment.first_sample,
-        "samples": certificate.samples,
-        "passed": certificate.passed,
-        "scenario": certificate.segment.scenario.parameters(),
-        "laws": [_law_json(law, certificate.time_s(law)) for law in certificate.laws],
-        "notes": list(certificate.notes),
-    }
-
-
 def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
     return {
         "name": law.name,
         "unit": law.unit,
         "holds": law.holds,
-        "worst": _finite(law.worst),
-        "limit": _finite(law.limit),
+        "worst": law.worst,
+        "limit": law.limit,
         "sample": law.sample,
         "stamp_ns": law.stamp_ns,
         "time_s": time_s,
@@ -155,20 +161,19 @@ def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
 
 
 def _proof_json(proof: Proof) -> dict[str, object]:
-    at_most = max((sample.at_most for sample in proof.samples), default=math.nan)
     return {
         "passed": proof.passed,
-        "attitude_rad": _finite(at_most),
+        "attitude_rad": max((sample.at_most for sample in proof.samples), default=math.nan),
         "samples": [
             {
                 "segment": sample.segment,
                 "sample": sample.sample,
                 "stamp_ns": sample.stamp_ns,
                 "time_s": sample.time_s,
-                "attitude_at_least_rad": _finite(sample.at_least),
-                "attitude_at_most_rad": _finite(sample.at_most),
+                "attitude_at_least_rad": sample.at_least,
+                "attitude_at_most_rad": sample.at_most,
                 "attitude_limit_rad": sample.limit,
-                "body_rate_at_most_rad_s": _finite(sample.rate_at_most),
+                "body_rate_at_most_rad_s": sample.rate_at_most,
                 "holds": sample.holds,
             }
             for sample in proof.samples
@@ -176,20 +181,16 @@ def _proof_json(proof: Proof) -> dict[str, object]:
     }
 
 
-def _finite(value: float) -> float | None:
-    """Number for JSON, which has no infinity."""
-    return value if math.isfinite(value) else None
-
-
 def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> tuple[str, ...]:
     """Facts about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
+    inertia, rate = (", ".join(f"{v:g}" for v in values) for values in (scenario.inertia, scenario.initial_body_rate))
     steps = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
     return (
         f"segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
         f"from {certificate.segment.start_ns} ns",
-        f"inertia {_numbers(scenario.inertia)} kg m²",
-        f"initial body rate {_numbers(scenario.initial_body_rate)} rad/s",
+        f"inertia [{inertia}] kg m²",
+        f"initial body rate [{rate}] rad/s",
         steps if scenario.motion == "moving_chart" else scenario.motion,
     )
 
@@ -211,21 +212,16 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     sample, time = "", ""
     if law.sample is not None and time_s is not None:
         sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), _time(time_s))
-    is_long = len(law.unit) > _UNIT
+    is_long, is_count = len(law.unit) > _UNIT, _COUNTS[0] < law.worst < _COUNTS[1] and law.worst.is_integer()
     name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
-    return name, _quantity(law.worst), f"{law.limit:.2g}", unit, sample, time, "holds" if law.holds else "BROKEN"
+    worst = f"{law.worst:.0f}" if is_count else f"{law.worst:.2g}"
+    return name, worst, f"{law.limit:.2g}", unit, sample, time, "holds" if law.holds else "BROKEN"
 
 
 def _time(time_s: float) -> str:
     """Seven digits, or as many as there is room for: such as of a small time that does not end."""
     texts = (f"{time_s:.{digits}g}" for digits in range(7, 0, -1))
     return next(text for text in texts if len(text) <= _TIME)
-
-
-def _quantity(value: float) -> str:
-    """Two digits of a measure, and all of a count."""
-    is_count = _COUNTS[0] < value < _COUNTS[1] and value.is_integer()
-    return f"{value:.0f}" if is_count else f"{value:.2g}"
 
 
 def of_limit(worst: float, limit: float) -> str:
@@ -246,13 +242,86 @@ def wrapped(sentence: str, mark: str) -> str:
     )
 
 
-def _numbers(values: Iterable[float]) -> str:
-    return "[" + ", ".join(f"{v:g}" for v in values) + "]"
+@np.errstate(all="ignore")  # recorded numbers may be anything
+def page(
+    bag: str,
+    certificate: Certificate,
+    residuals: ResidualsOverTime,
+    pieces: Sequence[RecordedSegment],
+    proof: Proof | None = None,
+) -> bytes:
+    """Make the page.
+
+    Parameters
+    ----------
+    bag : str
+        Name of the bag, as the user gave it.
+    certificate : Certificate
+    residuals : ResidualsOverTime
+        Told while the certificate was made.
+    pieces : sequence of RecordedSegment
+        The bag's samples, thinned, or none.
+    proof : Proof, optional
+
+    Returns
+    -------
+    bytes
+        HTML.
+    """
+    pieces = [piece for piece in pieces if len(piece.samples)]
+    parts = [
+        *_verdict_of_page(certificate, proof),
+        *(motion_figures.sections(pieces) if pieces else ()),
+        *_laws(certificate),
+        *(_residuals(certificate, residuals, pieces) if pieces else ()),
+        html_page.listing("Not certified", map(escape, certificate.not_certified)),
+        *(html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES]),
+    ]
+    return html_page.document(f"Certificate of {bag}", parts, with_figures=True)
 
 
-def _momentum(certificate: Certificate) -> float:
-    return max(certificate.accuracy(f"world momentum {axis}") for axis in "xyz")
+def _verdict_of_page(certificate: Certificate, proof: Proof | None) -> Iterator[str]:
+    yield html_page.badge("CERTIFIED" if certificate.passed else "NOT CERTIFIED", passed=certificate.passed)
+    if certificate.passed:
+        said = " ".join(verdict(certificate).split()).removeprefix("CERTIFIED: ")
+        yield html_page.paragraph(said[:1].upper() + said[1:])
+    else:
+        yield f"<ul>{''.join(f'<li>{escape(message)}</li>' for message in certificate.messages)}</ul>"
+    if proof is not None:
+        yield html_page.paragraph(proved(proof))
 
 
-def _loosest(certificate: Certificate) -> float:
-    return max((s.law("closed form").limit for s in certificate.segments), default=0.0)
+def _laws(certificate: Certificate) -> Iterator[str]:
+    yield "<h2>Laws</h2>"
+    count = len(certificate.segments)
+    numbered = sorted(enumerate(certificate.segments, 1), key=lambda item: item[1].passed)[:MOST_TABLES]
+    for number, segment in sorted(numbered, key=lambda item: item[0]):
+        facts = ", ".join(segment_facts(number, count, segment))
+        yield html_page.paragraph(f"{facts[:1].upper()}{facts[1:]}.")
+        yield law_table((law, segment.time_s(law)) for law in segment.laws)
+        yield from (html_page.paragraph(f"Note: {note}.") for note in segment.notes)
+    if count > MOST_TABLES:
+        yield html_page.paragraph(f"{count - MOST_TABLES} other segments are not listed.")
+    if certificate.whole:
+        yield html_page.paragraph("The bag as a whole.")
+        yield law_table((law, None) for law in certificate.whole)
+
+
+def law_table(laws: Iterable[tuple[LawResult, float | None]]) -> str:
+    """Table of laws as HTML, each with the time of its worst sample; see `law_cells`."""
+    return html_page.table(HEADINGS, [(law_cells(law, time_s), law.holds) for law, time_s in laws])
+
+
+def _residuals(
+    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
+) -> Iterator[str]:
+    shapes = motion_figures.resets(pieces)
+    panels = list(residual_figures.figures_over_time(certificate, residuals, int(pieces[0].stamps_ns[0]), shapes))
+    if panels:
+        yield "<h2>Residuals over time</h2>"
+        yield html_page.paragraph(
+            "The largest residual of each law in each of some hundred intervals of time, beside its limit. "
+            "A circle marks the worst sample or reading; what is beyond its limit is red. Residuals of 0 are left out, "
+            "and so are laws that have no other: the tables have all."
+        )
+        yield html_page.grid(panels)
