@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -21,16 +21,12 @@ from lie_rigid_body.wording import call_repr
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-T = TypeVar("T")
 
-
-def read_only(value: T) -> T:
-    """A view of an array that cannot be written; anything else as it is."""
-    if isinstance(value, np.ndarray):
-        view = value.view()
-        view.setflags(write=False)
-        return view
-    return value
+def read_only(array: Array | Integers) -> Array | Integers:
+    """A view of an array that cannot be written."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
 
 
 class SensorArrays:
@@ -70,7 +66,7 @@ class SensorArrays:
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
         own = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
-        vars(self).update({name: read_only(array) for name, array in own.items()})
+        vars(self).update({name: None if array is None else read_only(array) for name, array in own.items()})
 
     @property
     def t_s(self) -> Array:

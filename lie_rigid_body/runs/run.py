@@ -93,8 +93,7 @@ class Run(_NamedSensors, Shown):
     _recording: Recording | None = None
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            object.__setattr__(self, name, read_only(value))  # an estimate is scored by the stamps that it got
+        object.__setattr__(self, "t_ns", read_only(self.t_ns))  # an estimate is scored by the stamps that it got
 
     @property
     def t_s(self) -> Array:
@@ -338,10 +337,14 @@ class Run(_NamedSensors, Shown):
             If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
         after_s = quantity("after_s", after_s, "seconds", "after_s=10.0", or_zero=True)
-        estimate, beside = Estimate.of(estimate_xyzw), {"t_ns": t_ns, "gyro_bias": gyro_bias}
-        beside |= {"covariance": covariance, "covariance_axes": covariance_axes}
-        given: dict[str, Any] = {name: value for name, value in beside.items() if value is not None}
-        estimate = self.stamped(replace(estimate, **given))
+        beside: dict[str, Any] = {
+            "t_ns": t_ns,
+            "gyro_bias": gyro_bias,
+            "covariance": covariance,
+            "covariance_axes": covariance_axes,
+        }
+        given = {name: value for name, value in beside.items() if value is not None}
+        estimate = self.stamped(replace(Estimate.of(estimate_xyzw), **given))
         truth, stamps = self.attitude(), estimate.t_ns
         if after_s:
             late = np.flatnonzero(stamps - stamps[:1] >= np.round(after_s * 1e9))

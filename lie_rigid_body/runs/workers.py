@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from threading import Timer, get_ident
-from typing import Any, BinaryIO, Final, TypeAlias, TypeVar
+from typing import Any, BinaryIO, Final, TypeVar
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.estimators import CommandEstimator, Estimator, FilterError, Source, kill_all
@@ -97,10 +97,6 @@ class Workers:
             fault = f"ended its process, {error}: run it alone to see why"
         del self._of_thread[thread]
         return FilterError(f"the filter {fault}")
-
-
-Crew: TypeAlias = Alone | Workers
-"""Those who do jobs."""
 
 
 class Interpreter:

@@ -134,21 +134,16 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:
         for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:
-            _require_scenario(scenario, {**PARAMETERS, "sensor_grade": grade, **chosen})
+            try:
+                _key(scenario, {**PARAMETERS, "sensor_grade": grade, **chosen})
+            except InputError as error:
+                _fail(str(error))
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
 
 
 def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
     """The names that a marker chooses; a text is one name."""
     return [chosen] if isinstance(chosen, str) else chosen or []
-
-
-def _require_scenario(scenario: str | Path | Scenario, settings: dict[str, Any]) -> None:
-    """End the collection of a test whose marker makes no scenario."""
-    try:
-        _key(scenario, settings)
-    except InputError as error:
-        _fail(str(error))
 
 
 def _fail(message: str) -> NoReturn:
