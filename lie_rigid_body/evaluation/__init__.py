@@ -9,7 +9,7 @@ from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_err
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees, nees
 from lie_rigid_body.evaluation.findings import Finding
 from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.score import BiasEstimate, Score
+from lie_rigid_body.evaluation.score import Score
 from lie_rigid_body.evaluation.scoring import evaluate
 from lie_rigid_body.evaluation.statistics import Statistics, bias_error, time_to_converge
 from lie_rigid_body.evaluation.truth import ExactTruth, SampledTruth, Truth
@@ -24,7 +24,6 @@ from lie_rigid_body.evaluation.unavoidable import (
 __all__ = [
     "AttitudeError",
     "AttitudeReadings",
-    "BiasEstimate",
     "BiasNoise",
     "Consistency",
     "ExactTruth",

@@ -24,7 +24,8 @@ from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.simulation import Latest, SampleClock, Simulation, motions_of
+from lie_rigid_body.simulation import SampleClock, Simulation, motions_of
+from lie_rigid_body.simulation.loop import Latest
 from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300

@@ -11,9 +11,10 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.evaluation import BiasEstimate, Limits, Score, Truth, evaluate
+from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.attitude_error import unit
 from lie_rigid_body.evaluation.consistency import is_given
+from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles

@@ -9,13 +9,12 @@ Modules:
 - `loop`: the truth and the sensors together, across resets.
 """
 
-from lie_rigid_body.simulation.loop import Latest, Motions, Simulation, Taken, motions_of
+from lie_rigid_body.simulation.loop import Motions, Simulation, Taken, motions_of
 from lie_rigid_body.simulation.samples import Samples, SensorSamples
 from lie_rigid_body.simulation.segment import SOFTWARE, SampleClock, Segment
 
 __all__ = [
     "SOFTWARE",
-    "Latest",
     "Motions",
     "SampleClock",
     "Samples",
