@@ -146,8 +146,8 @@ def recorded_estimate(
     if truth_bag is None:
         motion = _true_motion(path, contents, topic, topics, near=topic)
     else:
-        truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
-        motion = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
+        of_truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
+        motion = _true_motion(Path(truth_bag), of_truth, "", topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
     kept.add(track)
@@ -156,8 +156,8 @@ def recorded_estimate(
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()
     notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))
-    truth_of = motion.until(int(ordered.stamps_ns[-1]))
-    read = RecordedEstimate(ordered, motion, truth_of, notes, kept.number_of(STRAY, DISORDERED))
+    truth = motion.until(int(ordered.stamps_ns[-1]))
+    read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
     biases = contents.tracks.get((f"{topic}{BIAS}", VECTOR3_STAMPED))
     return read if biases is None or not biases.count else _with_bias(read, path, contents, biases, truth_bag or path)
 
