@@ -241,7 +241,7 @@ def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
         "nees_mean": None if score.consistency is None else score.consistency.mean,
         "gyro_bias_rms_rad_s": None if score.gyro_bias_rad_s is None else score.gyro_bias_rad_s.rms,
     }
-    found = replace(found, t_ns=run.stamps_of(len(found)) if found.t_ns is None else found.t_ns)
+    found = run.stamped(found)
     places, known = _nearest(found.t_ns, run, CURVE)
     total = np.degrees(attitude_error(found.attitude_xyzw[places], run.attitude().at(found.t_ns[places])).total)
     curve = [value if is_known else None for value, is_known in zip(_short(total), known, strict=True)]
