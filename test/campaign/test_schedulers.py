@@ -74,7 +74,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     cluster.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
 def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
     cluster: Cluster, scheduler: str, tmp_path: Path, number: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
