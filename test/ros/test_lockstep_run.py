@@ -18,8 +18,8 @@ from threading import Event, Thread
 from typing import Any
 
 import pytest
+from evaluator_process import Process, evaluator
 from simulator_process import DEADLINE, SimulatorProcess, assignments, cpu_seconds, eventually
-from test_live_evaluate import Process, evaluator
 
 from lie_rigid_body import Run
 from lie_rigid_body.certificate import certify
