@@ -104,6 +104,7 @@ def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
     assert len(bytes_of(out)) == 6
 
 
+@pytest.mark.slow
 def test_a_cluster_of_tls_is_open_to_who_has_the_keys(out: Path, tmp_path: Path) -> None:
     """As the page about clusters says, by Dask's own configuration; the bags are those of a cluster of this machine."""
     from distributed import Security
