@@ -311,7 +311,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     """
     track = _find(path, contents, topic)
     require_cdr(path, track)
-    raw = track.take()
+    raw = contents.messages(track.key)
     with decoding(path, topic, raw):
         found = _attitudes(topic, track.message_type, raw)
     chosen = frames if frames in found else next(iter(found), None)

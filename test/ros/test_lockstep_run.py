@@ -137,7 +137,7 @@ def test_the_score_is_the_same_on_an_idle_and_on_a_busy_machine(domain: int) -> 
 def test_a_slower_magnetometer_and_faults_stop_nobody_and_the_bag_is_certified(domain: int, tmp_path: Path) -> None:
     """A filter that pairs two sensors has no answer to a reading without a partner."""
     bag = tmp_path / "run.mcap"
-    faults = {
+    faults: dict[str, Any] = {
         "imu_dropout_probability": 0.1,
         "magnetometer_rate": 50.0,
         "magnetometer_dropout_probability": 0.1,
