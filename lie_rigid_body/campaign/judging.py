@@ -15,6 +15,7 @@ from lie_rigid_body.evaluation.attitude_error import attitude_error, body_error,
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
 from lie_rigid_body.runs import Run
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.wording import short_repr, shortened
 
 Scores: TypeAlias = dict[str, float | str | None]
@@ -104,7 +105,8 @@ def judged(entry: Entry, run: Run) -> Judgement:
     try:
         estimate = entry.load()
         begin = time.perf_counter()
-        found = Estimate.of(estimate(run))
+        with leaving_the_process_alone():
+            found = Estimate.of(estimate(run))
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:

@@ -22,6 +22,7 @@ import numpy as np
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.runs.command import CommandEstimator, kill_all
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.runs.estimators import Estimator, estimator
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.wording import short_repr, shown
@@ -109,7 +110,7 @@ def called(estimate: Estimator, run: Run) -> Estimate:
     """
     assert run.imu is not None
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
+        with warnings.catch_warnings(), np.errstate(all="ignore"), leaving_the_process_alone():
             warnings.simplefilter("ignore")
             result = estimate(run)
     except (Exception, SystemExit) as error:
