@@ -60,10 +60,11 @@ def _parser() -> console.Parser:
 
 
 def _inertia(text: str) -> list[float]:
+    from lie_rigid_body.bounded_input import real
     from lie_rigid_body.mechanics import RigidBody
 
     try:
-        numbers = [float(part) for part in text.split(",")]
+        numbers = [real(part) for part in text.split(",")]
     except ValueError:
         raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
     if len(numbers) not in (3, 6):

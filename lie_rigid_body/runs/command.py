@@ -16,6 +16,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.bounded_input import real
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.estimators import Estimator
 from lie_rigid_body.runs.run import Run
@@ -153,7 +154,8 @@ def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
     for number, line in enumerate(lines[first:], first + 1):
         try:
             stamp, *numbers = line.split(",")
-            x, y, z, w = map(float, numbers)
+            x, y, z, w = map(real, numbers)
+            real(stamp)
             stamps.append(int(stamp))
         except ValueError:
             raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None
