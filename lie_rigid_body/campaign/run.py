@@ -23,6 +23,7 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import short_repr, shortened
@@ -225,7 +226,8 @@ def judged(entry: Entry, run: Run) -> Judgement:
     try:
         estimate = entry.load()
         begin = time.perf_counter()
-        found = Estimate.of(estimate(run))
+        with leaving_the_process_alone():
+            found = Estimate.of(estimate(run))
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:

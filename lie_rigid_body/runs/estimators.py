@@ -21,8 +21,10 @@ from typing import Any, BinaryIO, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.bounded_input import real
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.wording import printable, short_repr, shortened, shown
 
@@ -58,7 +60,7 @@ def called(estimate: Estimator, run: Run) -> Estimate:
     """
     assert run.imu is not None
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
+        with warnings.catch_warnings(), np.errstate(all="ignore"), leaving_the_process_alone():
             warnings.simplefilter("ignore")
             result = estimate(run)
     except (Exception, SystemExit) as error:
@@ -234,7 +236,8 @@ def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
     for number, line in enumerate(lines[first:], first + 1):
         try:
             stamp, *numbers = line.split(",")
-            x, y, z, w = map(float, numbers)
+            x, y, z, w = map(real, numbers)
+            real(stamp)
             stamps.append(int(stamp))
         except ValueError:
             raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None
