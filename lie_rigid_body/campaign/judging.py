@@ -11,7 +11,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.estimators import Entry
 from lie_rigid_body.errors import said
-from lie_rigid_body.evaluation.attitude_error import attitude_error, body_error, numbers, unit, world_error
+from lie_rigid_body.evaluation.arguments import numbers, unit
+from lie_rigid_body.evaluation.attitudes import attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
 from lie_rigid_body.runs import Run
 from lie_rigid_body.runs.estimate import Estimate
@@ -152,8 +153,8 @@ def _attitude_series(found: Estimate, run: Run, places: Integers) -> list[list[f
         return []
     stamps, attitudes = found.t_ns[places], unit("estimate", found.attitude_xyzw[places])
     P = np.broadcast_to(rotation_block(found.covariance), (len(found), 3, 3))[places]
-    error = {"world": world_error, "body": body_error}[found.covariance_axes]
-    return _rows(error(attitudes, run.attitude().at(stamps)), P, attitudes)
+    errors = error_vectors(attitudes, run.attitude().at(stamps), found.covariance_axes)
+    return _rows(errors, P, attitudes)
 
 
 def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float]]:

@@ -7,17 +7,18 @@ beside a replay, is looked for where nothing else explains a large error.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.attitudes import sizes, turns
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
+from lie_rigid_body.evaluation.attitudes import sizes
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, derivative, fit, undone, weights
 from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FEWEST,
+    FULL,
     LEAD,
     LEAST_LATE,
     NEGLIGIBLE,
@@ -27,12 +28,10 @@ from lie_rigid_body.evaluation.explanations import (
     Explanation,
     quarters,
     spins,
-    spread,
     still,
 )
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
 
 SAMPLES: Final = 4000
 """Largest number of samples that the lag is fitted to."""
@@ -50,9 +49,6 @@ LOST: Final = float(np.radians(20.0))
 """Median error above which an estimate follows the truth too little to tell a lag, rad."""
 FINEST_S: Final = 1e-9
 """Least standard error of a lag, s: stamps are whole nanoseconds."""
-FULL: Final = 0.999
-"""Share of the longest lag from which on a lag is at the limit of the search."""
-
 LARGEST_LEFT: Final = float(np.radians(5.0))
 """Largest error, root mean square in a quarter, that is left by another clock, rad: any clock fits a little."""
 LEAST_COVERED: Final = {True: 0.25, False: 0.9}
@@ -82,8 +78,7 @@ Clock = list[Part]
 """A rate, and a lag, by which stamps are those of the truth; of a lag alone only that."""
 
 
-@dataclass(frozen=True)
-class Lag:
+class Lag(NamedTuple):
     """A lag that is told.
 
     Attributes
@@ -98,8 +93,6 @@ class Lag:
     standard_error_s: float | None = None
     sure: bool = False
 
-    __repr__ = short_repr
-
 
 def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
     """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
@@ -109,8 +102,7 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
     left.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
-    given = track.part(spread(len(track.stamps_ns), SAMPLES))
-    track = undone(given, [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    track = undone(track.few(SAMPLES), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
     lag = (BY_CODE["lagging"], np.array([named.lag_s or 0.0]))
     both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
     for turned in ([*parts, *both], parts):
@@ -121,7 +113,7 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
             if named.lag_s is not None:
                 return Lag(float(fitted[-1][1][0]), standard_error(track, fitted))
             found = _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
-            return found if turned is not parts or len(parts) == len(BOTH) else replace(found, sure=False)
+            return found if turned is not parts or len(parts) == len(BOTH) else found._replace(sure=False)
     return Lag()
 
 
@@ -149,20 +141,12 @@ def _is_steady(track: Track, fitted: Sequence[Part]) -> bool:
     return bool(np.all(np.abs(alone - lag_s) <= UNSTEADY * abs(lag_s)))
 
 
-def _derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
-    """Derivative by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
-    now = undone(track, parts)
-    truth, rate = now.truth.states(now.stamps_ns)
-    J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
-    return J, turns(truth, now.attitude_xyzw), truth
-
-
 def _separable(track: Track, parts: Sequence[Part]) -> bool:
     """Whether the motion tells the lag, the last of some constants, from the others, and turns at all.
 
     The variance of a lag that is fitted alone grows by a factor when others are fitted with it.
     """
-    J = _derivative(track, parts)[0]
+    J = derivative(track, parts)[0]
     normal = np.einsum("nia,nib->ab", J, J)
     alone = float(normal[-1, -1])
     shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
@@ -178,7 +162,7 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
     tell nothing: errors that are independent are counted as well. The largest value counts.
     """
-    J, error, truth = _derivative(track, parts)
+    J, error, truth = derivative(track, parts)
     weight = weights(sizes(error))[:, np.newaxis]
     normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
     G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
@@ -258,7 +242,7 @@ def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
 
 def _costs(track: Track, rates: Array, lags_s: Array) -> Array:
     """Mean sine of half of the error by each clock; infinite where it leaves too few samples within the truth."""
-    few, truth = track.part(spread(len(track.stamps_ns), GRID_SAMPLES)), track.truth
+    few, truth = track.few(GRID_SAMPLES), track.truth
     since = (few.stamps_ns - track.stamps_ns[0]) / 1e9
     found = []
     for part in np.array_split(np.arange(len(rates)), len(rates) // 500 + 1):
@@ -285,24 +269,24 @@ def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
     It must leave little in every quarter of the run but the first, beside the error by the stamps as they are and
     beside the turn of the body.
     """
+    is_lag = len(clock) == 1
     for _ in range(3):
-        covered = np.flatnonzero(track.truth.covers(undone(track, clock).stamps_ns))
-        if len(covered) < max(FEWEST, LEAST_COVERED[len(clock) == 1] * len(track.stamps_ns)):
+        covered = track.part(track.truth.covers(undone(track, clock).stamps_ns))
+        if len(covered.stamps_ns) < max(FEWEST, LEAST_COVERED[is_lag] * len(track.stamps_ns)):
             return []
-        few = track.part(covered[spread(len(covered), FIT_SAMPLES)])
+        few = covered.few(FIT_SAMPLES)
         clock = fit([few], clock, steps=4)
-    if len(clock) > 1 and abs(rate_of(clock) - 1.0) < LEAST_OFF:
-        return []
     moved, own = undone(few, clock).known(), few.known()
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
     most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
-    if np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
+    is_of_rate_1 = not is_lag and abs(rate_of(clock) - 1.0) < LEAST_OFF
+    if is_of_rate_1 or np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return []
-    if spins(rate, EVEN_SPIN if len(clock) == 1 else SPIN):
+    if spins(rate, EVEN_SPIN if is_lag else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         times = max(rate_of(clock), 1.0 / rate_of(clock))
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
-        if not (near if len(clock) == 1 else times > FAR and span > MOSTLY_SPANNED * whole):
+        if not (near if is_lag else times > FAR and span > MOSTLY_SPANNED * whole):
             return []
     return [(clock, undone(track, clock).known())]

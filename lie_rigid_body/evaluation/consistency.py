@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import real_numbers
-from lie_rigid_body.evaluation.attitude_error import body_error, numbers, pairs, world_error
+from lie_rigid_body.evaluation.arguments import numbers, real_numbers
+from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
 from lie_rigid_body.wording import short_repr, shown
 
 AXES: Final = {"world": "body", "body": "world"}
@@ -164,14 +164,13 @@ def attitude_nees(
         `axes` is neither of the two.
     """
     require_axes(axes)
-    errors = {"world": world_error, "body": body_error}
     estimate, truth = pairs(estimate_xyzw, truth_xyzw)
     P, other = rotation_block(covariance), AXES[axes]
-    found = nees(errors[axes](estimate, truth), P, probability)
+    found = nees(error_vectors(estimate, truth, axes), P, probability)
     off = abs(np.log(found.mean / found.dimension)) if found.mean > 0.0 else 0.0
     if found.verdict == "consistent" or off < TELLING:
         return found
-    mean = nees(errors[other](estimate, truth), P, probability).mean
+    mean = nees(error_vectors(estimate, truth, other), P, probability).mean
     if abs(np.log(mean / found.dimension)) > BETTER * off:
         return found
     told = f"about the {other}'s axes it would be {mean:.4g}"

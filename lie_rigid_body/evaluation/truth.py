@@ -4,17 +4,33 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Protocol, runtime_checkable
+from numbers import Real
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.arguments import FARTHEST_NS, read_series
 from lie_rigid_body.evaluation.attitudes import angles_between, geodesic, turns
-from lie_rigid_body.evaluation.estimate import FARTHEST_NS, GAP, period_ns, read_stamps
 from lie_rigid_body.wording import shown
+
+GAP: Final = 2.5
+"""Least distance of neighbouring stamps that is a gap, in median periods: two samples or more are missing."""
+DIFFERENCE_NS: Final = 100_000
+"""Half of the time between the attitudes of the central difference, ns."""
+
+
+def period_ns(stamps_ns: Integers) -> int:
+    """Median time between stamps, ns; 0 for a single one."""
+    return int(np.median(np.diff(stamps_ns))) if len(stamps_ns) > 1 else 0
+
+
+def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
+    """Whether each stamp, ns, is before none that came earlier, and not before `after_ns`."""
+    first = int(stamps_ns[0]) if after_ns is None and len(stamps_ns) else after_ns or 0
+    return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([[first], stamps_ns]))[:-1])
 
 
 @runtime_checkable
@@ -113,24 +129,24 @@ class SampledTruth(Truth):
     """
 
     def __init__(self, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike, longest_gap_ns: int | None = None) -> None:
-        self._stamps = read_stamps("truth", stamps_ns)
-        self._attitude = unit("truth", attitude_xyzw)
-        if self._attitude.shape != (len(self._stamps), 4):
-            raise InputError(f"truth: shape {self._attitude.shape} for {len(self._stamps)} stamps: give a row for each")
-        if np.any(np.diff(self._stamps) == 0):
+        stamps, attitude = read_series("truth", stamps_ns, attitude_xyzw)
+        if np.any(np.diff(stamps) == 0):
             raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
-        self._longest_gap = GAP * period_ns(self._stamps) if longest_gap_ns is None else longest_gap_ns
-        self.first_ns, self.last_ns = int(self._stamps[0]), int(self._stamps[-1])
-        self.uncertainty = self._largest_miss() / 4.0
+        self._longest_gap = GAP * period_ns(stamps) if longest_gap_ns is None else longest_gap_ns
+        self.first_ns, self.last_ns = int(stamps[0]), int(stamps[-1])
+        if len(stamps) == 1:  # an interval, within whose ends the truth is not asked for
+            stamps, attitude = stamps + np.arange(2), np.repeat(attitude, 2, axis=0)
+        self._stamps, self._attitude = stamps, attitude
+        around = stamps[2:] - stamps[:-2]
+        middle = geodesic(attitude[:-2], attitude[2:], (stamps[1:-1] - stamps[:-2]) / around)
+        misses = angles_between(middle, attitude[1:-1])[around <= 2 * self._longest_gap]
+        self.uncertainty = float(misses.max(initial=0.0)) / 4.0
 
     def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether a stamp is a sample's own, or between two that are joined."""
-        inside = super().covers(stamps_ns)
-        if len(self._stamps) < 2:
-            return inside
         i = self._interval(stamps_ns)
         joined = self._stamps[i + 1] - self._stamps[i] <= self._longest_gap
-        return np.asarray(inside & (joined | np.isin(stamps_ns, self._stamps)))
+        return np.asarray(super().covers(stamps_ns) & (joined | np.isin(stamps_ns, self._stamps)))
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """Bound `uncertainty`, or 0 if every stamp is a sample's own."""
@@ -138,8 +154,6 @@ class SampledTruth(Truth):
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes at the samples, and on the geodesics between them."""
-        if len(self._stamps) < 2:
-            return np.broadcast_to(self._attitude[0], (*np.shape(stamps_ns), 4))
         i = self._interval(stamps_ns)
         fraction = (stamps_ns - self._stamps[i]) / (self._stamps[i + 1] - self._stamps[i])
         between = geodesic(self._attitude[i], self._attitude[i + 1], fraction)
@@ -148,22 +162,8 @@ class SampledTruth(Truth):
     def _interval(self, stamps_ns: Integers) -> Integers:
         return np.clip(np.searchsorted(self._stamps, stamps_ns, side="right") - 1, 0, len(self._stamps) - 2)
 
-    def _largest_miss(self) -> float:
-        t, q = self._stamps, self._attitude
-        near = t[2:] - t[:-2] <= 2 * self._longest_gap
-        if not near.any():
-            return 0.0
-        middle = geodesic(q[:-2], q[2:], (t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))
-        return float(angles_between(middle, q[1:-1])[near].max())
-
 
 def _time(value: object) -> int:
-    if isinstance(value, int | np.integer) or (isinstance(value, float) and np.isfinite(value)):
-        time = int(value)
-        if abs(time) <= FARTHEST_NS:
-            return time
-    raise InputError(f"truth: the time {shown(value)} is not within 2**31 s of 0, as in ROS 2: give it in ns")
-
-
-DIFFERENCE_NS = 100_000
-"""Half of the time between the attitudes of the central difference, ns."""
+    if not isinstance(value, Real) or not abs(value) <= FARTHEST_NS:
+        raise InputError(f"truth: the time {shown(value)} is not within 2**31 s of 0, as in ROS 2: give it in ns")
+    return int(value)

@@ -31,10 +31,8 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import quantity
-from lie_rigid_body.evaluation.attitude_error import numbers, unit
+from lie_rigid_body.evaluation.arguments import numbers, quantity, read_stamps, unit
 from lie_rigid_body.evaluation.attitudes import turns
-from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.evaluation.kalman_covariances import Covariances, covariances, padded
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat, right_jacobian

@@ -14,7 +14,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
-from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
