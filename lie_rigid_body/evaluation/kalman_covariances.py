@@ -104,7 +104,7 @@ def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]
     # the rows that tell of the constants up to the begin of each block, and all of them
     factors = [np.eye(c)]
     for block in np.swapaxes([told for _, _, told in filtered], 0, 1):
-        factors.append(_triangle([[factors[-1]], [block.reshape(-1, c)]]))
+        factors.append(_triangle([[factors[-1]], [np.concatenate(block)]]))
     R, found = np.array(factors[:-1]), np.empty((2, 3, blocks, length, n, n))
     for k, ((before, after, told), late) in enumerate(zip(filtered, smoothed[::-1], strict=True)):
         later_R = _triangle([[R], [told]])
