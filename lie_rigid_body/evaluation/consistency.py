@@ -110,7 +110,8 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     """
     from scipy.stats import chi2  # loading it takes longer than all the rest of the package
 
-    _require_probability(probability)
+    if not isinstance(probability, Real) or probability <= 0.0 or not probability < 1.0:
+        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
     e = real_numbers("errors", errors, "(N, d)")
     if e.ndim != 2:
         raise InputError(f"errors: shape {e.shape} is not (N, d): give a row for each error")
@@ -121,7 +122,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
             f"covariance: shape {P.shape} is not ({d}, {d}) or ({len(e)}, {d}, {d}): give one, or one an error"
         )
     with np.errstate(over="ignore"):
-        values = np.sum(np.linalg.solve(_factor(P), e[..., np.newaxis])[..., 0] ** 2, axis=-1)
+        values, _ = nees_and_logarithm(e, P)
         mean = float(np.mean(values))
     if not np.isfinite(mean):
         raise InputError(f"errors: up to {np.abs(e).max():.3g}: the NEES overflows: give them in the covariance's unit")
@@ -188,31 +189,21 @@ def require_axes(axes: str) -> None:
         raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
 
 
-def _require_probability(probability: object) -> None:
-    if not isinstance(probability, Real) or probability <= 0.0 or not probability < 1.0:
-        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
-
-
-def covariance_fault(covariance: Array) -> str:
+def covariance_fault(covariance: Array) -> str | None:
     """Reason why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
 
-    Those that are all unknown, −1 or all 0, have no fault: they are not given.
+    None of those that are all unknown, −1 or all 0: they are not given.
     """
     unknown = (covariance[:, 0, 0] == -1.0) | ~covariance.any(axis=(-2, -1))
     if unknown.all():
-        return ""
+        return None
     if unknown.any():
         return f"{np.count_nonzero(unknown)} of {len(unknown)} covariances are unknown, -1 or all 0: give all or none"
     try:
-        _factor(numbers("covariance", covariance, 3, 3))
+        factor_of(numbers("covariance", covariance, 3, 3))
     except InputError as error:
         return str(error)
     return ""
-
-
-def is_given(covariance: Array) -> bool:
-    """Whether a covariance of shape (N, 3, 3) is given and usable at all samples."""
-    return not covariance_fault(covariance) and bool(np.any(covariance[:, 0, 0] != -1.0) and covariance.any())
 
 
 def rotation_block(covariance: ArrayLike) -> Array:
@@ -225,8 +216,21 @@ def rotation_block(covariance: ArrayLike) -> Array:
     return P
 
 
-def _factor(P: Array) -> Array:
-    """Lower Cholesky factor of the symmetric part, on axes scaled to unit variance to lose no digits."""
+def nees_and_logarithm(errors: Array, covariance: Array) -> tuple[Array, Array]:
+    """NEES of errors, shape (..., d), and half of the logarithms of the determinants of covariances (..., d, d)."""
+    factor = factor_of(covariance)
+    values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    return values, np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
+
+
+def factor_of(P: Array) -> Array:
+    """Lower Cholesky factor of covariances, by their symmetric part, on axes scaled to unit variance to lose no digits.
+
+    Raises
+    ------
+    InputError
+        If one is not symmetric and positive definite.
+    """
     variances = np.diagonal(P, axis1=-2, axis2=-1)
     if not np.all(variances >= SMALLEST_VARIANCE):
         least = f"{SMALLEST_VARIANCE:g} at least"
@@ -236,9 +240,8 @@ def _factor(P: Array) -> Array:
         scaled = P / scale[..., :, np.newaxis] / scale[..., np.newaxis, :]
         transposed = np.swapaxes(scaled, -1, -2)
         # beside the variances: what is round-off of R P Rᵀ may be all that there is of a correlation
-        symmetric = np.abs(scaled - transposed) <= ASYMMETRY
-    if not np.all(symmetric):
-        raise InputError("covariance: not symmetric: give one that has an inverse")
+        if not np.all(np.abs(scaled - transposed) <= ASYMMETRY):
+            raise InputError("covariance: not symmetric: give one that has an inverse")
     try:
         factor = np.linalg.cholesky(0.5 * scaled + 0.5 * transposed)
     except np.linalg.LinAlgError:

@@ -19,7 +19,8 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.consistency import require_axes
+from lie_rigid_body.evaluation.consistency import nees_and_logarithm, require_axes
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
 LEVEL: Final = 0.05
@@ -35,8 +36,6 @@ _BLOCK: Final = 100
 """Number of resamplings that are computed at once."""
 _SMALLEST: Final = 1e-100
 """Least NEES, of which the logarithm is taken."""
-_NEWTON: Final = 30
-"""Largest number of Newton's steps for the shape of a gamma distribution; six are enough from its start."""
 
 
 @dataclass(frozen=True)
@@ -155,6 +154,8 @@ def honesty(
     InputError
         If there are too few runs, or a covariance is not symmetric and positive definite.
     """
+    from scipy.stats import chi2
+
     require_axes(axes)
     runs, _, dimension = errors.shape
     if runs < FEWEST_RUNS:
@@ -163,13 +164,11 @@ def honesty(
     means = values.mean(axis=1)
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
-    verdict, outside = _of_mean(means, dimension), _outside(t_s, values, dimension, seed)
-    if verdict == "honest" and outside:
-        verdict = "changing"
+    verdict, outside = _verdict(t_s, values, dimension, seed)
     cause = ""
     if verdict != "honest":
-        turned = None if attitude_xyzw is None else _rotations(attitude_xyzw)
-        cause = _cause(t_s, errors, covariance, scores, _repairs(turned, axes, factor), seed)
+        repairs = _repairs(attitude_xyzw, axes, factor)
+        cause = _cause(t_s, errors, covariance, scores, repairs, seed)
     return Honesty(
         runs,
         dimension,
@@ -177,7 +176,7 @@ def honesty(
         (low, high),
         verdict,
         outside,
-        _coverage(values, dimension),
+        {share: float(np.mean(values <= chi2.ppf(share, dimension))) for share in COVERAGES},
         cause,
         factor,
         (low / dimension, high / dimension),
@@ -186,35 +185,20 @@ def honesty(
 
 def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
     """NEES of every sample, shape (R, T), and minus the mean logarithm of the likelihood of each run, shape (R,)."""
-    try:
-        factor = np.linalg.cholesky(covariance)
-    except np.linalg.LinAlgError:
-        raise InputError("covariance: not positive definite: give one that has an inverse") from None
-    values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    values, logarithm = nees_and_logarithm(errors, covariance)
     values = np.maximum(values, _SMALLEST)
-    logarithm = np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
     return values, (0.5 * values + logarithm).mean(axis=1)
 
 
-def _shape(excess: float) -> float:
-    """Shape k of a gamma distribution with ln k − ψ(k) = excess, by Newton's method from Minka's start."""
-    from scipy.special import polygamma, psi
-
-    k = (3.0 - excess + np.sqrt((excess - 3.0) ** 2 + 24.0 * excess)) / (12.0 * excess)
-    for _ in range(_NEWTON):
-        step = (np.log(k) - psi(k) - excess) / (1.0 / k - polygamma(1, k))
-        k = max(k - step, 0.1 * k)
-        if abs(step) < 1e-10 * k:
-            break
-    return float(k)
-
-
 def _likelihood(values: Array, mean: float) -> float:
-    """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes."""
-    from scipy.special import gammaln
+    """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes k: ln k − ψ(k) = excess."""
+    from scipy.optimize import brentq
+    from scipy.special import gammaln, psi
 
     logarithm, ratio = float(np.log(values).mean()), float(values.mean()) / mean
-    k = _shape(max(np.log(mean) - logarithm + ratio - 1.0, 1e-12))
+    excess = max(np.log(mean) - logarithm + ratio - 1.0, 1e-12)
+    # 1 / 2k < ln k − ψ(k) < 1 / k
+    k = brentq(lambda shape: np.log(shape) - psi(shape) - excess, 0.4 / excess, 1.1 / excess)
     return 2.0 * len(values) * float(k * np.log(k / mean) - gammaln(k) + (k - 1.0) * logarithm - k * ratio)
 
 
@@ -240,9 +224,12 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     return mean * float(brentq(excess, 1e-9, 1.0)), mean * float(brentq(excess, 1.0, 1e9))
 
 
-def _of_mean(means: Array, dimension: int) -> str:
-    low, high = mean_bounds(means, _HALF)
-    return "overconfident" if low > dimension else "conservative" if high < dimension else "honest"
+def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:
+    """Verdict by the mean of all runs and times and, where that is right, by times that are outside of the band."""
+    (low, high), outside = mean_bounds(values.mean(axis=1), _HALF), _outside(t_s, values, dimension, seed)
+    if low <= dimension <= high:
+        return ("changing" if outside else "honest"), outside
+    return ("overconfident" if low > dimension else "conservative"), outside
 
 
 def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Interval, ...]:
@@ -258,10 +245,7 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Inte
         deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
         lowest.append(deviation.min(axis=1))
         highest.append(deviation.max(axis=1))
-    least, most = (
-        np.quantile(np.concatenate(lowest), _HALF / 2.0),
-        np.quantile(np.concatenate(highest), 1.0 - _HALF / 2),
-    )
+    least, most = np.quantile(lowest, _HALF / 2.0), np.quantile(highest, 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
     found = []
     for part in np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1):
@@ -271,29 +255,19 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Inte
     return tuple(found)
 
 
-def _coverage(values: Array, dimension: int) -> dict[float, float]:
-    from scipy.stats import chi2
-
-    return {share: float(np.mean(values <= chi2.ppf(share, dimension))) for share in COVERAGES}
-
-
-def _rotations(attitude_xyzw: Array) -> Array:
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_quat(attitude_xyzw.reshape(-1, 4)).as_matrix().reshape(*attitude_xyzw.shape[:-1], 3, 3)
-
-
-def _repairs(turned: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
+def _repairs(attitude_xyzw: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
     """Repaired covariances by causes, those without a constant first."""
-    found: dict[str, Callable[[Array], Array]] = {
+    found: dict[str, Callable[[Array], Array]] = {}
+    if attitude_xyzw is not None:
+        R = quaternion.to_matrix(attitude_xyzw if axes == "world" else quaternion.conjugate(attitude_xyzw))
+        found["axes"] = lambda P: R @ P @ np.swapaxes(R, -1, -2)
+    return {
+        **found,
         "standard_deviation": lambda P: P @ P,
         "degrees": lambda P: P * np.radians(1.0) ** 2,
         "cross_covariances": lambda P: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
+        "factor": lambda P: factor * P,
     }
-    if turned is not None:
-        R = turned if axes == "world" else np.swapaxes(turned, -1, -2)
-        found = {"axes": lambda P: R @ P @ np.swapaxes(R, -1, -2), **found}
-    return {**found, "factor": lambda P: factor * P}
 
 
 def _cause(
@@ -318,7 +292,6 @@ def _cause(
             continue
         gain = scores - repaired
         sure = code == "factor" or gain.mean() > t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
-        honest = _of_mean(values.mean(axis=1), dimension) == "honest" and not _outside(t_s, values, dimension, seed)
-        if sure and honest:
+        if sure and _verdict(t_s, values, dimension, seed)[0] == "honest":
             found[code] = float(repaired.mean())
     return min(found, key=lambda code: found[code], default="")

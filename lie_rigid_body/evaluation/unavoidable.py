@@ -33,6 +33,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, quantity, read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import turns
+from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.kalman_covariances import Covariances, Steps, covariances
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat, right_jacobian
@@ -146,10 +147,7 @@ class AttitudeReadings:
         covariance = numbers("covariance", self.covariance, 3, 3)
         if covariance.ndim > 2:
             raise InputError(f"covariance: shape {covariance.shape} is not (3, 3): give one for all readings")
-        try:
-            return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
-        except np.linalg.LinAlgError:
-            raise InputError("covariance: not positive definite: give one that has an inverse") from None
+        return np.asarray(np.linalg.inv(factor_of(covariance)))
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
-from lie_rigid_body.evaluation.consistency import covariance_fault, is_given
+from lie_rigid_body.evaluation.consistency import covariance_fault
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
@@ -259,7 +259,7 @@ def _true_motion(
 def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:
     """An estimate and its truth, with what a reader of the score should know of them."""
     covariance = track.covariance
-    usable = covariance is not None and is_given(covariance)
+    usable = covariance is not None and covariance_fault(covariance) == ""
     notes = tuple(_notes(track, true))
     return RecordedEstimate(
         track,
