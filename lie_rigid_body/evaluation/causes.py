@@ -39,20 +39,10 @@ from lie_rigid_body.wording import components, short_repr
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
-ENU_TO_NED: Final = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
-"""Quaternion that exchanges x and y and negates z: half a turn about (1, 1, 0), its own inverse."""
 ONE: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
-FLU_TO_FRD: Final = np.array([1.0, 0.0, 0.0, 0.0])
-"""Half a turn about the body's x axis, its own inverse."""
-LONGEST_LAG: Final = 0.5
-"""Largest lag that is looked for, s."""
-LARGEST_CLOCK_RATE: Final = 2.0
-"""Largest rate of a clock that is looked for, and the inverse of the smallest."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
 """What is said of a cause that a mistake at the input of the filter may feign."""
-FEW: Final = 40
-"""Samples of a track at which starts of a fit are compared."""
 FITTED: Final = 200
 """Samples of a track by which a constant of time is fitted."""
 
@@ -95,7 +85,7 @@ class Track:
         stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
         return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
 
-    def few(self, most: int = FEW) -> Track:
+    def few(self, most: int = 40) -> Track:
         """At most so many of the samples, evenly spread over all."""
         return self.part(spread(len(self.stamps_ns), most))
 
@@ -358,12 +348,17 @@ _ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
-_Z_UP: Final = _left(ENU_TO_NED[np.newaxis])[0]
-_Z_UP_AND_FLU: Final = _Z_UP @ _right(FLU_TO_FRD[np.newaxis])[0]
+_Z_UP: Final = _left(np.sqrt([[0.5, 0.5, 0.0, 0.0]]))[0]
+"""Exchange of x and y of the world, with z negated: half a turn about (1, 1, 0), its own inverse."""
+_Z_UP_AND_FLU: Final = _Z_UP @ _right(np.eye(4)[:1])[0]
+"""The same beside half a turn about the body's x axis, its own inverse as well."""
 _OF_WORLD: Final = _left(np.roll(np.eye(4), 1, axis=0))
 _OF_BODY: Final = _right(np.roll(np.eye(4), 1, axis=0))
 _ABOUT_UP: Final = _OF_WORLD[[0, 3]]
-_LAGS: Final = np.linspace(-LONGEST_LAG, LONGEST_LAG, 41)
+_LAGS: Final = np.linspace(-0.5, 0.5, 41)
+"""Lags from which a fit begins, s."""
+_RATES: Final = np.geomspace(0.5, 2.0, 141)
+"""Rates of a clock from which a fit begins."""
 
 
 CAUSES: Final = (
@@ -462,7 +457,7 @@ CAUSES: Final = (
         "clock_rate",
         1,
         _by_clock,
-        _of_time("clock_rate", np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)),
+        _of_time("clock_rate", _RATES),
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
         lambda c: "Stamped with the time of the readings it",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],

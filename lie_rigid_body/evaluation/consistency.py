@@ -12,6 +12,7 @@ from numbers import Real
 from typing import Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
@@ -108,8 +109,6 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
         If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
         large beside it that the NEES overflows. Also if the probability is not between 0 and 1.
     """
-    from scipy.stats import chi2  # loading it takes longer than all the rest of the package
-
     if not isinstance(probability, Real) or probability <= 0.0 or not probability < 1.0:
         raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
     e = real_numbers("errors", errors, "(N, d)")
@@ -127,8 +126,8 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     if not np.isfinite(mean):
         raise InputError(f"errors: up to {np.abs(e).max():.3g}: the NEES overflows: give them in the covariance's unit")
     tail, samples = 0.5 * (1.0 - probability), np.array([1, len(e)])
-    low, mean_low = (chi2.ppf(tail, d * samples) / samples).tolist()
-    high, mean_high = (chi2.isf(tail, d * samples) / samples).tolist()
+    low, mean_low = (scipy.stats.chi2.ppf(tail, d * samples) / samples).tolist()
+    high, mean_high = (scipy.stats.chi2.isf(tail, d * samples) / samples).tolist()
     inside = float(np.mean((values >= low) & (values <= high)))
     return Consistency(values, d, mean, (mean_low, mean_high), (low, high), inside, probability)
 

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.statistics import rms
@@ -138,10 +139,8 @@ def _with_interval(
 
     Means of n parts that are drawn again from n vary less by the factor n − 1 of n than those of new ones.
     """
-    from scipy.stats import norm, t
-
     tail, freedom = 0.5 * (1.0 - PROBABILITY), max(1, freedom)
-    wider = t.isf(tail, freedom) / norm.isf(tail) * np.sqrt((freedom + 1) / freedom)
+    wider = scipy.stats.t.isf(tail, freedom) / scipy.stats.norm.isf(tail) * np.sqrt((freedom + 1) / freedom)
     low, high = (np.quantile(resampled, [tail, 1.0 - tail]) - value) * wider
     return Difference(value, value + float(low), value + float(high), better, runs, left_out)
 

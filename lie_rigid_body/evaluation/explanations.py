@@ -24,7 +24,6 @@ from lie_rigid_body.evaluation.attitudes import angles, sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, heading, products, vector
 from lie_rigid_body.evaluation.truth import period_ns
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
 
 SHARE: Final = 1.0 / 3.0
 """Largest share of what is left without it that a named cause may leave, root mean square in a quarter."""
@@ -34,10 +33,11 @@ SPIN: Final = 0.9
 """Squared length of the mean axis of rotation above which a body turns about one axis."""
 LEAST_LATE: Final = 0.5
 """Least lag, in samples, that is named where other errors are as large."""
-PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25}
-"""Prices of causes with constants, in halved errors; of one without a constant it is 1."""
-FAR: Final = 1.0
-"""Further price of a lag by which the body turns by more than half a turn: there are many."""
+PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
+"""Prices of causes with constants, in halved errors; of one without a constant it is 1.
+
+Far is a lag by which the body turns by more than half a turn: there are many, so this is a further price.
+"""
 TIE: Final = 1.25
 """Ratio of two errors up to which their explanations are as good."""
 NEGLIGIBLE: Final = float(np.radians(1e-3))
@@ -126,8 +126,6 @@ class Explanation:
     lag_s: float | None = None
     far: bool = False
 
-    __repr__ = short_repr
-
     @property
     def causes(self) -> tuple[str, ...]:
         """Names of the causes in the order in which they are undone."""
@@ -149,7 +147,7 @@ class Explanation:
     @property
     def cost(self) -> float:
         """What the choice makes least."""
-        simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + FAR * self.far
+        simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + PRICES["far"] * self.far
         # of two that do the same by nature: without other axes of the body, and with the smaller mounting
         simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:

@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
@@ -154,8 +155,6 @@ def honesty(
     InputError
         If there are too few runs, or a covariance is not symmetric and positive definite.
     """
-    from scipy.stats import chi2
-
     require_axes(axes)
     runs, _, dimension = errors.shape
     if runs < FEWEST_RUNS:
@@ -176,7 +175,7 @@ def honesty(
         (low, high),
         verdict,
         outside,
-        {share: float(np.mean(values <= chi2.ppf(share, dimension))) for share in COVERAGES},
+        {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
         cause,
         factor,
         (low / dimension, high / dimension),
@@ -192,14 +191,15 @@ def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
 
 def _likelihood(values: Array, mean: float) -> float:
     """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes k: ln k − ψ(k) = excess."""
-    from scipy.optimize import brentq
-    from scipy.special import gammaln, psi
-
     logarithm, ratio = float(np.log(values).mean()), float(values.mean()) / mean
     excess = max(np.log(mean) - logarithm + ratio - 1.0, 1e-12)
     # 1 / 2k < ln k − ψ(k) < 1 / k
-    k = brentq(lambda shape: np.log(shape) - psi(shape) - excess, 0.4 / excess, 1.1 / excess)
-    return 2.0 * len(values) * float(k * np.log(k / mean) - gammaln(k) + (k - 1.0) * logarithm - k * ratio)
+    k = scipy.optimize.brentq(
+        lambda shape: np.log(shape) - scipy.special.psi(shape) - excess, 0.4 / excess, 1.1 / excess
+    )
+    return (
+        2.0 * len(values) * float(k * np.log(k / mean) - scipy.special.gammaln(k) + (k - 1.0) * logarithm - k * ratio)
+    )
 
 
 def mean_bounds(values: Array, level: float) -> tuple[float, float]:
@@ -212,16 +212,13 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     level : float
         Probability that the mean lies outside.
     """
-    from scipy.optimize import brentq
-    from scipy.stats import f
-
-    mean, most = float(values.mean()), float(f.isf(level, 1, len(values) - 1))
+    mean, most = float(values.mean()), float(scipy.stats.f.isf(level, 1, len(values) - 1))
     best = _likelihood(values, mean)
 
     def excess(factor: float) -> float:
         return best - _likelihood(values, mean * factor) - most
 
-    return mean * float(brentq(excess, 1e-9, 1.0)), mean * float(brentq(excess, 1.0, 1e9))
+    return mean * float(scipy.optimize.brentq(excess, 1e-9, 1.0)), mean * float(scipy.optimize.brentq(excess, 1.0, 1e9))
 
 
 def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:
@@ -279,8 +276,6 @@ def _cause(
     seed: int,
 ) -> str:
     """The repair that makes the errors likelier and the covariance honest: the likeliest, with a factor if no other."""
-    from scipy.stats import t
-
     runs, dimension = len(errors), errors.shape[-1]
     found: dict[str, float] = {}
     for code, repair in repairs.items():
@@ -291,7 +286,7 @@ def _cause(
         except InputError:  # the repaired one is none
             continue
         gain = scores - repaired
-        sure = code == "factor" or gain.mean() > t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
+        sure = code == "factor" or gain.mean() > scipy.stats.t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
         if sure and _verdict(t_s, values, dimension, seed)[0] == "honest":
             found[code] = float(repaired.mean())
     return min(found, key=lambda code: found[code], default="")

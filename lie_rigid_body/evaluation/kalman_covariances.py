@@ -41,24 +41,8 @@ Pair: TypeAlias = tuple[Array, Array]
 """Roots of covariances of states, and the sensitivities of their estimates to the constants."""
 
 
-class Steps(NamedTuple):
-    """Steps to samples and their readings, S of them side by side.
-
-    Attributes
-    ----------
-    F : ndarray, shape (S, n, n)
-    noise : ndarray, shape (S, q, n)
-        Root of Q.
-    H : ndarray, shape (S, m, n)
-    B : ndarray, shape (S, n, c)
-    D : ndarray, shape (S, m, c)
-    """
-
-    F: Array
-    noise: Array
-    H: Array
-    B: Array
-    D: Array
+Steps: TypeAlias = tuple[Array, Array, Array, Array, Array]
+"""F (S, n, n), a root of Q (S, q, n), H (S, m, n), B (S, n, c) and D (S, m, c) of S samples side by side."""
 
 
 class Covariances(NamedTuple):
@@ -81,7 +65,7 @@ def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]
     Parameters
     ----------
     samples : Steps
-        Those to each of N samples.
+        Those of N samples.
     first : ndarray, shape (n,)
         Standard deviations of the state before sample 0, which are independent; none is 0.
 
@@ -89,18 +73,18 @@ def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]
     -------
     known, unknown : Covariances
     """
-    count, n, c = len(samples.F), len(first), samples.B.shape[-1]
+    count, n, c = samples[3].shape
     length = max(1, math.isqrt(count))  # loops over the blocks and over the samples of one are as long as each other
     blocks = -(-count // length)
     padded = [np.pad(part, ((0, length * blocks - count), (0, 0), (0, 0))) for part in samples]
     padded[0][count:] = np.eye(n)  # samples after the last change and tell nothing
     of_blocks = (part.reshape(blocks, length, *part.shape[1:]).swapaxes(0, 1) for part in padded)
-    steps = [Steps(*parts) for parts in zip(*of_blocks, strict=True)]
+    steps: list[Steps] = list(zip(*of_blocks, strict=True))
     start, end = _at_ends(steps, first)
     filtered = list(_filtered(steps, start))
     smoothed = [end]
-    for step, (_, updated, _) in zip(steps[:0:-1], filtered[-2::-1], strict=True):
-        smoothed.append(_earlier(updated, step.F, step.noise, step.B, smoothed[-1]))
+    for (F, noise, _, B, _), (_, updated, _) in zip(steps[:0:-1], filtered[-2::-1], strict=True):
+        smoothed.append(_earlier(updated, F, noise, B, smoothed[-1]))
     # the rows that tell of the constants up to the begin of each block, and all of them
     factors = [np.eye(c)]
     for block in np.swapaxes([told for _, _, told in filtered], 0, 1):
@@ -118,10 +102,9 @@ def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]
 
 def _at_ends(steps: list[Steps], first: Array) -> tuple[Pair, Pair]:
     """Roots and sensitivities before each block by the readings before it, and after each block by all readings."""
-    (blocks, n, c), rows = steps[0].B.shape, list[Array]()
+    (blocks, n, c), rows = steps[0][3].shape, list[Array]()
     of_states = (
-        Steps(F, noise, H, np.block([np.zeros_like(F), B]), np.block([np.zeros_like(H), D]))
-        for F, noise, H, B, D in steps
+        (F, noise, H, np.block([np.zeros_like(F), B]), np.block([np.zeros_like(H), D])) for F, noise, H, B, D in steps
     )
     end = np.zeros((blocks, n, n)), np.tile(np.eye(n, n + c), (blocks, 1, 1))
     for _, pair, told in _filtered(of_states, end):

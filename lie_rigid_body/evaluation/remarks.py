@@ -71,31 +71,31 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
     """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given."""
     begin, doubles, kept = int(stamps[0]), stamps[~first], stamps[first]
     if doubles.size:
-        message = (
+        yield Finding(
+            "gaps",
             f"{doubles.size} of {len(stamps)} samples are doubles, of a stamp that another sample had before, first at "
-            f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic."
+            f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
         )
-        yield Finding("gaps", message)
     steps, period = np.diff(kept), period_ns(kept)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP) * period)
     if wide.size:
         longest = wide[np.argmax(steps[wide])]
-        message = (
+        yield Finding(
+            "gaps",
             f"{wide.size} {'gap' if wide.size == 1 else 'gaps'} in the estimate, the longest of "
             f"{steps[longest] / 1e9:g} s after {(kept[longest] - begin) / 1e9:g} s, where samples come every "
-            f"{period / 1e9:g} s: what the filter did there is not in the score; look for lost messages."
+            f"{period / 1e9:g} s: what the filter did there is not in the score; look for lost messages.",
         )
-        yield Finding("gaps", message)
     norms = quaternion.norm(given_xyzw)
     off = (norms < np.sqrt(1.0 - NOT_UNIT)) | (norms > np.sqrt(1.0 + NOT_UNIT))  # the square of a large norm overflows
     if off.any():
-        message = (
+        yield Finding(
+            "not_unit",
             f"{np.count_nonzero(off)} of {len(norms)} quaternions are not of unit norm, the worst has "
             f"{norms[np.argmax(np.abs(norms - 1.0))]:.4g}; they were divided by it here, and tf2 refuses 0.005 more or "
-            "less: let the filter normalise what it publishes."
+            "less: let the filter normalise what it publishes.",
         )
-        yield Finding("not_unit", message)
 
 
 def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> Iterator[Finding]:
@@ -110,24 +110,25 @@ def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> I
     absent = {"begins {:g} s after the truth": int(stamps[0]) - truth.first_ns, end: last_ns - int(stamps[-1])}
     for what, missing in absent.items():
         if missing > most:
-            message = f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
-            yield Finding("gaps", message)
+            yield Finding(
+                "gaps", f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
+            )
     if given - len(stamps) > ABSENT * given:
-        message = (
+        yield Finding(
+            "gaps",
             f"{given - len(stamps)} of {given} estimates lie where the truth is not known and are not in the score: "
-            "compare with the truth of the same run, by the same clock."
+            "compare with the truth of the same run, by the same clock.",
         )
-        yield Finding("gaps", message)
 
 
 def of_truth(uncertainty_deg: float, rms_deg: float) -> Iterator[Finding]:
     """Remark that the truth between its samples is uncertain beside an error."""
     if uncertainty_deg > max(0.25 * rms_deg, SMALLEST_LIMIT):
-        message = (
+        yield Finding(
+            "gaps",
             f"Samples of the truth are so far apart that it is uncertain by {uncertainty_deg:.2g}° between them, "
-            f"beside an error of {rms_deg:.2g}° rms: give the truth at a higher rate, or its scenario."
+            f"beside an error of {rms_deg:.2g}° rms: give the truth at a higher rate, or its scenario.",
         )
-        yield Finding("gaps", message)
 
 
 class Turns:
@@ -146,37 +147,37 @@ class Turns:
         self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
         self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
 
-    def stuck(self) -> tuple[Finding, ...]:
+    def stuck(self) -> Finding | None:
         """Finding that the estimate does not turn, in all or for long, while the body does."""
         stamps, every, when = self.stamps_ns, slice(None), "in all"
         if self.ours_rad.sum() >= STUCK * self.true_rad.sum():
             begins, ends = runs_of(0, self.ours_rad < STUCK * self.true_rad)
             if not len(begins):
-                return ()
+                return None
             k = int(np.argmax(ends - begins))
             every = slice(begins[k], ends[k] + 1)
             since, until = ((stamps[j] - stamps[0]) / 1e9 for j in (self.first[begins[k]], self.first[ends[k]] + 1))
             when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
             duration = (stamps[-1] - stamps[0]) / 1e9
             if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
-                return ()
+                return None
         turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
         if len(self.first[every]) < FEWEST or turn < np.degrees(LEAST_TURN):
-            return ()
-        message = (
+            return None
+        return Finding(
+            "stuck",
             f"The estimate turns by {turned:.3g}° {when}, the body by {turn:.4g}°: "
-            "see whether the filter gets its readings, and publishes what it makes of them."
+            "see whether the filter gets its readings, and publishes what it makes of them.",
         )
-        return (Finding("stuck", message),)
 
-    def mixed(self) -> tuple[Finding, ...]:
+    def mixed(self) -> Finding | None:
         """Finding that the samples of the estimate belong to two attitudes in turns.
 
         Each sample is of that attitude, of the two that came last, which is nearer.
         """
         q, jumps = self.estimate_xyzw, self.ours_rad > np.maximum(LEAST_TURN, JUMP * self.true_rad)
         if np.count_nonzero(jumps) < max(FEWEST, LEAST_MIXED * len(jumps)):
-            return ()
+            return None
         first = int(self.first[np.argmax(jumps)])
         tracks = [first], [first + 1]
         for k in range(first + 2, min(first + MOST_SORTED, len(q))):
@@ -186,42 +187,42 @@ class Turns:
         jump = float(np.median(self.ours_rad[jumps]))
         within = [angles_between(q[track[:-1]], q[track[1:]]) for track in tracks]
         if min(switches, *map(len, tracks)) < FEWEST or max(np.percentile(a, 90) for a in within) * JUMP > jump:
-            return ()
-        message = (
+            return None
+        return Finding(
+            "mixed",
             f"The estimate jumps by {np.degrees(jump):.3g}° and back, {np.count_nonzero(jumps)} times: its samples are "
-            "of two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one."
+            "of two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one.",
         )
-        return (Finding("mixed", message),)
 
-    def other(self) -> tuple[Finding, ...]:
+    def other(self) -> Finding | None:
         """Finding that the turns are those of the body at another rate, or about other axes."""
         few = spread(len(self.first), SAMPLES)
         ours, true, first = self.ours[few], self.true[few], self.first[few]
         if len(self.first) < FEWEST or self.true_rad.sum() < LEAST_TURN:
-            return ()
+            return None
         missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
         most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
         if missed.min() > LARGEST_MISS:  # about the axes of the body perhaps, at any other rate
             scale = float(np.sum(ours * true) / np.sum(true**2))
             is_rate = max(scale, 1.0 / max(scale, 1e-300)) > FAR and _missed(ours, scale * true) <= LARGEST_MISS
-            return (_turn_rate(scale),) if is_rate else ()
+            return _turn_rate(scale) if is_rate else None
         written = (self.estimate_xyzw @ undoing.T for undoing in OTHERWISE_WRITTEN)
         feigned = min(float(_missed(turns(q[first], q[first + 1]), true)) for q in written)
         fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
         if len({scale for scale, _ in fitting}) != 1 or feigned <= most:
-            return ()
+            return None
         scale, axes = fitting[0]
         if axes == 0:  # also where the motion does not tell it from others
-            return () if scale == 1.0 else (_turn_rate(scale),)
+            return None if scale == 1.0 else _turn_rate(scale)
         if len(fitting) > 1:
-            return ()
+            return None
         mirrored = ", which are right-handed; these are not" if np.linalg.det(AXES[axes]) < 0.0 else ""
-        message = (
+        return Finding(
+            "turn_axes",
             f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
             f"{f', {times(scale)} the body' if scale != 1.0 else ''}: give the filter its gyro on the "
-            f"axes of the body{mirrored}; {FEIGNED}."
+            f"axes of the body{mirrored}; {FEIGNED}.",
         )
-        return (Finding("turn_axes", message),)
 
 
 def _turn_rate(scale: float) -> Finding:

@@ -192,7 +192,7 @@ class Score(Shown):
     @property
     def t_s(self) -> Array:
         """Times of the samples since the first, s, shape (N,)."""
-        return seconds(self.stamps_ns)
+        return np.asarray((self.stamps_ns - self.stamps_ns[0]) / 1e9)
 
     @property
     def passed(self) -> bool:
@@ -247,11 +247,6 @@ class Score(Shown):
         return {**angles, **nees, **best}
 
 
-def seconds(stamps_ns: Integers) -> Array:
-    """Time since the first stamp, s."""
-    return np.asarray((stamps_ns - stamps_ns[0]) / 1e9)
-
-
 def table(score: Score) -> list[str]:
     """Statistics of the errors and of the best possible, and below what else the score tells, in aligned columns."""
     return [
@@ -271,16 +266,12 @@ def findings(score: Score) -> list[str]:
 
 def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
-    yield "total", score.total_deg
-    yield "heading", score.heading_deg
-    yield "inclination", score.inclination_deg
-    best = score.best
-    if best is not None and best.filtered and best.smoothed:
-        yield "best filter", best.filtered
-        yield "best smoother", best.smoothed
-        if best.calibrated is not None and best.calibrated.filtered and best.calibrated.smoothed:
-            yield "… calibrated", best.calibrated.filtered
-            yield "… smoother", best.calibrated.smoothed
+    best = score.best if score.best and score.best.filtered else None
+    calibrated = best and best.calibrated
+    rows = {"total": score.total_deg, "heading": score.heading_deg, "inclination": score.inclination_deg}
+    bounds = {"best filter": best and best.filtered, "best smoother": best and best.smoothed}
+    of_known = {"… calibrated": calibrated and calibrated.filtered, "… smoother": calibrated and calibrated.smoothed}
+    return ((name, found) for name, found in (rows | bounds | of_known).items() if found)
 
 
 def numbers(statistics: Statistics) -> list[str]:

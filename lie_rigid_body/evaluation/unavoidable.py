@@ -257,7 +257,7 @@ def unavoidable_error(
         unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
         return UnavoidableError(filtered[:, :3, :3], found.smoothed[:, :3, :3], bias, stamps, unobserved, calibrated)
 
-    return bound(unknown, bound(known) if steps.B.shape[-1] else None)
+    return bound(unknown, bound(known) if steps[3].size else None)
 
 
 def _matrices(name: str, given: ArrayLike | None) -> Array:
@@ -343,7 +343,7 @@ def _system(
     for i, deviations in enumerate((gyro_noise, gyro_walk)):
         noise[:, i, :, :3] = deviations[:, np.newaxis, np.newaxis] * pushed.swapaxes(1, 2)
     noise, H, D = (part.reshape(count, 3 * part.shape[1], part.shape[3]) for part in (noise, H, D))
-    return Steps(F, noise, H, B, D), first
+    return (F, noise, H, B, D), first
 
 
 def _in_turn(begin: int, sizes: Sequence[int]) -> list[slice]:
