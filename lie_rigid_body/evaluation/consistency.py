@@ -8,7 +8,6 @@ X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigatio
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Final
 
 import numpy as np
@@ -109,7 +108,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
         If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
         large beside it that the NEES overflows. Also if the probability is not between 0 and 1.
     """
-    if not isinstance(probability, Real) or probability <= 0.0 or not probability < 1.0:
+    if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
         raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
     e = real_numbers("errors", errors, "(N, d)")
     if e.ndim != 2:

@@ -157,13 +157,14 @@ class Explanation:
     @property
     def parts(self) -> list[Part]:
         """The causes of the table with their constants, as fitted so far."""
-        found = [(BY_CODE[code], np.array([float(number)])) for code, number in self.form]
-        for code in self.turned:
-            is_heading = code == "heading_offset"
-            found.append((BY_CODE[code], heading(self.numbers[:2]) if is_heading else vector(self.numbers[-4:])))
-        if self.lag_s is not None:
-            found.append((BY_CODE["lagging" if self.lag_s > 0.0 else "leading"], np.array([self.lag_s])))
-        return found
+        forms = [(BY_CODE[code], np.array([float(number)])) for code, number in self.form]
+        turns = [
+            (BY_CODE[code], heading(self.numbers[:2]) if code == "heading_offset" else vector(self.numbers[-4:]))
+            for code in self.turned
+        ]
+        if self.lag_s is None:
+            return [*forms, *turns]
+        return [*forms, *turns, (BY_CODE["lagging" if self.lag_s > 0.0 else "leading"], np.array([self.lag_s]))]
 
 
 def _counted(left: Array) -> Array:
@@ -341,8 +342,6 @@ class Evidence:
     @cached_property
     def tried(self) -> list[Explanation]:
         """Those that may be the best, the cheapest first."""
-        if self.get().error <= NEGLIGIBLE:
-            return [self.get()]
         found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
         turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
         found += [self.get(form, BOTH) for form in list(turnable)[:MOST_BOTH]]

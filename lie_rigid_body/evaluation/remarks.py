@@ -41,8 +41,6 @@ JUMP: Final = 3.0
 """Least ratio of a step to that of the body, and to those within each of two attitudes, that is a jump."""
 LEAST_MIXED: Final = 0.02
 """Least share of the steps that are jumps from one attitude to another."""
-MOST_SORTED: Final = 4000
-"""Largest number of samples that are sorted by the attitude that they belong to."""
 LARGEST_MISS: Final = 0.2
 """Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
 SMALLEST_MISS: Final = 1e-3
@@ -170,17 +168,17 @@ class Turns:
             "see whether the filter gets its readings, and publishes what it makes of them.",
         )
 
-    def mixed(self) -> Finding | None:
+    def mixed(self, most: int = 4000) -> Finding | None:
         """Finding that the samples of the estimate belong to two attitudes in turns.
 
-        Each sample is of that attitude, of the two that came last, which is nearer.
+        Each of `most` samples is of that attitude, of the two that came last, which is nearer.
         """
         q, jumps = self.estimate_xyzw, self.ours_rad > np.maximum(LEAST_TURN, JUMP * self.true_rad)
         if np.count_nonzero(jumps) < max(FEWEST, LEAST_MIXED * len(jumps)):
             return None
         first = int(self.first[np.argmax(jumps)])
         tracks = [first], [first + 1]
-        for k in range(first + 2, min(first + MOST_SORTED, len(q))):
+        for k in range(first + 2, min(first + most, len(q))):
             near = [abs(float(q[k] @ q[track[-1]])) for track in tracks]
             tracks[near[1] > near[0]].append(k)
         switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))

@@ -14,7 +14,15 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.causes import Finding
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Largest, Limits, Statistics, bias_error, largest
+from lie_rigid_body.evaluation.statistics import (
+    LEAST_SHARE,
+    SMALLEST_LIMIT,
+    Largest,
+    Limits,
+    Statistics,
+    bias_error,
+    largest,
+)
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.showing import Shown, data_frame, report
 from lie_rigid_body.wording import counted, listed, short_repr
@@ -25,8 +33,6 @@ if TYPE_CHECKING:
 
 LARGEST_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
-WIDTH: Final = 88
-"""Width of a line of sentences, characters."""
 RARE: Final = 0.01
 """Probability below which an estimate is remarked as nearer to the truth than the noise allows."""
 HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
@@ -89,8 +95,8 @@ class BestPossible:
         deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
         luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
         beaten = calibrated.beaten if calibrated else not bound.unobserved and luck < RARE
-        of_both = [None if bound.unobserved else Statistics.of(each) for each in (filtered, smoothed)]
-        return cls(filtered, *of_both, bound.unobserved, beaten, calibrated)
+        of_filtered, of_smoothed = (None if bound.unobserved else Statistics.of(e) for e in (filtered, smoothed))
+        return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated)
 
     def to_json(self) -> dict[str, object]:
         """JSON-serialisable data: statistics, what is not observed, whether an estimate is nearer than noise allows."""
@@ -298,11 +304,11 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
         yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
     consistency = score.consistency
     if consistency is not None:
-        low, high = consistency.mean_bounds
+        bounds = " to ".join(f"{bound:.3g}" for bound in consistency.mean_bounds)
         yield (
             "NEES",
             f"{consistency.mean:.4g} on average, expected {consistency.dimension} "
-            f"({low:.3g} to {high:.3g} if errors were independent): {consistency.verdict}",
+            f"({bounds} if errors were independent): {consistency.verdict}",
         )
         if consistency.remark:
             yield "remark", consistency.remark
@@ -321,13 +327,13 @@ def verdict(score: Score) -> list[str]:
     return broken or ([] if score.limits == Limits() else ["PASSED: every limit is kept."])
 
 
-def wrapped(sentence: str, mark: str = "") -> list[str]:
+def wrapped(sentence: str, mark: str = "", width: int = 88) -> list[str]:
     """Lines of a sentence for a terminal, the first after a mark."""
-    return textwrap.wrap(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
+    return textwrap.wrap(sentence, width, initial_indent=mark, subsequent_indent="  ")
 
 
 class Tally:
-    """Number, RMS and largest error of all samples so far, and what limits need to know of them.
+    """Number, RMS and largest error of all samples so far, and the limits that they break.
 
     Parameters
     ----------
@@ -349,7 +355,7 @@ class Tally:
     def add(self, stamps_ns: Integers, error: AttitudeError) -> None:
         """Take samples that come next: at least one, with their errors, rad."""
         angles_deg = np.degrees(np.stack(error))
-        self._first_ns = int(stamps_ns[0]) if not self.count else self._first_ns
+        self._first_ns = self._first_ns if self.count else int(stamps_ns[0])
         self._last_ns = int(stamps_ns[-1])
         self.count += len(stamps_ns)
         self._squares += np.sum(angles_deg**2, axis=1)
@@ -363,23 +369,38 @@ class Tally:
         """RMS of the total, heading and inclination error, degrees, shape (3,)."""
         return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
 
-    def broken(self) -> tuple[str, ...]:
+    def broken(self) -> Iterator[str]:
         """Sentences about the limits that the samples so far break, one for each."""
-        return tuple(self.limits.broken(float(self.rms_deg[0]), self._worst, (self._last_ns - self._first_ns) / 1e9))
+        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, (self._last_ns - self._first_ns) / 1e9
+        if most_deg is not None and rms_deg > most_deg:
+            yield f"the error is {rms_deg:.4g}° rms, above the limit of {most_deg:g}°"
+        for (start, limit), found in zip(self.limits.max_after, self._worst, strict=True):
+            if found is None:
+                yield f"the estimate ends at {span_s:g} s, before the limit after {start:g} s begins"
+            elif found[1] > limit:
+                when = f"at {found[0]:g} s, above the limit of {limit:g}° after {start:g} s"
+                yield f"the error is {found[1]:.4g}° {when}"
 
-    def exact(self, score: Score, given: int, due_ns: int) -> Score:
-        """Replace RMS, largest error and limits in a score of some of the samples by those of all.
+    def broken_in_all(self, given: int, due_ns: int | None) -> tuple[str, ...]:
+        """Sentences about the limits that are broken, and about what was too little to keep any.
 
         Parameters
         ----------
-        score : Score
         given : int
             Estimates, of which those that were compared were added.
-        due_ns : int
+        due_ns : int or None
             The stamp until which they are due.
         """
-        span_s, due_s = ((end - self._first_ns) / 1e9 for end in (self._last_ns, due_ns))
-        broken = (*self.broken(), *self.limits.too_little(self.count, given, span_s, due_s))
+        span_s = (self._last_ns - self._first_ns) / 1e9
+        due_s = 0.0 if due_ns is None else (due_ns - self._first_ns) / 1e9
+        enough = "were compared: limits hold for at least half of them"
+        little = [f"only {self.count} of {given} estimates {enough}"] if self.count < LEAST_SHARE * given else []
+        if span_s < LEAST_SHARE * due_s:
+            little.append(f"only {span_s:.4g} of {due_s:.4g} s since the first estimate {enough}")
+        return (*self.broken(), *(little if self.limits != Limits() else ()))
+
+    def exact(self, score: Score, given: int, due_ns: int) -> Score:
+        """Replace RMS, largest error and limits in a score of some samples by those of all; see `broken_in_all`."""
         parts = zip(("total_deg", "heading_deg", "inclination_deg"), self.rms_deg, self.largest_deg, strict=True)
         exact = {name: replace(getattr(score, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
-        return replace(score, broken=broken, **exact)
+        return replace(score, broken=self.broken_in_all(given, due_ns), **exact)

@@ -21,8 +21,8 @@ from lie_rigid_body.evaluation.causes import BY_CODE, Finding, Part, Track, fit,
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.explanations import FEWEST, TIE, Evidence, Explanation
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score
-from lie_rigid_body.evaluation.statistics import Limits, Statistics, largest, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score, Tally
+from lie_rigid_body.evaluation.statistics import Limits, Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.truth import HasTruth, Truth, period_ns
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
@@ -33,8 +33,6 @@ MOST_NAMED: Final = 2
 """Number of causes, one if the world is turned, above which it is asked whether the turns have a simpler name."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
-FITTED: Final = 2000
-"""Largest number of samples that the numbers in a finding are fitted to."""
 
 
 class Diagnosis(NamedTuple):
@@ -134,9 +132,10 @@ def evaluate(
     error = attitude_error(track.attitude_xyzw, true)
     total, heading, inclination = np.degrees(np.stack(error))
     t_s, statistics = (track.stamps_ns - track.stamps_ns[0]) / 1e9, Statistics.of(total)
+    tally = Tally(limits)
+    tally.add(track.stamps_ns, error)
     uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
-    due_s = 0.0 if due_ns is None else (due_ns - int(track.stamps_ns[0])) / 1e9
     diagnosis = diagnose(track, whole, longest_lag_s, sensors) if diagnosed else Diagnosis()
     found = (
         *diagnosis.findings,
@@ -148,7 +147,6 @@ def evaluate(
     if covariance is not None:
         P = _at_samples(real_numbers("covariance", covariance, "(..., 3, 3)"), first, known)
         consistency = attitude_nees(track.attitude_xyzw, true, P, covariance_axes)
-    worst = [largest(start, t_s, total) for start, _ in limits.max_after]
     return Score(
         stamps_ns=track.stamps_ns,
         error=error,
@@ -160,10 +158,7 @@ def evaluate(
         lag_s=diagnosis.lag.lag_s,
         lag_standard_error_s=diagnosis.lag.standard_error_s,
         findings=tuple(replace(f, rms_deg_after=statistics.rms) if np.isnan(f.rms_deg_after) else f for f in found),
-        broken=(
-            *limits.broken(statistics.rms, worst, float(t_s[-1])),
-            *limits.too_little(len(t_s), len(stamps) + left_out, float(t_s[-1]), due_s),
-        ),
+        broken=tally.broken_in_all(len(stamps) + left_out, due_ns),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=consistency,
@@ -244,12 +239,13 @@ def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sen
     return Diagnosis(lag, (other,) if other else told, choice.of_sensors)
 
 
-def _in_words(track: Track, evidence: Evidence, named: Explanation) -> tuple[Finding, ...]:
+def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:
     """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
-    Nothing is said if the errors of all samples grow when all causes are undone, as where most are of something else.
+    Their constants are fitted to `most` samples. Nothing is said if the errors of all samples grow when all causes are
+    undone, as where most are of something else.
     """
-    parts, few = named.parts, track.part(slice(len(track.stamps_ns) // 4, None)).few(FITTED)
+    parts, few = named.parts, track.part(slice(len(track.stamps_ns) // 4, None)).few(most)
     rest = fit([few.part(few.truth.covers(undone(few, parts).stamps_ns))], parts)
     found, done, errors = list[Finding](), list[Part](), [_errors(track, [])]
     while rest:

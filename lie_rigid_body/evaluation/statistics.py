@@ -6,7 +6,6 @@ Limits are written on a command line as ``1deg``, or ``10s:2deg`` from a time on
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Final
 
@@ -177,44 +176,6 @@ class Limits:
         """
         pairs = max_after if isinstance(max_after, list | tuple) else (max_after,)
         return cls(None if max_rms is None else angle_deg(max_rms), tuple(_after(pair) for pair in pairs))
-
-    def broken(self, rms_deg: float, worst: Sequence[Largest], end_s: float) -> Iterator[str]:
-        """Sentences about the limits that a run breaks, one for each.
-
-        Parameters
-        ----------
-        rms_deg : float
-            Of the total error, degrees.
-        worst : sequence of (float, float) or None
-            For each of `max_after` the time, s, and size, degrees, of the largest error from then on; None if there is
-            no sample.
-        end_s : float
-            Time of the last sample since the first, s.
-        """
-        if self.max_rms_deg is not None and rms_deg > self.max_rms_deg:
-            yield f"the error is {rms_deg:.4g}° rms, above the limit of {self.max_rms_deg:g}°"
-        for (start, limit), found in zip(self.max_after, worst, strict=True):
-            if found is None:
-                yield f"the estimate ends at {end_s:g} s, before the limit after {start:g} s begins"
-            elif found[1] > limit:
-                when = f"at {found[0]:g} s, above the limit of {limit:g}° after {start:g} s"
-                yield f"the error is {found[1]:.4g}° {when}"
-
-    def too_little(self, compared: int, given: int, span_s: float, due_s: float) -> Iterator[str]:
-        """Sentences about what was too little to keep any limit: estimates, and time; none without a limit.
-
-        Parameters
-        ----------
-        compared, given : int
-            Estimates.
-        span_s, due_s : float
-            Times from the first of those compared to the last, and until which they are due, s.
-        """
-        enough = "were compared: limits hold for at least half of them"
-        if self != Limits() and compared < LEAST_SHARE * given:
-            yield f"only {compared} of {given} estimates {enough}"
-        if self != Limits() and span_s < LEAST_SHARE * due_s:
-            yield f"only {span_s:.4g} of {due_s:.4g} s since the first estimate {enough}"
 
 
 def largest(start_s: float, t_s: Array, total_deg: Array, before: Largest = None) -> Largest:

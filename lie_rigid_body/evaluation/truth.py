@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from numbers import Real
-from typing import Final, Protocol, runtime_checkable
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -163,7 +162,7 @@ class SampledTruth(Truth):
         return np.clip(np.searchsorted(self._stamps, stamps_ns, side="right") - 1, 0, len(self._stamps) - 2)
 
 
-def _time(value: object) -> int:
-    if not isinstance(value, Real) or not abs(value) <= FARTHEST_NS:
+def _time(value: Any) -> int:
+    if not isinstance(value, int | float | np.integer) or not abs(value) <= FARTHEST_NS:
         raise InputError(f"truth: the time {shown(value)} is not within 2**31 s of 0, as in ROS 2: give it in ns")
     return int(value)
