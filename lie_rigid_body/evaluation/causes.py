@@ -24,6 +24,7 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.attitudes import (
     AttitudeError,
+    Truth,
     angle_and_axis,
     angles,
     angles_between,
@@ -33,7 +34,6 @@ from lie_rigid_body.evaluation.attitudes import (
     turns,
 )
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import components, short_repr
 

@@ -20,9 +20,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.attitudes import angles, sizes
+from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, heading, products, vector
-from lie_rigid_body.evaluation.truth import period_ns
 from lie_rigid_body.lie import quaternion
 
 SHARE: Final = 1.0 / 3.0

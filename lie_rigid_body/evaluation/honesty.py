@@ -33,8 +33,6 @@ FEWEST_RUNS: Final = 10
 COVERAGES: Final = (0.68, 0.95, 0.997)
 _RESAMPLED: Final = 2000
 """Number of resamplings of the runs."""
-_BLOCK: Final = 100
-"""Number of resamplings that are computed at once."""
 _SMALLEST: Final = 1e-100
 """Least NEES, of which the logarithm is taken."""
 
@@ -54,13 +52,6 @@ class Interval:
     begin_s: float
     end_s: float
     verdict: str
-
-    @property
-    def when(self) -> str:
-        """The time in words."""
-        if self.begin_s == self.end_s:
-            return f"at {self.begin_s:.4g} s"
-        return f"from {self.begin_s:.4g} s to {self.end_s:.4g} s"
 
 
 @dataclass(frozen=True)
@@ -111,7 +102,12 @@ class Honesty:
     def message(self) -> str:
         """The verdict in one sentence."""
         said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
-        times = "; ".join(f"{i.verdict} {i.when}" for i in self.outside)
+        times = "; ".join(
+            f"{i.verdict} at {i.begin_s:.4g} s"
+            if i.begin_s == i.end_s
+            else f"{i.verdict} from {i.begin_s:.4g} s to {i.end_s:.4g} s"
+            for i in self.outside
+        )
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
@@ -233,23 +229,18 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Inte
     """Times in which the mean over runs is outside of its band, neighbours joined."""
     runs, draws = len(values), np.random.default_rng(seed)
     mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(runs)
-    lowest, highest = [], []
-    for _ in range(_RESAMPLED // _BLOCK):
-        # each resampling counts how often every run is drawn
-        weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=_BLOCK) / runs
-        resampled = weights @ values
-        variance = (weights @ values**2 - resampled**2) * runs / (runs - 1)
-        deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
-        lowest.append(deviation.min(axis=1))
-        highest.append(deviation.max(axis=1))
-    least, most = np.quantile(lowest, _HALF / 2.0), np.quantile(highest, 1.0 - _HALF / 2.0)
+    # each resampling counts how often every run is drawn
+    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=_RESAMPLED) / runs
+    resampled = weights @ values
+    variance = (weights @ values**2 - resampled**2) * runs / (runs - 1)
+    deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
+    least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
-    found = []
-    for part in np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1):
-        if sides[part[0]]:
-            side = "overconfident" if sides[part[0]] > 0 else "conservative"
-            found.append(Interval(float(t_s[part[0]]), float(t_s[part[-1]]), side))
-    return tuple(found)
+    parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
+    outside = [
+        (t_s[part], "overconfident" if sides[part[0]] > 0 else "conservative") for part in parts if sides[part[0]]
+    ]
+    return tuple(Interval(float(times[0]), float(times[-1]), verdict) for times, verdict in outside)
 
 
 def _repairs(attitude_xyzw: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:

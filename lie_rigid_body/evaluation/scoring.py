@@ -16,14 +16,13 @@ from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
-from lie_rigid_body.evaluation.attitudes import attitude_error
+from lie_rigid_body.evaluation.attitudes import HasTruth, Truth, attitude_error, period_ns
 from lie_rigid_body.evaluation.causes import BY_CODE, Finding, Part, Track, fit, undone
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.explanations import FEWEST, TIE, Evidence, Explanation
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score, Tally
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, rms, settling_limit, time_to_converge
-from lie_rigid_body.evaluation.truth import HasTruth, Truth, period_ns
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
 

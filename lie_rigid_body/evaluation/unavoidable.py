@@ -109,17 +109,13 @@ class VectorReadings:
 
     def __post_init__(self) -> None:
         read_stamps("VectorReadings", self.stamps_ns)
-        self.matrices()
+        _matrices("linear_errors", self.linear_errors)
         vector = numbers("vector", self.vector, 3)
         if vector.shape != (3,) or not vector.any():
             raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
         deviation("noise of a vector", self.noise)
         if not isinstance(self.bias, BiasNoise):
             raise InputError(f"bias: {shown(self.bias)} is no BiasNoise: give for example BiasNoise(turn_on=0.03)")
-
-    def matrices(self) -> Array:
-        """The linear errors, shape (c, 3, 3)."""
-        return _matrices("linear_errors", self.linear_errors)
 
 
 @dataclass(frozen=True)
@@ -311,7 +307,7 @@ def _system(
     """
     units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
     biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
-    matrices = [gyro_errors, *(sensor.matrices() for sensor in vectors)]
+    matrices = [gyro_errors, *(_matrices("linear_errors", sensor.linear_errors) for sensor in vectors)]
     places = _in_turn(3, [0 if bias == BiasNoise() else 3 for bias in biases])
     columns = _in_turn(0, [len(each) for each in matrices])
     count, n, c, sensors = len(stamps), places[-1].stop, columns[-1].stop, len(vectors) + len(attitudes)

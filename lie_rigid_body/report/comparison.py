@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import verdict, wrapped
+from lie_rigid_body.evaluation.statistics import Difference, of_run
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.score_picture import curves
 from lie_rigid_body.report.scores import as_json

@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.truth import GAP
+from lie_rigid_body.evaluation.attitudes import GAP
 from lie_rigid_body.report.recorded_motion import COLOURS as OF_AXES
 from lie_rigid_body.report.recorded_motion import RED, curve_style, extremes
 from lie_rigid_body.wording import counted, printable, shortened

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
-from lie_rigid_body.evaluation.truth import in_order, period_ns
+from lie_rigid_body.evaluation.attitudes import in_order, period_ns
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS, exact_duration
