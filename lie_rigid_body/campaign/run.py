@@ -17,7 +17,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Entry
 from lie_rigid_body.errors import BagError, said
-from lie_rigid_body.evaluation.attitude_error import attitude_error, body_error, numbers, unit, world_error
+from lie_rigid_body.evaluation.arguments import numbers, unit
+from lie_rigid_body.evaluation.attitudes import attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
@@ -274,8 +275,7 @@ def _attitude_series(found: Estimate, run: Run, places: Integers) -> list[list[f
     if found.covariance is None:
         return []
     attitudes = unit("estimate", found.attitude_xyzw[places])
-    error = {"world": world_error, "body": body_error}[found.covariance_axes]
-    errors = error(attitudes, run.attitude().at(found.t_ns[places]))
+    errors = error_vectors(attitudes, run.attitude().at(found.t_ns[places]), found.covariance_axes)
     return _rows(errors, rotation_block(found.covariance), len(found), places, attitudes)
 
 

@@ -16,12 +16,11 @@ from lie_rigid_body.diagnosis.result import Note, Probe
 from lie_rigid_body.diagnosis.search import Each, Trial
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
-from lie_rigid_body.evaluation.attitude_error import body_error, world_error
-from lie_rigid_body.evaluation.attitudes import angles_between
+from lie_rigid_body.evaluation.attitudes import angles_between, error_vectors
 from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.consistency import rotation_block
-from lie_rigid_body.evaluation.estimate import NOT_UNIT
 from lie_rigid_body.evaluation.honesty import honesty
+from lie_rigid_body.evaluation.remarks import NOT_UNIT
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
@@ -265,7 +264,7 @@ def _covariance_judged(setup: Setup, answers: Answers) -> Probe:
     at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
     tracks = [answer.track.part(at) for answer in answers]
     estimate, truth = np.stack([(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks], axis=1)
-    errors = (world_error if axes == "world" else body_error)(estimate, truth)
+    errors = error_vectors(estimate, truth, axes)
     given = [(len(answer.stamps_ns), rotation_block(answer.given.covariance)) for answer in answers]
     covariance = np.stack([np.broadcast_to(P, (samples, 3, 3))[at] for samples, P in given])
     verdicts = [

@@ -12,7 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
-from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
+from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.causes import Part, Track, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion

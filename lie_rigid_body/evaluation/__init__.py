@@ -5,14 +5,12 @@ looks for the lag and for mistaken conventions, and gives a `Score`. `nees` hold
 `unavoidable_error` bounds what any estimator can reach.
 """
 
-from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
+from lie_rigid_body.evaluation.attitudes import AttitudeError, ExactTruth, SampledTruth, Truth, attitude_error
+from lie_rigid_body.evaluation.causes import Finding
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees, nees
-from lie_rigid_body.evaluation.findings import Finding
-from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.score import Score
 from lie_rigid_body.evaluation.scoring import evaluate
-from lie_rigid_body.evaluation.statistics import Statistics, bias_error, time_to_converge
-from lie_rigid_body.evaluation.truth import ExactTruth, SampledTruth, Truth
+from lie_rigid_body.evaluation.statistics import Limits, Statistics, bias_error, time_to_converge
 from lie_rigid_body.evaluation.unavoidable import (
     AttitudeReadings,
     BiasNoise,

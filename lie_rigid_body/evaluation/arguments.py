@@ -1,15 +1,22 @@
-"""Numbers as callers give them: read once, or refused in one line that says what to give."""
+"""Numbers, stamps and attitudes as callers give them: read once, or refused in one line that says what to give."""
 
 from __future__ import annotations
 
 from numbers import Real
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import shown
+
+FARTHEST_NS: Final = 2**31 * 10**9
+"""Largest stamp that a message can have, ns; differences of such stamps do not overflow."""
+SMALLEST_NORM: Final = 1e-12
+"""Least norm of a quaternion; one of a smaller norm is taken for a quaternion that nobody has set."""
 
 
 def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool = False) -> float:
@@ -52,31 +59,48 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
     InputError
         If it is none.
     """
-    unmasked(name, value)
+    _require_unmasked(name, value)
+    fault = "not numbers: give"
     try:
         array = np.asarray(value)
-        if np.iscomplexobj(array):
-            raise InputError(f"{name}: complex numbers: give real ones, an array of shape {wanted}")
         # NumPy would read the texts '0' and '1', and True, as numbers
         if array.dtype.kind in "iuf" or all(isinstance(number, Real) for number in array.flat):
             return np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError, RuntimeError) as error:  # the last of a tensor that needs detach()
-        if isinstance(error, InputError):
-            raise
-    raise InputError(f"{name}: not numbers: give an array of shape {wanted}") from None
+        fault = "complex numbers: give real ones," if np.iscomplexobj(array) else fault
+    except (TypeError, ValueError, OverflowError, RuntimeError):  # the last of a tensor that needs detach()
+        pass
+    raise InputError(f"{name}: {fault} an array of shape {wanted}")
 
 
-def unmasked(name: str, value: ArrayLike) -> None:
-    """Refuse an array of which some is masked: what is behind the mask would count.
-
-    Raises
-    ------
-    InputError
-    """
+def _require_unmasked(name: str, value: ArrayLike) -> None:
+    """Refuse an array of which some is masked: what is behind the mask would count."""
     if np.ma.is_masked(value):
         raise InputError(
             f"{name}: {np.ma.count_masked(value)} of its numbers are masked: leave these rows out, with their stamps"
         )
+
+
+def numbers(name: str, value: ArrayLike, *size: int) -> Array:
+    """Read finite numbers whose last axes have the given size, as float64.
+
+    Raises
+    ------
+    InputError
+        With the first row that is at fault.
+    """
+    wanted = f"(..., {', '.join(map(str, size))})"
+    array = real_numbers(name, value, wanted)
+    if array.shape[-len(size) :] != size:
+        raise InputError(f"{name}: shape {array.shape} is not {wanted}: {shape_remedy(array.shape, size)}")
+    if array.size == 0:
+        raise InputError(f"{name}: empty: give at least one row")
+    finite = np.isfinite(array).all(axis=tuple(range(-len(size), 0))).ravel()
+    if not finite.all():
+        raise InputError(
+            f"{name}: {np.count_nonzero(~finite)} of {finite.size} rows are not finite, the first is row "
+            f"{np.argmin(finite)}: leave them out, or find out why the filter gave them"
+        )
+    return array
 
 
 def shape_remedy(shape: tuple[int, ...], size: tuple[int, ...]) -> str:
@@ -88,3 +112,70 @@ def shape_remedy(shape: tuple[int, ...], size: tuple[int, ...]) -> str:
     if size == (4,) and len(shape) > 1 and shape[-1] == 3:
         return "Euler angles are no quaternions: convert them, as by scipy's Rotation.from_euler(...).as_quat()"
     return "give such an array"
+
+
+def unit(name: str, value: ArrayLike) -> Array:
+    """Read quaternions, and divide them by their norm.
+
+    Raises
+    ------
+    InputError
+        If one is not finite, or zero, or its norm is beyond float64.
+    """
+    array = numbers(name, value, 4)
+    norms = quaternion.norm(array).ravel()
+    bad = np.flatnonzero((norms < SMALLEST_NORM) | np.isinf(norms))
+    if bad.size:
+        raise InputError(
+            f"{name}: {bad.size} of {norms.size} quaternions are zero or overflow, the first is row {bad[0]}: "
+            "leave them out, or fill in the orientation"
+        )
+    return quaternion.normalize(array)
+
+
+def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
+    """Read stamps as int64, never decreasing, at least one.
+
+    Raises
+    ------
+    InputError
+        If they are not that.
+    """
+    _require_unmasked(f"{name}: stamps", stamps_ns)
+    stamps = np.asarray(stamps_ns)
+    if stamps.ndim != 1 or stamps.size == 0:
+        raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
+    if stamps.dtype.kind not in "iu":
+        how = {"f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds", "M": ", as stamps.astype('int64') of ns"}
+        raise InputError(
+            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how.get(stamps.dtype.kind, '')}"
+        )
+    if max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
+        raise InputError(
+            f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
+        )
+    stamps = stamps.astype(np.int64)
+    back = np.flatnonzero(np.diff(stamps) < 0)
+    if back.size:
+        jump_s = (stamps[back[0]] - stamps[back[0] + 1]) / 1e9
+        raise InputError(
+            f"{name}: out of order in {back.size} places, first at sample {back[0] + 1}, {jump_s:g} s before "
+            "the one ahead of it: sort by stamp, or evaluate the parts before and after a reset apart"
+        )
+    return stamps
+
+
+def read_series(name: str, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> tuple[Integers, Array]:
+    """Read stamps, shape (N,), and as many attitudes, shape (N, 4), which are divided by their norms.
+
+    Raises
+    ------
+    InputError
+        As `read_stamps` and `unit`, or if there is not an attitude for each stamp.
+    """
+    stamps, attitude = read_stamps(name, stamps_ns), unit(name, attitude_xyzw)
+    if attitude.shape != (len(stamps), 4):
+        raise InputError(
+            f"{name}: attitudes of shape {attitude.shape} for {len(stamps)} stamps: give a row for each stamp"
+        )
+    return stamps, attitude

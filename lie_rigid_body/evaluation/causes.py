@@ -21,29 +21,29 @@ from typing import Final, Literal, get_args
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.evaluation.attitude_error import angles
-from lie_rigid_body.evaluation.attitudes import angle_and_axis, angles_between, places, sizes, times, turns
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.evaluation.attitudes import (
+    AttitudeError,
+    Truth,
+    angle_and_axis,
+    angles,
+    angles_between,
+    places,
+    sizes,
+    times,
+    turns,
+)
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.truth import Truth
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import components, short_repr
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
-ENU_TO_NED: Final = np.array([np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0])
-"""Quaternion that exchanges x and y and negates z: half a turn about (1, 1, 0), its own inverse."""
-FLU_TO_FRD: Final = np.array([1.0, 0.0, 0.0, 0.0])
-"""Half a turn about the body's x axis, its own inverse."""
-LONGEST_LAG: Final = 0.5
-"""Largest lag that is looked for, s."""
-LARGEST_CLOCK_RATE: Final = 2.0
-"""Largest rate of a clock that is looked for, and the inverse of the smallest."""
+ONE: Final = np.array([0.0, 0.0, 0.0, 1.0])
+"""Quaternion of no turn."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
 """What is said of a cause that a mistake at the input of the filter may feign."""
-_SCANNED: Final = 40
-"""Samples of a track at which starts of a fit are compared."""
-_FITTED: Final = 200
+FITTED: Final = 200
 """Samples of a track by which a constant of time is fitted."""
 
 
@@ -71,45 +71,50 @@ class Track:
     __repr__ = short_repr
 
     @property
-    def since_s(self) -> Array:
-        """Times since the origin, s, shape (N,)."""
-        return np.asarray((self.stamps_ns - self.origin) / 1e9)
-
-    def part(self, chosen: slice | Integers) -> Track:
-        """Some of the samples."""
-        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
-        return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
-
-    @property
     def origin(self) -> int:
         """Stamp at which a clock of another rate was right, ns."""
         return int(self.stamps_ns[0]) if self.origin_ns is None else self.origin_ns
 
-    def few(self, most: int = _SCANNED) -> Track:
-        """About so many of the samples, evenly chosen."""
-        return self.part(slice(None, None, max(1, len(self.stamps_ns) // most)))
+    @property
+    def since_s(self) -> Array:
+        """Times since the origin, s, shape (N,)."""
+        return np.asarray((self.stamps_ns - self.origin) / 1e9)
+
+    def part(self, chosen: slice | Integers | Booleans) -> Track:
+        """Some of the samples."""
+        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
+        return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
+
+    def few(self, most: int = 40) -> Track:
+        """At most so many of the samples, evenly spread over all."""
+        return self.part(spread(len(self.stamps_ns), most))
 
     def known(self) -> Track:
         """The samples at whose stamps the truth is known."""
-        return self.part(np.flatnonzero(self.truth.covers(self.stamps_ns)))
+        return self.part(self.truth.covers(self.stamps_ns))
 
     def errors(self) -> Array:
         """Total error of each sample, shape (N,), rad."""
+        return self._error().total
+
+    def _error(self) -> AttitudeError:
         truth = self.truth.at(self.stamps_ns)
-        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth))).total
+        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth)))
 
     def partial_errors(self) -> tuple[float, float]:
         """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
-        truth = self.truth.at(self.stamps_ns)
-        tilt = angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth))).inclination
-        step = max(1, len(truth) // 10)
-        wrong, right = (turns(q[:-step], q[step:]) for q in (self.attitude_xyzw, truth))
-        return rms(tilt), rms(angles_between(quaternion.exp(wrong), quaternion.exp(right)))
+        step = max(1, len(self.stamps_ns) // 10)
+        attitudes = self.attitude_xyzw, self.truth.at(self.stamps_ns)
+        wrong, right = (quaternion.exp(turns(q[:-step], q[step:])) for q in attitudes)
+        return rms(self._error().inclination), rms(angles_between(wrong, right))
+
+
+def spread(count: int, most: int) -> Integers:
+    """Indices of at most so many samples, evenly spread over all."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
 Tracks = Sequence[Track]
-Slopes = Callable[[Track, Array, Array], Array]
-"""Derivative of the error, undone so far, by the constants, (N, 3, n), from the track, the truth and its body rate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +140,8 @@ class Cause:
     maps : tuple of ndarray, shape (d, 4, 4) each
         Matrices of the repair, of several that there may be; of one with constants the base B. None of time.
     slopes : callable
-        Of a cause with constants: the change of the error by a small change of them.
+        Derivative of the error, undone so far, by the constants, shape (N, 3, n), from the track, the truth and its
+        body rate.
     moved : callable
         The constants after that.
     """
@@ -147,7 +153,9 @@ class Cause:
     fact: Callable[[Array], str]
     deed: Callable[[Array], str]
     maps: tuple[Array, ...] = ()
-    slopes: Slopes = field(default=lambda track, truth, rate: np.zeros((len(truth), 3, 0)), repr=False)
+    slopes: Callable[[Track, Array, Array], Array] = field(
+        default=lambda track, truth, rate: np.zeros((len(truth), 3, 0)), repr=False
+    )
     moved: Callable[[Array, Array], Array] = field(default=np.add, repr=False)
     remedy: Callable[[Array], str] = field(default=lambda constants: "", repr=False)
 
@@ -158,10 +166,9 @@ class Cause:
 
     def fitted(self, tracks: Tracks) -> tuple[Array, float]:
         """The best constants, and the RMS of the total error that they leave, rad."""
-        found = self.fits(tracks)
-        if len(found) > 1:
-            found = [min(found, key=lambda constants: self.left([track.few() for track in tracks], constants))]
-        return found[0], self.left(tracks, found[0])
+        found, few = self.fits(tracks), [track.few() for track in tracks]
+        best = found[0] if len(found) == 1 else min(found, key=lambda constants: self.left(few, constants))
+        return best, self.left(tracks, best)
 
     def left(self, tracks: Tracks, constants: Array) -> float:
         """RMS of the total error of tracks without the cause, rad."""
@@ -170,6 +177,29 @@ class Cause:
 
 Part = tuple[Cause, Array]
 """A cause with its constants."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Mistake in an estimate, with what to do.
+
+    Attributes
+    ----------
+    code : str
+        ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
+        ``clock_rate``, ``world_turned``, ``stuck``, ``mixed``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
+    message : str
+        One sentence with numbers, and what to do.
+    rms_deg_after : float
+        RMS of the total error that is left when this cause and those before it are undone, degrees. NaN of what cannot
+        be undone, until a score gives its own.
+    """
+
+    code: str
+    message: str
+    rms_deg_after: float = np.nan
+
+    __repr__ = short_repr
 
 
 def error_of(tracks: Tracks) -> float:
@@ -193,10 +223,7 @@ def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
     for _ in range(steps if any(cause.price for cause, _ in parts) else 0):
         normal, slope = 0.0, 0.0
         for track in tracks:
-            now = undone(track, parts)
-            truth, rate = now.truth.states(now.stamps_ns)
-            error = turns(truth, now.attitude_xyzw)
-            J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
+            J, error, _ = derivative(track, parts)
             weighted = J * weights(sizes(error))[:, np.newaxis, np.newaxis]
             normal = normal + np.einsum("nia,nib->ab", weighted, J)
             slope = slope + np.einsum("nia,ni->a", weighted, error)
@@ -211,6 +238,14 @@ def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
     return list(parts)
 
 
+def derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
+    """Derivative by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
+    now = undone(track, parts)
+    truth, rate = now.truth.states(now.stamps_ns)
+    J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
+    return J, turns(truth, now.attitude_xyzw), truth
+
+
 def weights(norms: Array) -> Array:
     """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians."""
     scale = 3.0 * float(np.median(norms)) if norms.size else 0.0
@@ -223,19 +258,17 @@ def products(track: Track, stamps_ns: Integers) -> Array:
     return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
 
 
-def _left(*turns_xyzw: Array) -> Array:
-    """Matrices of the products with quaternions from the left, shape (d, 4, 4)."""
-    return np.stack([quaternion.multiply(turn, np.eye(4)).T for turn in turns_xyzw])
+def _left(turns_xyzw: Array) -> Array:
+    """Matrices of the products with quaternions, shape (d, 4), from the left, shape (d, 4, 4)."""
+    return np.swapaxes(quaternion.multiply(turns_xyzw[:, np.newaxis], np.eye(4)), 1, 2)
 
 
-def _right(*turns_xyzw: Array) -> Array:
-    return np.stack([quaternion.multiply(np.eye(4), turn).T for turn in turns_xyzw])
+def _right(turns_xyzw: Array) -> Array:
+    return np.swapaxes(quaternion.multiply(np.eye(4), turns_xyzw[:, np.newaxis]), 1, 2)
 
 
-def _turned(track: Track, left: Array | None = None, right: Array | None = None) -> Track:
-    q = track.attitude_xyzw
-    q = q if left is None else quaternion.multiply(left, q)
-    return replace(track, attitude_xyzw=q if right is None else quaternion.multiply(q, right))
+def _turned(track: Track, left: Array = ONE, right: Array = ONE) -> Track:
+    return replace(track, attitude_xyzw=quaternion.multiply(quaternion.multiply(left, track.attitude_xyzw), right))
 
 
 def _by_map(*maps: Array) -> Callable[[Track, Array], Track]:
@@ -262,9 +295,9 @@ def _by_clock(track: Track, rate: Array) -> Track:
     return replace(track, stamps_ns=track.origin + since_ns)
 
 
-def _fixed(*values: float) -> Callable[[Tracks], Sequence[Array]]:
-    found = [np.array([value]) for value in values]
-    return lambda tracks: found
+def _fixed(*values: Sequence[float]) -> Callable[[Tracks], Sequence[Array]]:
+    """Constants that are not fitted, one or some to choose from."""
+    return lambda tracks: [np.array(value) for value in values]
 
 
 def _turn(maps: Array, constants: Callable[[Array], Array]) -> Callable[[Tracks], Sequence[Array]]:
@@ -298,50 +331,34 @@ def _best_of_scan(tracks: Tracks, undo: Callable[[Track, Array], Track], values:
     return float(values[np.argmin(left)])
 
 
-def _of_time(code: int, values: Array) -> Callable[[Tracks], Sequence[Array]]:
-    """A constant that changes stamps, fitted from the best of some values."""
+def _of_time(code: str, values: Array, sign: float = 0.0) -> Callable[[Tracks], Sequence[Array]]:
+    """A constant that changes stamps, fitted from the best of some values; with a sign a lag of more than a sample."""
 
     def fits(tracks: Tracks) -> Sequence[Array]:
-        cause = CAUSES[code]
-        start = np.array([_best_of_scan(tracks, cause.undo, values)])
-        return [fit([track.few(_FITTED) for track in tracks], [(cause, start)])[0][1]]
+        start = np.array([_best_of_scan(tracks, BY_CODE[code].undo, values)])
+        [(_, found)] = fit([track.few(FITTED) for track in tracks], [(BY_CODE[code], start)])
+        least = 1.001e-9 * float(np.median(np.diff(tracks[0].stamps_ns)))
+        return [found if not sign or sign * found[0] > least else np.zeros(1)]
 
     return fits
-
-
-def _lag_of(sign: float) -> Callable[[Tracks], Sequence[Array]]:
-    """The lag, where it has a sign and is more than one sample; else none."""
-
-    def fits(tracks: Tracks) -> Sequence[Array]:
-        period_s = float(np.median(np.diff(tracks[0].stamps_ns))) / 1e9
-        lag_s = float(_lag(tracks)[0][0])
-        return [np.array([lag_s if sign * lag_s > 1.001 * period_s else 0.0])]
-
-    return fits
-
-
-def _euler(tracks: Tracks) -> Sequence[Array]:
-    """Every two orders of axes that differ."""
-    return [np.array(pair, dtype=np.float64) for pair in permutations(range(len(_ORDERS)), 2)]
 
 
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
 _ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
-_NONE: Final = _fixed(0.0)
-_I, _J, _K, _ONE = np.eye(4)
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
-_Z_UP: Final = _left(ENU_TO_NED)[0]
-_Z_UP_AND_FLU: Final = _Z_UP @ _right(FLU_TO_FRD)[0]
-_ABOUT_UP: Final = _left(_ONE, _K)
-_OF_WORLD: Final = _left(_ONE, _I, _J, _K)
-_OF_BODY: Final = _right(_ONE, _I, _J, _K)
-_lag: Final = _of_time(6, np.linspace(-LONGEST_LAG, LONGEST_LAG, 41))
-
-
-def _said(text: str) -> Callable[[Array], str]:
-    return lambda constants: text
+_Z_UP: Final = _left(np.sqrt([[0.5, 0.5, 0.0, 0.0]]))[0]
+"""Exchange of x and y of the world, with z negated: half a turn about (1, 1, 0), its own inverse."""
+_Z_UP_AND_FLU: Final = _Z_UP @ _right(np.eye(4)[:1])[0]
+"""The same beside half a turn about the body's x axis, its own inverse as well."""
+_OF_WORLD: Final = _left(np.roll(np.eye(4), 1, axis=0))
+_OF_BODY: Final = _right(np.roll(np.eye(4), 1, axis=0))
+_ABOUT_UP: Final = _OF_WORLD[[0, 3]]
+_LAGS: Final = np.linspace(-0.5, 0.5, 41)
+"""Lags from which a fit begins, s."""
+_RATES: Final = np.geomspace(0.5, 2.0, 141)
+"""Rates of a clock from which a fit begins."""
 
 
 CAUSES: Final = (
@@ -349,25 +366,27 @@ CAUSES: Final = (
         "inverted",
         0,
         _by_map(_INVERSE),
-        _NONE,
-        _said("The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"),
-        _said("Conjugated it"),
+        _fixed([0.0]),
+        lambda c: (
+            "The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"
+        ),
+        lambda c: "Conjugated it",
         (_INVERSE[np.newaxis],),
     ),
     Cause(
         "scalar_first",
         0,
         _by_map(_SHIFT),
-        _NONE,
-        _said("The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end"),
-        _said("With the scalar last it"),
+        _fixed([0.0]),
+        lambda c: "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end",
+        lambda c: "With the scalar last it",
         (_SHIFT[np.newaxis],),
     ),
     Cause(
         "ned_world",
         0,
         _by_map(_Z_UP, _Z_UP_AND_FLU),
-        _fixed(0.0, 1.0),
+        _fixed([0.0], [1.0]),
         lambda c: f"The world of the estimate is north-east-down{' and its body forward-right-down' if c[0] else ''}",
         lambda c: f"Turned to z up from the left{', and half a turn about x from the right' if c[0] else ''}, it",
         (_Z_UP[np.newaxis], _Z_UP_AND_FLU[np.newaxis]),
@@ -380,7 +399,7 @@ CAUSES: Final = (
         "euler_order",
         0,
         _reordered,
-        _euler,
+        _fixed(*permutations(np.arange(6.0), 2)),
         lambda c: f"The three Euler angles are put together in the order {_order(c[0])} instead of {_order(c[1])}",
         lambda c: f"Put together as {_order(c[1])} they",
     ),
@@ -407,7 +426,7 @@ CAUSES: Final = (
         lambda track, turn: _turned(track, left=quaternion.exp(-turn)),
         _turn(_OF_WORLD, vector),
         lambda c: f"The world of the estimate is turned by {angle_and_axis(quaternion.exp(c))} of the world",
-        _said("Turned back from the left the estimate"),
+        lambda c: "Turned back from the left the estimate",
         (_OF_WORLD,),
         lambda track, truth, rate: np.swapaxes(quaternion.to_matrix(truth), 1, 2),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(turn), quaternion.exp(step))),
@@ -420,27 +439,27 @@ CAUSES: Final = (
         "lagging",
         1,
         _moved,
-        _lag_of(1.0),
+        _of_time("lagging", _LAGS, 1.0),
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
-        _said("With these stamps it"),
+        lambda c: "With these stamps it",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
         "leading",
         1,
         _moved,
-        _lag_of(-1.0),
+        _of_time("lagging", _LAGS, -1.0),
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
-        _said("With these stamps it"),
+        lambda c: "With these stamps it",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
         "clock_rate",
         1,
         _by_clock,
-        _of_time(8, np.geomspace(1.0 / LARGEST_CLOCK_RATE, LARGEST_CLOCK_RATE, 141)),
+        _of_time("clock_rate", _RATES),
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
-        _said("Stamped with the time of the readings it"),
+        lambda c: "Stamped with the time of the readings it",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
         remedy=lambda c: (
             "stamp it with the time of the readings it is made of, in their unit and with their period, not by another "
@@ -453,7 +472,7 @@ CAUSES: Final = (
         lambda track, turn: _turned(track, right=quaternion.exp(-turn)),
         _turn(_OF_BODY, vector),
         lambda c: f"The body axes of the estimate are turned by {angle_and_axis(quaternion.exp(c))} of the body",
-        _said("Turned back from the right the estimate"),
+        lambda c: "Turned back from the right the estimate",
         (_OF_BODY,),
         lambda track, truth, rate: np.broadcast_to(np.eye(3), (len(truth), 3, 3)),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(step), quaternion.exp(turn))),

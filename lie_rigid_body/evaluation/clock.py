@@ -7,17 +7,18 @@ beside a replay, is looked for where nothing else explains a large error.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.attitudes import sizes, turns
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, fit, undone, weights
+from lie_rigid_body.evaluation.attitudes import sizes
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, derivative, fit, undone, weights
 from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FEWEST,
+    FULL,
     LEAD,
     LEAST_LATE,
     NEGLIGIBLE,
@@ -27,15 +28,11 @@ from lie_rigid_body.evaluation.explanations import (
     Explanation,
     quarters,
     spins,
-    spread,
     still,
 )
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
 
-SAMPLES: Final = 4000
-"""Largest number of samples that the lag is fitted to."""
 SIGNIFICANT: Final = 3.0
 """Largest lag, in standard errors, that counts as none."""
 SURE: Final = 8.0
@@ -48,11 +45,6 @@ SLOWEST_RATE: Final = 1e-6
 """Least body rate that tells something about time, rad/s."""
 LOST: Final = float(np.radians(20.0))
 """Median error above which an estimate follows the truth too little to tell a lag, rad."""
-FINEST_S: Final = 1e-9
-"""Least standard error of a lag, s: stamps are whole nanoseconds."""
-FULL: Final = 0.999
-"""Share of the longest lag from which on a lag is at the limit of the search."""
-
 LARGEST_LEFT: Final = float(np.radians(5.0))
 """Largest error, root mean square in a quarter, that is left by another clock, rad: any clock fits a little."""
 LEAST_COVERED: Final = {True: 0.25, False: 0.9}
@@ -65,10 +57,6 @@ MOST_CLOCKS: Final = 5000
 """Largest number of clocks that are tried of one kind; where it would take more, none is."""
 LEAST_TURN: Final = 0.1
 """Least turn of the body in the whole run that tells a clock, rad."""
-GRID_SAMPLES: Final = 60
-FIT_SAMPLES: Final = 300
-"""Largest number of samples by which clocks are tried, and fitted."""
-MOST_REFINED: Final = 5
 EVEN_SPIN: Final = 0.98
 """Squared length of the mean axis of rotation above which a lag is that of a turn earlier as well."""
 FAR: Final = 1.5
@@ -82,8 +70,7 @@ Clock = list[Part]
 """A rate, and a lag, by which stamps are those of the truth; of a lag alone only that."""
 
 
-@dataclass(frozen=True)
-class Lag:
+class Lag(NamedTuple):
     """A lag that is told.
 
     Attributes
@@ -98,19 +85,16 @@ class Lag:
     standard_error_s: float | None = None
     sure: bool = False
 
-    __repr__ = short_repr
 
-
-def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float) -> Lag:
+def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float, most: int = 4000) -> Lag:
     """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
 
     Where it does not, the lag is fitted beside the turns that are named. It is told where it is named, where it is
     sure, and where it is none. The latter is to an error that is small beside a lag that would turn the body by what is
-    left.
+    left. It is fitted to `most` samples.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
-    given = track.part(spread(len(track.stamps_ns), SAMPLES))
-    track = undone(given, [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    track = undone(track.few(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
     lag = (BY_CODE["lagging"], np.array([named.lag_s or 0.0]))
     both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
     for turned in ([*parts, *both], parts):
@@ -121,7 +105,7 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
             if named.lag_s is not None:
                 return Lag(float(fitted[-1][1][0]), standard_error(track, fitted))
             found = _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
-            return found if turned is not parts or len(parts) == len(BOTH) else replace(found, sure=False)
+            return found if turned is not parts else found._replace(sure=False)
     return Lag()
 
 
@@ -133,28 +117,16 @@ def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], peri
     if left > LOST:
         return Lag()
     clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
-    if clear and abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and _is_steady(track, fitted):
+    # each half of a run alone tells about the same lag; what drifts feign hardly does
+    halves = [track.part(half) for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
+    alone = (float(fit([half], fitted)[-1][1][0]) for half in halves)
+    clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi)
+    if clear and all(abs(of_half - lag_s) <= UNSTEADY * abs(lag_s) for of_half in alone):
         lead = -LEAD * period_s <= lag_s <= 0.0
         return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, LEAST_LATE * period_s) and not lead)
-    error = max(standard_error(track, without), FINEST_S)
+    error = max(standard_error(track, without), 1e-9)  # stamps are whole nanoseconds
     told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * turn <= max(before, NEGLIGIBLE)
     return Lag(lag_s, error) if told else Lag()
-
-
-def _is_steady(track: Track, fitted: Sequence[Part]) -> bool:
-    """Whether each half of a run alone tells about the same lag; what drifts feign hardly does."""
-    lag_s = fitted[-1][1][0]
-    halves = np.array_split(np.arange(len(track.stamps_ns)), 2)
-    alone = np.array([fit([track.part(half)], fitted)[-1][1][0] for half in halves])
-    return bool(np.all(np.abs(alone - lag_s) <= UNSTEADY * abs(lag_s)))
-
-
-def _derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
-    """Derivative by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
-    now = undone(track, parts)
-    truth, rate = now.truth.states(now.stamps_ns)
-    J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
-    return J, turns(truth, now.attitude_xyzw), truth
 
 
 def _separable(track: Track, parts: Sequence[Part]) -> bool:
@@ -162,7 +134,7 @@ def _separable(track: Track, parts: Sequence[Part]) -> bool:
 
     The variance of a lag that is fitted alone grows by a factor when others are fitted with it.
     """
-    J = _derivative(track, parts)[0]
+    J = derivative(track, parts)[0]
     normal = np.einsum("nia,nib->ab", J, J)
     alone = float(normal[-1, -1])
     shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
@@ -178,7 +150,7 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
     tell nothing: errors that are independent are counted as well. The largest value counts.
     """
-    J, error, truth = _derivative(track, parts)
+    J, error, truth = derivative(track, parts)
     weight = weights(sizes(error))[:, np.newaxis]
     normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
     G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
@@ -256,9 +228,9 @@ def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
             yield rates, (anchor - first) / 1e9 * (rates - 1.0)
 
 
-def _costs(track: Track, rates: Array, lags_s: Array) -> Array:
-    """Mean sine of half of the error by each clock; infinite where it leaves too few samples within the truth."""
-    few, truth = track.part(spread(len(track.stamps_ns), GRID_SAMPLES)), track.truth
+def _costs(track: Track, rates: Array, lags_s: Array, most: int = 60) -> Array:
+    """Mean sine of half of the error of some samples by each clock; infinite where too few are within the truth."""
+    few, truth = track.few(most), track.truth
     since = (few.stamps_ns - track.stamps_ns[0]) / 1e9
     found = []
     for part in np.array_split(np.arange(len(rates)), len(rates) // 500 + 1):
@@ -271,38 +243,38 @@ def _costs(track: Track, rates: Array, lags_s: Array) -> Array:
     return np.concatenate(found)
 
 
-def _lowest(costs: Array) -> list[int]:
-    """Numbers of the minima that are as low as a grid can tell, the lowest first."""
+def _lowest(costs: Array, most: int = 5) -> list[int]:
+    """Numbers of some minima that are as low as a grid can tell, the lowest first."""
     around = np.concatenate([[np.inf], costs, [np.inf]])
     minima = np.flatnonzero(np.isfinite(costs) & (costs <= around[:-2]) & (costs <= around[2:]))
     near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + 0.25 * GRID_TURN]
-    return [int(k) for k in near[np.argsort(costs[near])][:MOST_REFINED]]
+    return [int(k) for k in near[np.argsort(costs[near])][:most]]
 
 
-def _refined(track: Track, clock: Clock) -> list[tuple[Clock, Track]]:
-    """The clock fitted to the samples that it covers, and these; none where it explains little.
+def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, Track]]:
+    """The clock fitted to some of the samples that it covers, and these; none where it explains little.
 
     It must leave little in every quarter of the run but the first, beside the error by the stamps as they are and
     beside the turn of the body.
     """
+    is_lag = len(clock) == 1
     for _ in range(3):
-        covered = np.flatnonzero(track.truth.covers(undone(track, clock).stamps_ns))
-        if len(covered) < max(FEWEST, LEAST_COVERED[len(clock) == 1] * len(track.stamps_ns)):
+        covered = track.part(track.truth.covers(undone(track, clock).stamps_ns))
+        if len(covered.stamps_ns) < max(FEWEST, LEAST_COVERED[is_lag] * len(track.stamps_ns)):
             return []
-        few = track.part(covered[spread(len(covered), FIT_SAMPLES)])
+        few = covered.few(most)
         clock = fit([few], clock, steps=4)
-    if len(clock) > 1 and abs(rate_of(clock) - 1.0) < LEAST_OFF:
-        return []
     moved, own = undone(few, clock).known(), few.known()
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
-    most = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
-    if np.any(quarters(moved) > np.maximum(most, np.sin(0.5 * NEGLIGIBLE) ** 2)):
+    allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
+    is_of_rate_1 = not is_lag and abs(rate_of(clock) - 1.0) < LEAST_OFF
+    if is_of_rate_1 or np.any(quarters(moved) > np.maximum(allowed, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return []
-    if spins(rate, EVEN_SPIN if len(clock) == 1 else SPIN):
+    if spins(rate, EVEN_SPIN if is_lag else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         times = max(rate_of(clock), 1.0 / rate_of(clock))
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
-        if not (near if len(clock) == 1 else times > FAR and span > MOSTLY_SPANNED * whole):
+        if not (near if is_lag else times > FAR and span > MOSTLY_SPANNED * whole):
             return []
     return [(clock, undone(track, clock).known())]

@@ -8,16 +8,16 @@ X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigatio
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import real_numbers
-from lie_rigid_body.evaluation.attitude_error import body_error, numbers, pairs, world_error
+from lie_rigid_body.evaluation.arguments import numbers, real_numbers
+from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
 from lie_rigid_body.wording import short_repr, shown
 
 AXES: Final = {"world": "body", "body": "world"}
@@ -108,9 +108,8 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
         If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
         large beside it that the NEES overflows. Also if the probability is not between 0 and 1.
     """
-    from scipy.stats import chi2  # loading it takes longer than all the rest of the package
-
-    _require_probability(probability)
+    if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
+        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
     e = real_numbers("errors", errors, "(N, d)")
     if e.ndim != 2:
         raise InputError(f"errors: shape {e.shape} is not (N, d): give a row for each error")
@@ -121,13 +120,13 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
             f"covariance: shape {P.shape} is not ({d}, {d}) or ({len(e)}, {d}, {d}): give one, or one an error"
         )
     with np.errstate(over="ignore"):
-        values = np.sum(np.linalg.solve(_factor(P), e[..., np.newaxis])[..., 0] ** 2, axis=-1)
+        values, _ = nees_and_logarithm(e, P)
         mean = float(np.mean(values))
     if not np.isfinite(mean):
         raise InputError(f"errors: up to {np.abs(e).max():.3g}: the NEES overflows: give them in the covariance's unit")
     tail, samples = 0.5 * (1.0 - probability), np.array([1, len(e)])
-    low, mean_low = (chi2.ppf(tail, d * samples) / samples).tolist()
-    high, mean_high = (chi2.isf(tail, d * samples) / samples).tolist()
+    low, mean_low = (scipy.stats.chi2.ppf(tail, d * samples) / samples).tolist()
+    high, mean_high = (scipy.stats.chi2.isf(tail, d * samples) / samples).tolist()
     inside = float(np.mean((values >= low) & (values <= high)))
     return Consistency(values, d, mean, (mean_low, mean_high), (low, high), inside, probability)
 
@@ -164,14 +163,13 @@ def attitude_nees(
         `axes` is neither of the two.
     """
     require_axes(axes)
-    errors = {"world": world_error, "body": body_error}
     estimate, truth = pairs(estimate_xyzw, truth_xyzw)
     P, other = rotation_block(covariance), AXES[axes]
-    found = nees(errors[axes](estimate, truth), P, probability)
+    found = nees(error_vectors(estimate, truth, axes), P, probability)
     off = abs(np.log(found.mean / found.dimension)) if found.mean > 0.0 else 0.0
     if found.verdict == "consistent" or off < TELLING:
         return found
-    mean = nees(errors[other](estimate, truth), P, probability).mean
+    mean = nees(error_vectors(estimate, truth, other), P, probability).mean
     if abs(np.log(mean / found.dimension)) > BETTER * off:
         return found
     told = f"about the {other}'s axes it would be {mean:.4g}"
@@ -189,31 +187,21 @@ def require_axes(axes: str) -> None:
         raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
 
 
-def _require_probability(probability: object) -> None:
-    if not isinstance(probability, Real) or probability <= 0.0 or not probability < 1.0:
-        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
-
-
-def covariance_fault(covariance: Array) -> str:
+def covariance_fault(covariance: Array) -> str | None:
     """Reason why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
 
-    Those that are all unknown, −1 or all 0, have no fault: they are not given.
+    None of those that are all unknown, −1 or all 0: they are not given.
     """
     unknown = (covariance[:, 0, 0] == -1.0) | ~covariance.any(axis=(-2, -1))
     if unknown.all():
-        return ""
+        return None
     if unknown.any():
         return f"{np.count_nonzero(unknown)} of {len(unknown)} covariances are unknown, -1 or all 0: give all or none"
     try:
-        _factor(numbers("covariance", covariance, 3, 3))
+        factor_of(numbers("covariance", covariance, 3, 3))
     except InputError as error:
         return str(error)
     return ""
-
-
-def is_given(covariance: Array) -> bool:
-    """Whether a covariance of shape (N, 3, 3) is given and usable at all samples."""
-    return not covariance_fault(covariance) and bool(np.any(covariance[:, 0, 0] != -1.0) and covariance.any())
 
 
 def rotation_block(covariance: ArrayLike) -> Array:
@@ -226,8 +214,21 @@ def rotation_block(covariance: ArrayLike) -> Array:
     return P
 
 
-def _factor(P: Array) -> Array:
-    """Lower Cholesky factor of the symmetric part, on axes scaled to unit variance to lose no digits."""
+def nees_and_logarithm(errors: Array, covariance: Array) -> tuple[Array, Array]:
+    """NEES of errors, shape (..., d), and half of the logarithms of the determinants of covariances (..., d, d)."""
+    factor = factor_of(covariance)
+    values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    return values, np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
+
+
+def factor_of(P: Array) -> Array:
+    """Lower Cholesky factor of covariances, by their symmetric part, on axes scaled to unit variance to lose no digits.
+
+    Raises
+    ------
+    InputError
+        If one is not symmetric and positive definite.
+    """
     variances = np.diagonal(P, axis1=-2, axis2=-1)
     if not np.all(variances >= SMALLEST_VARIANCE):
         least = f"{SMALLEST_VARIANCE:g} at least"
@@ -237,9 +238,8 @@ def _factor(P: Array) -> Array:
         scaled = P / scale[..., :, np.newaxis] / scale[..., np.newaxis, :]
         transposed = np.swapaxes(scaled, -1, -2)
         # beside the variances: what is round-off of R P Rᵀ may be all that there is of a correlation
-        symmetric = np.abs(scaled - transposed) <= ASYMMETRY
-    if not np.all(symmetric):
-        raise InputError("covariance: not symmetric: give one that has an inverse")
+        if not np.all(np.abs(scaled - transposed) <= ASYMMETRY):
+            raise InputError("covariance: not symmetric: give one that has an inverse")
     try:
         factor = np.linalg.cholesky(0.5 * scaled + 0.5 * transposed)
     except np.linalg.LinAlgError:

@@ -13,21 +13,16 @@ may have such a lead at no price, and it is no cause.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from itertools import permutations
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.evaluation.attitude_error import angles
-from lie_rigid_body.evaluation.attitudes import sizes
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, heading, products, vector
-from lie_rigid_body.evaluation.estimate import period_ns
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
 
 SHARE: Final = 1.0 / 3.0
 """Largest share of what is left without it that a named cause may leave, root mean square in a quarter."""
@@ -37,10 +32,11 @@ SPIN: Final = 0.9
 """Squared length of the mean axis of rotation above which a body turns about one axis."""
 LEAST_LATE: Final = 0.5
 """Least lag, in samples, that is named where other errors are as large."""
-PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25}
-"""Prices of causes with constants, in halved errors; of one without a constant it is 1."""
-FAR: Final = 1.0
-"""Further price of a lag by which the body turns by more than half a turn: there are many."""
+PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
+"""Prices of causes with constants, in halved errors; of one without a constant it is 1.
+
+Far is a lag by which the body turns by more than half a turn: there are many, so this is a further price.
+"""
 TIE: Final = 1.25
 """Ratio of two errors up to which their explanations are as good."""
 NEGLIGIBLE: Final = float(np.radians(1e-3))
@@ -73,6 +69,12 @@ SCANNED: Final = 100
 """Largest number of samples by which lags are compared at first."""
 MOST_BOTH: Final = 6
 """Number of forms with which a heading and a mounting are fitted together, the best with one of them."""
+OF_SENSORS: Final = float(np.radians(1.0))
+"""Error that sensors make, rad; it is nearer to a constant turn than to a lag."""
+LAG_TIE: Final = 3.0
+"""Ratio of two errors up to which a lag is told as an alternative to a cause of such a small error."""
+FULL: Final = 0.999
+"""Share of the longest lag from which on a lag is at the limit of the search."""
 REFINED: Final = 8
 """Number of lags, the best of all explanations, that are refined."""
 HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
@@ -86,32 +88,14 @@ LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
 """Turns that are tried beside a lag."""
 
 
-@dataclass(frozen=True, eq=False)
-class Form:
-    """A chain of causes without constants: their codes in the order of undoing, and the matrix that undoes them."""
-
-    codes: tuple[str, ...]
-    matrix: Array
-    frd_body: bool = False
-
-    @property
-    def parts(self) -> list[Part]:
-        """The causes with what they take for constants."""
-        return [(BY_CODE[code], np.array([float(self.frd_body and code == "ned_world")])) for code in self.codes]
-
-
-def _forms() -> Iterator[Form]:
-    written = [order for count in range(3) for order in permutations(("scalar_first", "inverted"), count)]
-    for order in written:
-        matrix = np.eye(4)
-        for code in order:
-            matrix = BY_CODE[code].maps[0][0] @ matrix
-        yield Form(order, matrix)
-        for frd_body, maps in enumerate(BY_CODE["ned_world"].maps):
-            yield Form((*order, "ned_world"), maps[0] @ matrix, bool(frd_body))
-
-
-FORMS: Final = tuple(_forms())
+Form = tuple[tuple[str, int], ...]
+"""A chain of causes without constants in the order of undoing, each with the number of its map."""
+_SHIFTED, _INVERTED = ("scalar_first", 0), ("inverted", 0)
+FORMS: Final[tuple[Form, ...]] = tuple(
+    (*written, *world)
+    for written in ((), (_SHIFTED,), (_INVERTED,), (_SHIFTED, _INVERTED), (_INVERTED, _SHIFTED))
+    for world in ((), (("ned_world", 0),), (("ned_world", 1),))
+)
 """Every chain; the first has no cause."""
 
 
@@ -141,12 +125,10 @@ class Explanation:
     lag_s: float | None = None
     far: bool = False
 
-    __repr__ = short_repr
-
     @property
     def causes(self) -> tuple[str, ...]:
         """Names of the causes in the order in which they are undone."""
-        return (*self.form.codes, *self.turned, *(() if self.lag_s is None else ("lag",)))
+        return (*(code for code, _ in self.form), *self.turned, *(() if self.lag_s is None else ("lag",)))
 
     @property
     def error(self) -> float:
@@ -156,7 +138,7 @@ class Explanation:
     @property
     def explains(self) -> bool:
         """Whether so little is left that the causes are what is wrong: many constants fit anything to some degrees."""
-        constants = len(self.causes) - len(self.form.codes)
+        constants = len(self.causes) - len(self.form)
         if {"world_turned", "body_mounting"} & {*self.turned}:
             return self.error <= LEFT_BY_THREE / constants
         return self.error <= LARGEST_LEFT / (len(self.causes) if constants else 1)
@@ -164,9 +146,9 @@ class Explanation:
     @property
     def cost(self) -> float:
         """What the choice makes least."""
-        simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + FAR * self.far
+        simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + PRICES["far"] * self.far
         # of two that do the same by nature: without other axes of the body, and with the smaller mounting
-        simple += 0.02 * self.form.frd_body
+        simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:
             simple += 0.04 * float(np.linalg.norm(vector(self.numbers[-4:]))) / np.pi
         return float(np.mean(0.5 * np.log2(_counted(self.left)))) + simple
@@ -174,22 +156,18 @@ class Explanation:
     @property
     def parts(self) -> list[Part]:
         """The causes of the table with their constants, as fitted so far."""
-        turns = {"heading_offset": self.numbers[:2], "body_mounting": self.numbers[-4:], "world_turned": self.numbers}
-        found = self.form.parts
-        for code in self.turned:
-            found.append((BY_CODE[code], (heading if code == "heading_offset" else vector)(turns[code])))
-        if self.lag_s is not None:
-            found.append((BY_CODE["lagging" if self.lag_s > 0.0 else "leading"], np.array([self.lag_s])))
-        return found
+        forms = [(BY_CODE[code], np.array([float(number)])) for code, number in self.form]
+        turns = [
+            (BY_CODE[code], heading(self.numbers[:2]) if code == "heading_offset" else vector(self.numbers[-4:]))
+            for code in self.turned
+        ]
+        if self.lag_s is None:
+            return [*forms, *turns]
+        return [*forms, *turns, (BY_CODE["lagging" if self.lag_s > 0.0 else "leading"], np.array([self.lag_s]))]
 
 
 def _counted(left: Array) -> Array:
     return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
-
-
-def spread(count: int, most: int) -> Integers:
-    """Indices of at most so many samples, evenly spread over all."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
 def quarters(track: Track) -> Array:
@@ -209,12 +187,21 @@ def spins(rate: Array, least: float = SPIN) -> bool:
 
 
 @cache
-def _base(turned: Turned) -> Array:
-    """Base of the repairs of each form followed by turns, shape (forms, d, 16)."""
+def matrix(form: Form) -> Array:
+    """Matrix that undoes a chain of causes, shape (4, 4)."""
+    undoing = np.eye(4)
+    for code, number in form:
+        undoing = BY_CODE[code].maps[number][0] @ undoing
+    return undoing
+
+
+@cache
+def _base(form: Form, turned: Turned) -> Array:
+    """Base of the repairs of a form followed by turns, shape (d, 16)."""
     maps = np.eye(4)[np.newaxis]
     for code in turned:
         maps = (maps[:, np.newaxis] @ BY_CODE[code].maps[0]).reshape(-1, 4, 4)
-    return np.stack([(maps @ form.matrix).reshape(-1, 16) for form in FORMS])
+    return (maps @ matrix(form)).reshape(-1, 16)
 
 
 def _best(forms: Array) -> Array:
@@ -238,100 +225,106 @@ def _value(numbers: Array, forms: Array) -> Array:
     return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
 
 
+class Choice(NamedTuple):
+    """What is named.
+
+    Attributes
+    ----------
+    named : Explanation
+        Without a cause where none is sure.
+    of_sensors : bool
+        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+    at_limit : bool
+        Whether a lag at the limit of the search leaves least: the true one may be longer.
+    """
+
+    named: Explanation
+    of_sensors: bool = False
+    at_limit: bool = False
+
+
 class Evidence:
     """An estimate beside the truth, as sums of which every explanation is judged.
 
     Parameters
     ----------
     track : Track
-        Samples that have a truth whatever the lag is.
+        Samples whose true time, moved by the longest lag either way, is within the truth's times.
     longest_lag_s : float
+    left_by_sensors : float
+        Largest constant turn that the sensors' own errors leave to a right filter, rad.
     """
 
-    def __init__(self, track: Track, longest_lag_s: float) -> None:
-        self.track = track.part(spread(len(track.stamps_ns), SAMPLES))
-        self.period_s = period_ns(track.stamps_ns) / 1e9
-        self.longest_lag_s = longest_lag_s
-        self._known: dict[tuple[int, Turned, bool], Explanation] = {}
+    def __init__(self, track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
+        self.track, self.period_s = track.few(SAMPLES), period_ns(track.stamps_ns) / 1e9
+        self.longest_lag_s, self.left_by_sensors = longest_lag_s, left_by_sensors
         truth, rate = self.track.truth.states(self.track.stamps_ns)
         self.fastest = float(sizes(rate).max())
         self.still, self.spins = still(truth), spins(rate)
-        self.floor = FLOOR * self.fastest * self.period_s
+        # at the leads of a right filter: none, half a sample and one
+        self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
+        half = min(max(int(np.ceil(longest_lag_s * self.fastest / LAG_TURN)), 1), MOST_LAGS // 2)
+        self._lags = np.linspace(-longest_lag_s, longest_lag_s, 2 * half + 1)
+        # what a lag between two of these may leave less
+        self._slack = float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
+        self._known: dict[tuple[Form, Turned, bool], Explanation] = {}
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
         """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
-        few = self.track.part(spread(len(self.track.stamps_ns), most))
+        few = self.track.few(most)
         P = products(few, few.stamps_ns - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis])
-        quarters = np.array_split(np.arange(len(few.stamps_ns)), 4)[1:]
-        return np.stack([np.swapaxes(P[:, q], 1, 2) @ P[:, q] / len(q) for q in quarters], axis=1)
+        return np.stack([np.swapaxes(q, 1, 2) @ q / q.shape[1] for q in np.array_split(P, 4, axis=1)[1:]], axis=1)
 
-    @cached_property
-    def _ahead(self) -> Array:
-        """The sums at the leads of a right filter: none, half a sample and one."""
-        leads = np.array([0.0, -0.5, -1.0]) * min(self.period_s, self.longest_lag_s)
-        return self.sums(leads)
-
-    def judged(self, turned: Turned, T: Array, number: int) -> tuple[Array, Array]:
+    def judged(self, form: Form, turned: Turned, T: Array) -> tuple[Array, Array]:
         """What a form with turns leaves in each quarter, (..., 3), and its numbers, from T of (..., 3, 16, 16)."""
-        base = _base(turned)[number]
+        base = _base(form, turned)
         G = base @ T @ base.T
         whole = G.sum(axis=-3)
         others = whole[..., np.newaxis, :, :] - G
         if turned == BOTH:
-            starts = _best_of_both(np.broadcast_to(whole.reshape(-1, 8, 8)[0], (6, 8, 8)), HEADINGS)
-            first = starts[np.argmax(_value(starts, whole.reshape(-1, 8, 8)[0])), :2]
-            numbers = _best_of_both(whole, np.broadcast_to(first, (*whole.shape[:-2], 2)))
-            crossed = _best_of_both(others, np.broadcast_to(first, (*others.shape[:-2], 2)))
+            first = whole.reshape(-1, 8, 8)[0]
+            starts = _best_of_both(np.broadcast_to(first, (6, 8, 8)), HEADINGS)
+            best = starts[np.argmax(_value(starts, first)), :2]
+            numbers, crossed = (
+                _best_of_both(sums, np.broadcast_to(best, (*sums.shape[:-2], 2))) for sums in (whole, others)
+            )
         else:
             numbers, crossed = _best(whole), _best(others)
         return 1.0 - _value(crossed, G), numbers
 
-    def get(self, number: int, turned: Turned, *, late: bool = False) -> Explanation:
+    def get(self, form: Form = (), turned: Turned = (), *, late: bool = False) -> Explanation:
         """The explanation of a form with turns, with a lag or without."""
-        key = number, turned, late
-        if key not in self._known and late:
-            self._known[key] = self._refined(number, turned)
-        elif key not in self._known:
-            left, numbers = self.judged(turned, self._ahead, number)
-            lead = int(np.argmin(left.mean(axis=1)))
-            self._known[key] = Explanation(FORMS[number], turned, left[lead], numbers[0])
+        key = form, turned, late
+        if key not in self._known:
+            self._known[key] = self._with_lag(form, turned) if late else self._without_lag(form, turned)
         return self._known[key]
 
-    @cached_property
-    def _lags(self) -> Array:
-        """Lags that are tried at first, s."""
-        half = min(max(int(np.ceil(self.longest_lag_s * self.fastest / LAG_TURN)), 1), MOST_LAGS // 2)
-        return np.linspace(-self.longest_lag_s, self.longest_lag_s, 2 * half + 1)
+    def _without_lag(self, form: Form, turned: Turned) -> Explanation:
+        left, numbers = self.judged(form, turned, self._ahead)
+        return Explanation(form, turned, left[np.argmin(left.mean(axis=1))], numbers[0])
 
     @cached_property
-    def _slack(self) -> float:
-        """What a lag between two of these may leave less."""
-        return float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
+    def _scanned(self) -> dict[tuple[Form, Turned], Array]:
+        """What each form, with each of the turns that are tried beside a lag, leaves at the lags that are tried."""
+        T = self.sums(self._lags, SCANNED).mean(axis=1)
+        bases = {(form, turned): _base(form, turned) for turned in LATE for form in FORMS}
+        return {key: 1.0 - np.linalg.eigvalsh(base @ T @ base.T)[..., -1] for key, base in bases.items()}
 
-    @cached_property
-    def _scanned(self) -> dict[Turned, Array]:
-        """What each form leaves at these lags, (forms, L), with each of the turns that are tried beside a lag."""
-        T, found = self.sums(self._lags, SCANNED).mean(axis=1), {}
-        for turned in LATE:
-            base = _base(turned)[:, np.newaxis]
-            found[turned] = 1.0 - np.linalg.eigvalsh(base @ T @ np.swapaxes(base, -1, -2))[..., -1]
-        return found
-
-    def _refined(self, number: int, turned: Turned) -> Explanation:
+    def _with_lag(self, form: Form, turned: Turned) -> Explanation:
         """The explanation with the nearest of the lags that leave about the least."""
-        lags, cost = self._lags, self._scanned[turned][number]
+        lags, cost = self._lags, self._scanned[form, turned]
         around = np.concatenate([[np.inf], cost, [np.inf]])
         lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
         by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
-        lowest = np.union1d(by_cost, by_size)
-        found = [self._at_lag(number, turned, float(lags[k]), float(lags[1] - lags[0])) for k in lowest]
+        step = float(lags[1] - lags[0])
+        found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(by_cost, by_size)]
         least = min(_counted(e.left).mean() for e in found)
         as_good = [e for e in found if _counted(e.left).mean() <= TIE**2 * least]
         return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
 
-    def _at_lag(self, number: int, turned: Turned, lag_s: float, step: float) -> Explanation:
+    def _at_lag(self, form: Form, turned: Turned, lag_s: float, step: float) -> Explanation:
         """The explanation with the best lag near one: vertices of parabolas through three, ever nearer ones."""
-        base = _base(turned)[number]
+        base = _base(form, turned)
         for _ in range(4):
             three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
             G = base @ self.sums(three) @ base.T
@@ -341,33 +334,103 @@ class Evidence:
         others = 2.0 - np.linalg.eigvalsh(whole[:, np.newaxis] - G)[..., -1]
         crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
         T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
-        left, numbers = self.judged(turned, T, number)
+        left, numbers = self.judged(form, turned, T)
         far = abs(lag_s) * self.fastest > np.pi
-        return Explanation(FORMS[number], turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far)
+        return Explanation(form, turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far)
 
-    def explanations(self) -> list[Explanation]:
+    @cached_property
+    def tried(self) -> list[Explanation]:
         """Those that may be the best, the cheapest first."""
-        found = [self.get(number, turned) for turned in TURNED for number in range(len(FORMS))]
-        found.sort(key=lambda e: e.cost)
-        turnable = dict.fromkeys(FORMS.index(e.form) for e in found if e.turned in LATE[1:])
-        found += [self.get(number, BOTH) for number in list(turnable)[:MOST_BOTH]]
-        lowest, promising = min(e.cost for e in found), []
-        for turned, costs in self._scanned.items():
-            for number, least in enumerate(costs.min(axis=1) - self._slack):
-                trial = Explanation(FORMS[number], turned, np.array([least]), np.zeros(0), 0.0)
-                if trial.cost < lowest:
-                    promising.append((trial.cost, number, turned))
-        found += [self.get(number, turned, late=True) for _, number, turned in sorted(promising)[:REFINED]]
+        found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
+        turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
+        found += [self.get(form, BOTH) for form in list(turnable)[:MOST_BOTH]]
+        lowest = min(e.cost for e in found)
+        trials = [
+            Explanation(form, turned, np.array([costs.min() - self._slack]), np.zeros(0), 0.0)
+            for (form, turned), costs in self._scanned.items()
+        ]
+        promising = sorted((e for e in trials if e.cost < lowest), key=lambda e: e.cost)[:REFINED]
+        found += [self.get(e.form, e.turned, late=True) for e in promising]
         return sorted(found, key=lambda e: e.cost)
+
+    def choice(self) -> Choice:
+        """Choose the causes of the errors by the one rule."""
+        plain, of_sensors, allowed = self.get(), False, {*BY_CODE, "lag"}
+        for e in self.tried[: self.tried.index(plain)]:
+            if not allowed.issuperset(e.causes):
+                continue
+            if e.lag_s is not None and abs(e.lag_s) > FULL * self.longest_lag_s:
+                return Choice(plain, of_sensors, at_limit=True)
+            if self.is_needed(e):
+                if not self.is_small(e):
+                    return Choice(e, of_sensors)
+                allowed = {*e.causes}  # what is left without the small turn is of its other causes
+                of_sensors = self.left_by_sensors > 0.0
+        return Choice(plain, of_sensors)
 
     def without(self, explanation: Explanation, cause: str) -> Explanation:
         """The explanation without one of its causes."""
-        form, late = explanation.form, explanation.lag_s is not None and cause != "lag"
-        codes = tuple(code for code in form.codes if code != cause)
-        frd_body = form.frd_body and "ned_world" in codes
-        number = next(n for n, other in enumerate(FORMS) if (other.codes, other.frd_body) == (codes, frd_body))
+        form = tuple(part for part in explanation.form if part[0] != cause)
         turned = tuple(code for code in explanation.turned if code != cause)
-        return self.get(number, turned, late=late)
+        return self.get(form, turned, late=explanation.lag_s is not None and cause != "lag")
+
+    def is_needed(self, explanation: Explanation) -> bool:
+        """Whether an explanation leaves little beside the turn of the body, and needs each cause in each quarter."""
+        left, lag_s = _counted(explanation.left), explanation.lag_s
+        unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
+        if left.mean() > max(unlike**2 * self.still, _counted(np.zeros(1))[0]) or not explanation.explains:
+            return False
+        is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
+        if is_lead or (explanation.far and left.max() > UNEVEN**2 * left.min()):
+            return False
+        if "world_turned" in explanation.turned:
+            tilt = angles(quaternion.exp(vector(explanation.numbers))).inclination
+            if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
+                return False
+        shares = dict.fromkeys(explanation.causes, SHARE)
+        if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
+            shares["lag"] = LAG_SHARE
+        return all(
+            np.all(left <= share**2 * _counted(self.without(explanation, cause).left))
+            for cause, share in shares.items()
+        )
+
+    def is_small(self, explanation: Explanation) -> bool:
+        """Whether one of the turns is no larger than what sensors leave, or that in a lag that leaves some error."""
+        turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
+        if min(turns_rad, default=np.inf) <= max(self.left_by_sensors, FLOOR * self.fastest * self.period_s):
+            return True
+        if explanation.lag_s is None or explanation.error <= FOLLOWING * self.without(explanation, "lag").error:
+            return False
+        return abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
+
+    def follows(self) -> bool:
+        """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""
+        most = FOLLOWING * self.get().error
+        return any(e.error <= most and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
+
+    def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
+        """What is named with a lag beside it, if that is about the same without other turns."""
+        if named.lag_s is not None or named.turned not in LATE or self.spins:
+            return named
+        late = self.get(named.form, named.turned, late=True)
+        same = late.lag_s is not None and abs(late.lag_s - lag_s) <= 0.25 * abs(lag_s)
+        return replace(late, lag_s=lag_s) if same and not self.is_small(late) else named
+
+    def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
+        """Causes that, in the place of one that is named, leave about as much."""
+        rest, without, left = {*named.causes} - {cause}, self.without(named, cause), max(named.error, NEGLIGIBLE)
+        others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
+        found: dict[str, None] = {}
+        for other in others:
+            new = {*other.causes} - rest
+            if len(new) != 1 or cause in new or len(other.causes) != len(rest) + 1:
+                continue
+            small = "lag" in new and without.error < OF_SENSORS
+            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
+            if max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
+                found |= dict.fromkeys(new)
+        return tuple(found)
 
 
 def _vertex(three: Array) -> float:
@@ -375,35 +438,3 @@ def _vertex(three: Array) -> float:
     a, b, c = three.tolist()
     bend = a - 2.0 * b + c
     return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0
-
-
-def is_needed(evidence: Evidence, explanation: Explanation) -> bool:
-    """Whether an explanation leaves little beside the turn of the body, and each cause is needed in each quarter."""
-    left = _counted(explanation.left)
-    unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
-    if left.mean() > max(unlike**2 * evidence.still, _counted(np.zeros(1))[0]) or not explanation.explains:
-        return False
-    if explanation.lag_s is not None and -LEAD * evidence.period_s <= explanation.lag_s <= 0.0:
-        return False
-    if "world_turned" in explanation.turned:
-        tilt = angles(quaternion.exp(vector(explanation.numbers))).inclination
-        if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
-            return False
-    if explanation.far and left.max() > UNEVEN**2 * left.min():
-        return False
-    for cause in explanation.causes:
-        is_lag = cause == "lag" and abs(explanation.lag_s or 0.0) >= LEAST_LATE * evidence.period_s
-        share = LAG_SHARE if is_lag and not evidence.spins else SHARE
-        if np.any(left > share**2 * _counted(evidence.without(explanation, cause).left)):
-            return False
-    return True
-
-
-def is_small(evidence: Evidence, explanation: Explanation, left_by_sensors: float) -> bool:
-    """Whether one of the turns is no larger than what the sensors leave, or that in a lag that leaves some error."""
-    turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
-    if min(turns_rad, default=np.inf) <= max(left_by_sensors, evidence.floor):
-        return True
-    if explanation.lag_s is None or explanation.error <= FOLLOWING * evidence.without(explanation, "lag").error:
-        return False
-    return abs(explanation.lag_s) * evidence.fastest <= left_by_sensors

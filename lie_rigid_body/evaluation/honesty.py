@@ -16,10 +16,12 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.consistency import require_axes
+from lie_rigid_body.evaluation.consistency import nees_and_logarithm, require_axes
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import short_repr
 
 LEVEL: Final = 0.05
@@ -31,12 +33,8 @@ FEWEST_RUNS: Final = 10
 COVERAGES: Final = (0.68, 0.95, 0.997)
 _RESAMPLED: Final = 2000
 """Number of resamplings of the runs."""
-_BLOCK: Final = 100
-"""Number of resamplings that are computed at once."""
 _SMALLEST: Final = 1e-100
 """Least NEES, of which the logarithm is taken."""
-_NEWTON: Final = 30
-"""Largest number of Newton's steps for the shape of a gamma distribution; six are enough from its start."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +52,6 @@ class Interval:
     begin_s: float
     end_s: float
     verdict: str
-
-    @property
-    def when(self) -> str:
-        """The time in words."""
-        if self.begin_s == self.end_s:
-            return f"at {self.begin_s:.4g} s"
-        return f"from {self.begin_s:.4g} s to {self.end_s:.4g} s"
 
 
 @dataclass(frozen=True)
@@ -111,7 +102,12 @@ class Honesty:
     def message(self) -> str:
         """The verdict in one sentence."""
         said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
-        times = "; ".join(f"{i.verdict} {i.when}" for i in self.outside)
+        times = "; ".join(
+            f"{i.verdict} at {i.begin_s:.4g} s"
+            if i.begin_s == i.end_s
+            else f"{i.verdict} from {i.begin_s:.4g} s to {i.end_s:.4g} s"
+            for i in self.outside
+        )
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
@@ -163,13 +159,11 @@ def honesty(
     means = values.mean(axis=1)
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
-    verdict, outside = _of_mean(means, dimension), _outside(t_s, values, dimension, seed)
-    if verdict == "honest" and outside:
-        verdict = "changing"
+    verdict, outside = _verdict(t_s, values, dimension, seed)
     cause = ""
     if verdict != "honest":
-        turned = None if attitude_xyzw is None else _rotations(attitude_xyzw)
-        cause = _cause(t_s, errors, covariance, scores, _repairs(turned, axes, factor), seed)
+        repairs = _repairs(attitude_xyzw, axes, factor)
+        cause = _cause(t_s, errors, covariance, scores, repairs, seed)
     return Honesty(
         runs,
         dimension,
@@ -177,7 +171,7 @@ def honesty(
         (low, high),
         verdict,
         outside,
-        _coverage(values, dimension),
+        {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
         cause,
         factor,
         (low / dimension, high / dimension),
@@ -186,36 +180,22 @@ def honesty(
 
 def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
     """NEES of every sample, shape (R, T), and minus the mean logarithm of the likelihood of each run, shape (R,)."""
-    try:
-        factor = np.linalg.cholesky(covariance)
-    except np.linalg.LinAlgError:
-        raise InputError("covariance: not positive definite: give one that has an inverse") from None
-    values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    values, logarithm = nees_and_logarithm(errors, covariance)
     values = np.maximum(values, _SMALLEST)
-    logarithm = np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
     return values, (0.5 * values + logarithm).mean(axis=1)
 
 
-def _shape(excess: float) -> float:
-    """Shape k of a gamma distribution with ln k − ψ(k) = excess, by Newton's method from Minka's start."""
-    from scipy.special import polygamma, psi
-
-    k = (3.0 - excess + np.sqrt((excess - 3.0) ** 2 + 24.0 * excess)) / (12.0 * excess)
-    for _ in range(_NEWTON):
-        step = (np.log(k) - psi(k) - excess) / (1.0 / k - polygamma(1, k))
-        k = max(k - step, 0.1 * k)
-        if abs(step) < 1e-10 * k:
-            break
-    return float(k)
-
-
 def _likelihood(values: Array, mean: float) -> float:
-    """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes."""
-    from scipy.special import gammaln
-
+    """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes k: ln k − ψ(k) = excess."""
     logarithm, ratio = float(np.log(values).mean()), float(values.mean()) / mean
-    k = _shape(max(np.log(mean) - logarithm + ratio - 1.0, 1e-12))
-    return 2.0 * len(values) * float(k * np.log(k / mean) - gammaln(k) + (k - 1.0) * logarithm - k * ratio)
+    excess = max(np.log(mean) - logarithm + ratio - 1.0, 1e-12)
+    # 1 / 2k < ln k − ψ(k) < 1 / k
+    k = scipy.optimize.brentq(
+        lambda shape: np.log(shape) - scipy.special.psi(shape) - excess, 0.4 / excess, 1.1 / excess
+    )
+    return (
+        2.0 * len(values) * float(k * np.log(k / mean) - scipy.special.gammaln(k) + (k - 1.0) * logarithm - k * ratio)
+    )
 
 
 def mean_bounds(values: Array, level: float) -> tuple[float, float]:
@@ -228,72 +208,54 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     level : float
         Probability that the mean lies outside.
     """
-    from scipy.optimize import brentq
-    from scipy.stats import f
-
-    mean, most = float(values.mean()), float(f.isf(level, 1, len(values) - 1))
+    mean, most = float(values.mean()), float(scipy.stats.f.isf(level, 1, len(values) - 1))
     best = _likelihood(values, mean)
 
     def excess(factor: float) -> float:
         return best - _likelihood(values, mean * factor) - most
 
-    return mean * float(brentq(excess, 1e-9, 1.0)), mean * float(brentq(excess, 1.0, 1e9))
+    return mean * float(scipy.optimize.brentq(excess, 1e-9, 1.0)), mean * float(scipy.optimize.brentq(excess, 1.0, 1e9))
 
 
-def _of_mean(means: Array, dimension: int) -> str:
-    low, high = mean_bounds(means, _HALF)
-    return "overconfident" if low > dimension else "conservative" if high < dimension else "honest"
+def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:
+    """Verdict by the mean of all runs and times and, where that is right, by times that are outside of the band."""
+    (low, high), outside = mean_bounds(values.mean(axis=1), _HALF), _outside(t_s, values, dimension, seed)
+    if low <= dimension <= high:
+        return ("changing" if outside else "honest"), outside
+    return ("overconfident" if low > dimension else "conservative"), outside
 
 
 def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Interval, ...]:
     """Times in which the mean over runs is outside of its band, neighbours joined."""
     runs, draws = len(values), np.random.default_rng(seed)
     mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(runs)
-    lowest, highest = [], []
-    for _ in range(_RESAMPLED // _BLOCK):
-        # each resampling counts how often every run is drawn
-        weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=_BLOCK) / runs
-        resampled = weights @ values
-        variance = (weights @ values**2 - resampled**2) * runs / (runs - 1)
-        deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
-        lowest.append(deviation.min(axis=1))
-        highest.append(deviation.max(axis=1))
-    least, most = (
-        np.quantile(np.concatenate(lowest), _HALF / 2.0),
-        np.quantile(np.concatenate(highest), 1.0 - _HALF / 2),
-    )
+    # each resampling counts how often every run is drawn
+    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=_RESAMPLED) / runs
+    resampled = weights @ values
+    variance = (weights @ values**2 - resampled**2) * runs / (runs - 1)
+    deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
+    least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
-    found = []
-    for part in np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1):
-        if sides[part[0]]:
-            side = "overconfident" if sides[part[0]] > 0 else "conservative"
-            found.append(Interval(float(t_s[part[0]]), float(t_s[part[-1]]), side))
-    return tuple(found)
+    parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
+    outside = [
+        (t_s[part], "overconfident" if sides[part[0]] > 0 else "conservative") for part in parts if sides[part[0]]
+    ]
+    return tuple(Interval(float(times[0]), float(times[-1]), verdict) for times, verdict in outside)
 
 
-def _coverage(values: Array, dimension: int) -> dict[float, float]:
-    from scipy.stats import chi2
-
-    return {share: float(np.mean(values <= chi2.ppf(share, dimension))) for share in COVERAGES}
-
-
-def _rotations(attitude_xyzw: Array) -> Array:
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_quat(attitude_xyzw.reshape(-1, 4)).as_matrix().reshape(*attitude_xyzw.shape[:-1], 3, 3)
-
-
-def _repairs(turned: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
+def _repairs(attitude_xyzw: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
     """Repaired covariances by causes, those without a constant first."""
-    found: dict[str, Callable[[Array], Array]] = {
+    found: dict[str, Callable[[Array], Array]] = {}
+    if attitude_xyzw is not None:
+        R = quaternion.to_matrix(attitude_xyzw if axes == "world" else quaternion.conjugate(attitude_xyzw))
+        found["axes"] = lambda P: R @ P @ np.swapaxes(R, -1, -2)
+    return {
+        **found,
         "standard_deviation": lambda P: P @ P,
         "degrees": lambda P: P * np.radians(1.0) ** 2,
         "cross_covariances": lambda P: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
+        "factor": lambda P: factor * P,
     }
-    if turned is not None:
-        R = turned if axes == "world" else np.swapaxes(turned, -1, -2)
-        found = {"axes": lambda P: R @ P @ np.swapaxes(R, -1, -2), **found}
-    return {**found, "factor": lambda P: factor * P}
 
 
 def _cause(
@@ -305,8 +267,6 @@ def _cause(
     seed: int,
 ) -> str:
     """The repair that makes the errors likelier and the covariance honest: the likeliest, with a factor if no other."""
-    from scipy.stats import t
-
     runs, dimension = len(errors), errors.shape[-1]
     found: dict[str, float] = {}
     for code, repair in repairs.items():
@@ -317,8 +277,7 @@ def _cause(
         except InputError:  # the repaired one is none
             continue
         gain = scores - repaired
-        sure = code == "factor" or gain.mean() > t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
-        honest = _of_mean(values.mean(axis=1), dimension) == "honest" and not _outside(t_s, values, dimension, seed)
-        if sure and honest:
+        sure = code == "factor" or gain.mean() > scipy.stats.t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
+        if sure and _verdict(t_s, values, dimension, seed)[0] == "honest":
             found[code] = float(repaired.mean())
     return min(found, key=lambda code: found[code], default="")

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Final, NamedTuple, NoReturn
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.evaluation.attitude_error import AttitudeError
-from lie_rigid_body.evaluation.best_possible import BestPossible
+from lie_rigid_body.evaluation.attitudes import AttitudeError
+from lie_rigid_body.evaluation.causes import Finding
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.findings import Finding
-from lie_rigid_body.evaluation.limits import Limits
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, bias_error
+from lie_rigid_body.evaluation.statistics import (
+    LEAST_SHARE,
+    SMALLEST_LIMIT,
+    Largest,
+    Limits,
+    Statistics,
+    bias_error,
+    largest,
+)
+from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.showing import Shown, data_frame, report
 from lie_rigid_body.wording import counted, listed, short_repr
 
@@ -25,8 +33,8 @@ if TYPE_CHECKING:
 
 LARGEST_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
-WIDTH: Final = 88
-"""Width of a line of sentences, characters."""
+RARE: Final = 0.01
+"""Probability below which an estimate is remarked as nearer to the truth than the noise allows."""
 HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 """Headings of the columns of statistics."""
 
@@ -46,6 +54,59 @@ class BiasEstimate(NamedTuple):
 
     def __repr__(self) -> str:
         return short_repr(self)
+
+
+@dataclass(frozen=True)
+class BestPossible:
+    """Bounds of the total error at the samples of a score.
+
+    Attributes
+    ----------
+    filtered_deg : ndarray, shape (N,)
+        Root mean square of the total error at best, degrees, from the readings up to each sample. The constants of the
+        sensors (scale, mounting, soft iron) are not known.
+    filtered, smoothed : Statistics or None
+        Statistics of this, and of the best from all readings, degrees; None where no reading tells the attitude.
+    unobserved : str
+        What no reading tells; then no bound is of use.
+    beaten : bool
+        Whether the estimate is nearer to the truth than the noise allows, even where the constants are known.
+    calibrated : BestPossible or None
+        The same where the constants are known; None where there are none.
+    """
+
+    filtered_deg: Array
+    filtered: Statistics | None
+    smoothed: Statistics | None
+    unobserved: str
+    beaten: bool
+    calibrated: BestPossible | None = None
+
+    __repr__ = short_repr
+
+    @classmethod
+    def of(cls, bound: UnavoidableError, stamps_ns: Integers, rms_deg: float) -> BestPossible:
+        """Interpolate the bound at stamps, ns, for an estimate whose total error has the given RMS, degrees."""
+        calibrated = None if bound.calibrated is None else cls.of(bound.calibrated, stamps_ns, rms_deg)
+        since, times = (stamps - bound.stamps_ns[0] for stamps in (stamps_ns, bound.stamps_ns))
+        both = [np.interp(since, times, mean_square(part)) for part in (bound.filtered, bound.smoothed)]
+        filtered, smoothed = np.degrees(np.sqrt(both))
+        # errors that do not change, as by constant biases, are small by luck: no more often than those of one sample
+        deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
+        luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
+        beaten = calibrated.beaten if calibrated else not bound.unobserved and luck < RARE
+        of_filtered, of_smoothed = (None if bound.unobserved else Statistics.of(e) for e in (filtered, smoothed))
+        return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated)
+
+    def to_json(self) -> dict[str, object]:
+        """JSON-serialisable data: statistics, what is not observed, whether an estimate is nearer than noise allows."""
+        return {
+            "filtered_deg": self.filtered and self.filtered.to_json(),
+            "smoothed_deg": self.smoothed and self.smoothed.to_json(),
+            "unobserved": self.unobserved,
+            "beaten": self.beaten,
+            "calibrated": self.calibrated and self.calibrated.to_json(),
+        }
 
 
 @dataclass(frozen=True)
@@ -137,7 +198,7 @@ class Score(Shown):
     @property
     def t_s(self) -> Array:
         """Times of the samples since the first, s, shape (N,)."""
-        return seconds(self.stamps_ns)
+        return np.asarray((self.stamps_ns - self.stamps_ns[0]) / 1e9)
 
     @property
     def passed(self) -> bool:
@@ -172,10 +233,10 @@ class Score(Shown):
             "lag_s": self.lag_s,
             "lag_standard_error_s": self.lag_standard_error_s,
             "truth_uncertainty_deg": self.truth_uncertainty_deg,
-            "nees": self.consistency.to_json() if self.consistency else None,
-            "gyro_bias_rad_s": self.gyro_bias_rad_s.to_json() if self.gyro_bias_rad_s else None,
-            "unavoidable": self.best.to_json() if self.best else None,
-            "findings": [finding.to_json() for finding in self.findings],
+            "nees": self.consistency and self.consistency.to_json(),
+            "gyro_bias_rad_s": self.gyro_bias_rad_s and self.gyro_bias_rad_s.to_json(),
+            "unavoidable": self.best and self.best.to_json(),
+            "findings": [asdict(finding) for finding in self.findings],
             "broken": list(self.broken),
             "passed": self.passed,
         }
@@ -190,11 +251,6 @@ class Score(Shown):
         nees = {"nees": self.consistency.nees} if self.consistency else {}
         best = {"unavoidable_deg": self.best.filtered_deg} if self.best and not self.best.unobserved else {}
         return {**angles, **nees, **best}
-
-
-def seconds(stamps_ns: Integers) -> Array:
-    """Time since the first stamp, s."""
-    return np.asarray((stamps_ns - stamps_ns[0]) / 1e9)
 
 
 def table(score: Score) -> list[str]:
@@ -216,16 +272,12 @@ def findings(score: Score) -> list[str]:
 
 def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
-    yield "total", score.total_deg
-    yield "heading", score.heading_deg
-    yield "inclination", score.inclination_deg
-    if score.best is not None and score.best.filtered and score.best.smoothed:
-        yield "best filter", score.best.filtered
-        yield "best smoother", score.best.smoothed
-        calibrated = score.best.calibrated
-        if calibrated is not None and calibrated.filtered and calibrated.smoothed:
-            yield "… calibrated", calibrated.filtered
-            yield "… smoother", calibrated.smoothed
+    best = score.best if score.best and score.best.filtered else None
+    calibrated = best and best.calibrated
+    rows = {"total": score.total_deg, "heading": score.heading_deg, "inclination": score.inclination_deg}
+    bounds = {"best filter": best and best.filtered, "best smoother": best and best.smoothed}
+    of_known = {"… calibrated": calibrated and calibrated.filtered, "… smoother": calibrated and calibrated.smoothed}
+    return ((name, found) for name, found in (rows | bounds | of_known).items() if found)
 
 
 def numbers(statistics: Statistics) -> list[str]:
@@ -235,14 +287,14 @@ def numbers(statistics: Statistics) -> list[str]:
 
 def facts(score: Score) -> Iterator[tuple[str, str]]:
     """Other facts of a score by name."""
-    if score.time_to_converge_s is None:
-        yield "converged", f"never: the last error is above {score.converged_deg:.4g}°"
-    else:
-        yield "converged", f"{score.time_to_converge_s:.4g} s after the first, to below {score.converged_deg:.4g}°"
-    if score.lag_s is None:
-        yield "lag", "not told by this motion and these errors"
-    else:
-        yield "lag", f"{score.lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+    time_s, lag_s = score.time_to_converge_s, score.lag_s
+    never = f"never: the last error is above {score.converged_deg:.4g}°"
+    yield (
+        "converged",
+        never if time_s is None else f"{time_s:.4g} s after the first, to below {score.converged_deg:.4g}°",
+    )
+    told = f"{lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late" if lag_s is not None else ""
+    yield "lag", told or "not told by this motion and these errors"
     if score.of_sensors_deg is not None:
         yield (
             "sensors",
@@ -252,11 +304,11 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
         yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
     consistency = score.consistency
     if consistency is not None:
-        low, high = consistency.mean_bounds
+        bounds = " to ".join(f"{bound:.3g}" for bound in consistency.mean_bounds)
         yield (
             "NEES",
             f"{consistency.mean:.4g} on average, expected {consistency.dimension} "
-            f"({low:.3g} to {high:.3g} if errors were independent): {consistency.verdict}",
+            f"({bounds} if errors were independent): {consistency.verdict}",
         )
         if consistency.remark:
             yield "remark", consistency.remark
@@ -275,6 +327,80 @@ def verdict(score: Score) -> list[str]:
     return broken or ([] if score.limits == Limits() else ["PASSED: every limit is kept."])
 
 
-def wrapped(sentence: str, mark: str = "") -> list[str]:
+def wrapped(sentence: str, mark: str = "", width: int = 88) -> list[str]:
     """Lines of a sentence for a terminal, the first after a mark."""
-    return textwrap.wrap(sentence, WIDTH, initial_indent=mark, subsequent_indent="  ")
+    return textwrap.wrap(sentence, width, initial_indent=mark, subsequent_indent="  ")
+
+
+class Tally:
+    """Number, RMS and largest error of all samples so far, and the limits that they break.
+
+    Parameters
+    ----------
+    limits : Limits
+
+    Attributes
+    ----------
+    count : int
+    largest_deg : ndarray, shape (3,)
+        Largest total, heading and inclination error, degrees.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits, self.count = limits, 0
+        self._squares, self.largest_deg = np.zeros(3), np.zeros(3)
+        self._first_ns = self._last_ns = 0
+        self._worst: list[Largest] = [None for _ in limits.max_after]
+
+    def add(self, stamps_ns: Integers, error: AttitudeError) -> None:
+        """Take samples that come next: at least one, with their errors, rad."""
+        angles_deg = np.degrees(np.stack(error))
+        self._first_ns = self._first_ns if self.count else int(stamps_ns[0])
+        self._last_ns = int(stamps_ns[-1])
+        self.count += len(stamps_ns)
+        self._squares += np.sum(angles_deg**2, axis=1)
+        self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
+        t_s = (stamps_ns - self._first_ns) / 1e9
+        before = zip(self.limits.max_after, self._worst, strict=True)
+        self._worst = [largest(start, t_s, angles_deg[0], worst) for (start, _), worst in before]
+
+    @property
+    def rms_deg(self) -> Array:
+        """RMS of the total, heading and inclination error, degrees, shape (3,)."""
+        return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
+
+    def broken(self) -> Iterator[str]:
+        """Sentences about the limits that the samples so far break, one for each."""
+        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, (self._last_ns - self._first_ns) / 1e9
+        if most_deg is not None and rms_deg > most_deg:
+            yield f"the error is {rms_deg:.4g}° rms, above the limit of {most_deg:g}°"
+        for (start, limit), found in zip(self.limits.max_after, self._worst, strict=True):
+            if found is None:
+                yield f"the estimate ends at {span_s:g} s, before the limit after {start:g} s begins"
+            elif found[1] > limit:
+                when = f"at {found[0]:g} s, above the limit of {limit:g}° after {start:g} s"
+                yield f"the error is {found[1]:.4g}° {when}"
+
+    def broken_in_all(self, given: int, due_ns: int | None) -> tuple[str, ...]:
+        """Sentences about the limits that are broken, and about what was too little to keep any.
+
+        Parameters
+        ----------
+        given : int
+            Estimates, of which those that were compared were added.
+        due_ns : int or None
+            The stamp until which they are due.
+        """
+        span_s = (self._last_ns - self._first_ns) / 1e9
+        due_s = 0.0 if due_ns is None else (due_ns - self._first_ns) / 1e9
+        enough = "were compared: limits hold for at least half of them"
+        little = [f"only {self.count} of {given} estimates {enough}"] if self.count < LEAST_SHARE * given else []
+        if span_s < LEAST_SHARE * due_s:
+            little.append(f"only {span_s:.4g} of {due_s:.4g} s since the first estimate {enough}")
+        return (*self.broken(), *(little if self.limits != Limits() else ()))
+
+    def exact(self, score: Score, given: int, due_ns: int) -> Score:
+        """Replace RMS, largest error and limits in a score of some samples by those of all; see `broken_in_all`."""
+        parts = zip(("total_deg", "heading_deg", "inclination_deg"), self.rms_deg, self.largest_deg, strict=True)
+        exact = {name: replace(getattr(score, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
+        return replace(score, broken=self.broken_in_all(given, due_ns), **exact)

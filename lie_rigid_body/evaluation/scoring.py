@@ -1,41 +1,54 @@
-"""The scoring of an attitude estimate: compared with the truth at its stamps, and diagnosed; or as its samples come."""
+"""The scoring of an attitude estimate: compared with the truth at its stamps, and diagnosed.
+
+The diagnosis says which causes are named, and each in one sentence, with numbers and what to do.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Final
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import quantity, real_numbers
-from lie_rigid_body.evaluation.attitude_error import AttitudeError, attitude_error
-from lie_rigid_body.evaluation.best_possible import BestPossible
-from lie_rigid_body.evaluation.causes import Track
-from lie_rigid_body.evaluation.clock import Lag, clock_lag, lag_of, other_clock
+from lie_rigid_body.evaluation import remarks
+from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
+from lie_rigid_body.evaluation.attitudes import HasTruth, Truth, attitude_error, period_ns
+from lie_rigid_body.evaluation.causes import BY_CODE, Finding, Part, Track, fit, undone
+from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
-from lie_rigid_body.evaluation.estimate import GAP, ReadEstimate, Remark, period_ns
-from lie_rigid_body.evaluation.explanations import TIE
-from lie_rigid_body.evaluation.findings import Finding, choose, clock_finding, findings
-from lie_rigid_body.evaluation.limits import Largest, Limits, largest
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, Score, seconds
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, rms, settling_limit, time_to_converge
-from lie_rigid_body.evaluation.truth import HasTruth, Truth
-from lie_rigid_body.evaluation.turning import Turns
+from lie_rigid_body.evaluation.explanations import FEWEST, TIE, Evidence, Explanation
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score, Tally
+from lie_rigid_body.evaluation.statistics import Limits, Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
 
 LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
-ABSENT: Final = 0.05
-"""Largest share of the truth's times by which a filter may begin late or end early without a remark."""
-
 MOST_NAMED: Final = 2
 """Number of causes, one if the world is turned, above which it is asked whether the turns have a simpler name."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
+
+
+class Diagnosis(NamedTuple):
+    """What is found about an estimate beside its errors.
+
+    Attributes
+    ----------
+    lag : Lag
+    findings : tuple of Finding
+        Mistakes, and remarks on how it turns.
+    of_sensors : bool
+        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+    """
+
+    lag: Lag = Lag()
+    findings: tuple[Finding, ...] = ()
+    of_sensors: bool = False
 
 
 def evaluate(
@@ -105,36 +118,36 @@ def evaluate(
     truth = truth.attitude() if isinstance(truth, HasTruth) else truth
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
-    whole, limits = ReadEstimate.read(stamps_ns, attitude_xyzw), limits or Limits()
+    (stamps, attitude), limits = read_series("estimate", stamps_ns, attitude_xyzw), limits or Limits()
+    first = np.diff(stamps, prepend=stamps[0] - 1) > 0
+    whole = Track(stamps[first], attitude[first], truth)
     known = truth.covers(whole.stamps_ns)
     if not known.any():
-        raise InputError(_apart(whole.stamps_ns, np.size(stamps_ns), truth))
-    if len(whole.stamps_ns) < np.size(stamps_ns) and whole.stamps_ns[0] == whole.stamps_ns[-1]:
-        raise InputError(f"estimate: all {np.size(stamps_ns)} stamps are {whole.stamps_ns[0]} ns: give each its own")
-    estimate = ReadEstimate(whole.stamps_ns[known], whole.attitude_xyzw[known], whole.remarks)
-    true = truth.at(estimate.stamps_ns)
-    error = attitude_error(estimate.attitude_xyzw, true)
-    total, heading, inclination = (np.degrees(angle) for angle in error)
-    t_s = seconds(estimate.stamps_ns)
-    uncertainty = float(np.degrees(truth.uncertainty_at(estimate.stamps_ns)))
+        raise InputError(_apart(whole, len(stamps)))
+    if stamps[0] == stamps[-1] and len(stamps) > 1:
+        raise InputError(f"estimate: all {len(stamps)} stamps are {stamps[0]} ns: give each its own")
+    track = whole.part(known)
+    true = truth.at(track.stamps_ns)
+    error = attitude_error(track.attitude_xyzw, true)
+    total, heading, inclination = np.degrees(np.stack(error))
+    t_s, statistics = (track.stamps_ns - track.stamps_ns[0]) / 1e9, Statistics.of(total)
+    tally = Tally(limits)
+    tally.add(track.stamps_ns, error)
+    uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
-    statistics = Statistics.of(total)
-    given, due_s = np.size(stamps_ns) + left_out, 0.0 if due_ns is None else (due_ns - int(estimate.stamps_ns[0])) / 1e9
-    diagnosis = _Diagnosed()
-    if diagnosed:
-        diagnosis = _diagnosis(estimate, whole, truth, true, longest_lag_s, sensors)
-    remarks = (
-        *diagnosis.turns,
-        *estimate.remarks,
-        *_absence(estimate.stamps_ns, len(known), truth, due_ns),
-        *_interpolation(uncertainty, statistics),
+    diagnosis = diagnose(track, whole, longest_lag_s, sensors) if diagnosed else Diagnosis()
+    found = (
+        *diagnosis.findings,
+        *remarks.of_series(stamps, first, np.asarray(attitude_xyzw, dtype=np.float64)),
+        *remarks.of_span(track.stamps_ns, len(known), truth, due_ns),
+        *remarks.of_truth(uncertainty, statistics.rms),
     )
     consistency = None
     if covariance is not None:
-        P = _at_samples(real_numbers("covariance", covariance, "(..., 3, 3)"), stamps_ns, known)
-        consistency = attitude_nees(estimate.attitude_xyzw, true, P, covariance_axes)
+        P = _at_samples(real_numbers("covariance", covariance, "(..., 3, 3)"), first, known)
+        consistency = attitude_nees(track.attitude_xyzw, true, P, covariance_axes)
     return Score(
-        stamps_ns=estimate.stamps_ns,
+        stamps_ns=track.stamps_ns,
         error=error,
         total_deg=statistics,
         heading_deg=Statistics.of(heading),
@@ -143,76 +156,20 @@ def evaluate(
         converged_deg=limit,
         lag_s=diagnosis.lag.lag_s,
         lag_standard_error_s=diagnosis.lag.standard_error_s,
-        findings=(*diagnosis.found, *(Finding(r.code, r.message, statistics.rms) for r in remarks)),
-        broken=(*limits.broken(t_s, total), *limits.too_little(len(t_s), given, float(t_s[-1]), due_s)),
+        findings=tuple(replace(f, rms_deg_after=statistics.rms) if np.isnan(f.rms_deg_after) else f for f in found),
+        broken=tally.broken_in_all(len(stamps) + left_out, due_ns),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=consistency,
-        best=None if bound is None else BestPossible.of(bound, estimate.stamps_ns, statistics.rms),
+        best=None if bound is None else BestPossible.of(bound, track.stamps_ns, statistics.rms),
         limits=limits,
         of_sensors_deg=float(np.degrees(sensors)) if diagnosis.of_sensors else None,
     )
 
 
-@dataclass(frozen=True)
-class _Diagnosed:
-    """What is found about an estimate beside its errors: the lag, mistakes, and remarks on how it turns."""
-
-    lag: Lag = field(default_factory=Lag)
-    found: tuple[Finding, ...] = ()
-    turns: tuple[Remark, ...] = ()
-    of_sensors: bool = False
-
-
-def _diagnosis(
-    estimate: ReadEstimate,
-    whole: ReadEstimate,
-    truth: Truth,
-    true_xyzw: Array,
-    longest_lag_s: float | None,
-    sensors: float,
-) -> _Diagnosed:
-    """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
-
-    `whole` has the estimates outside of the truth as well; `true_xyzw` are the true attitudes of the others.
-    """
-    stamps, track = estimate.stamps_ns, Track(estimate.stamps_ns, estimate.attitude_xyzw, truth)
-    turned, error = Turns(stamps, estimate.attitude_xyzw, true_xyzw), np.degrees(track.errors())
-    unlike = float(np.median(error)) > UNLIKE_DEG
-    if rms(error) > UNLIKE_DEG:
-        sure = turned.stuck() or turned.mixed()
-        if sure:  # of fast turns every sample jumps
-            return _Diagnosed(turns=turned.other() or sure if sure[0].code == "mixed" else sure)
-    quarter = float(stamps[-1] - stamps[0]) / 4e9
-    longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
-    margin = round(longest_s * 1e9)
-    inner = track.part(np.flatnonzero(truth.covers(stamps - margin) & truth.covers(stamps + margin)))
-    choice = choose(inner, longest_s, sensors)
-    at_limit = choice is not None and choice.at_limit
-    lost = unlike and (choice is None or not (choice.named.causes or choice.follows))
-    everything = Track(whole.stamps_ns, whole.attitude_xyzw, truth)
-    # a motion that nearly repeats has a near lag with a mounting for each far one
-    causes = {*choice.named.causes} if choice is not None else set[str]()
-    near = bool({"world_turned", "body_mounting", "lag"} & causes) and unlike
-    found = other_clock(everything, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
-    most = np.inf if choice is None or not near else (TIE if "lag" in causes else 0.5) * choice.named.error
-    if found is not None and rms(found[1].errors()) <= most:
-        clock, moved = found
-        lag = clock_lag(clock, moved)
-        return _Diagnosed(lag, (clock_finding(everything.known(), moved, clock),))
-    if choice is None:
-        return _Diagnosed()
-    lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
-    choice = choice.with_lag(lag.lag_s if lag.sure else None)
-    named = findings(track, choice) if choice.named.causes else ()
-    # a gyro on other axes is the same map as three conventions and a turned world
-    many = len(named) > (1 if "world_turned" in choice.named.turned else MOST_NAMED)
-    other = turned.other() if (lost and not named) or many else ()
-    return _Diagnosed(lag, () if other else named, other, choice.of_sensors)
-
-
-def _apart(stamps: Integers, given: int, truth: Truth) -> str:
+def _apart(whole: Track, given: int) -> str:
     """Error message that no stamp of so many estimates is within the truth; some may share one stamp."""
+    stamps, truth = whole.stamps_ns, whole.truth
     ahead = (int(stamps[0]) - truth.first_ns) / 1e9
     span = f"within the truth, from {truth.first_ns / 1e9:.12g} s to {truth.last_ns / 1e9:.12g} s"
     if len(stamps) < min(given, 2):
@@ -226,107 +183,107 @@ def _apart(stamps: Integers, given: int, truth: Truth) -> str:
     )
 
 
-def _absence(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> tuple[Remark, ...]:
-    """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds.
-
-    Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
-    """
-    remarks = []
-    last_ns, end = truth.last_ns, "ends {:g} s before the truth"
-    if due_ns is not None and due_ns > last_ns:
-        last_ns, end = due_ns, "ends {:g} s before it was to end"
-    duration, least = last_ns - truth.first_ns, GAP * period_ns(stamps)
-    absent = int(stamps[0]) - truth.first_ns, last_ns - int(stamps[-1])
-    for missing, what in zip(absent, ("begins {:g} s after the truth", end), strict=True):
-        if missing > max(ABSENT * duration, least):
-            message = f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
-            remarks.append(Remark("gaps", message))
-    if given - len(stamps) > ABSENT * given:
-        message = (
-            f"{given - len(stamps)} of {given} estimates lie where the truth is not known and are not in the score: "
-            "compare with the truth of the same run, by the same clock."
-        )
-        remarks.append(Remark("gaps", message))
-    return tuple(remarks)
-
-
-def _interpolation(uncertainty: float, total: Statistics) -> tuple[Remark, ...]:
-    if not uncertainty > max(0.25 * total.rms, SMALLEST_LIMIT):
-        return ()
-    message = (
-        f"Samples of the truth are so far apart that it is uncertain by {uncertainty:.2g}° between them, beside an "
-        f"error of {total.rms:.2g}° rms: give the truth at a higher rate, or its scenario."
-    )
-    return (Remark("gaps", message),)
-
-
-def _at_samples(covariance: Array, stamps_ns: ArrayLike, known: Booleans) -> Array:
-    """Covariances of the samples that were compared."""
+def _at_samples(covariance: Array, first: Booleans, known: Booleans) -> Array:
+    """Covariances of the samples that were compared: the first of each stamp at which the truth is known."""
     if covariance.ndim != 3:
         return covariance
-    stamps = np.asarray(stamps_ns)
-    if len(covariance) != len(stamps):
-        raise InputError(
-            f"covariance: {len(covariance)} of them for {len(stamps)} estimates: give one, or one for each"
-        )
-    first_of_stamp = np.concatenate([[True], np.diff(stamps) > 0])
-    return np.asarray(covariance[first_of_stamp][known])
+    if len(covariance) != len(first):
+        raise InputError(f"covariance: {len(covariance)} of them for {len(first)} estimates: give one, or one for each")
+    return np.asarray(covariance[first][known])
 
 
-class Tally:
-    """Number, RMS and largest error of all samples so far, and what limits need to know of them.
+def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sensors: float = 0.0) -> Diagnosis:
+    """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 
     Parameters
     ----------
-    limits : Limits
-
-    Attributes
-    ----------
-    count : int
-    largest_deg : ndarray, shape (3,)
-        Largest total, heading and inclination error, degrees.
+    track : Track
+        Samples within the truth's times.
+    whole : Track
+        All samples.
+    longest_lag_s : float, optional
+        As given to `evaluate`.
+    sensors : float, optional
+        Largest constant turn that the sensors' own errors leave to a right filter, rad.
     """
+    stamps, truth, turned, error = track.stamps_ns, track.truth, remarks.Turns(track), np.degrees(track.errors())
+    unlike = bool(np.median(error) > UNLIKE_DEG)
+    sure = (turned.stuck() or turned.mixed()) if rms(error) > UNLIKE_DEG else None
+    if sure:  # of fast turns every sample jumps
+        return Diagnosis(findings=((turned.other() if sure.code == "mixed" else None) or sure,))
+    quarter = float(stamps[-1] - stamps[0]) / 4e9
+    longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
+    margin = round(longest_s * 1e9)
+    inner = track.part(truth.covers(stamps - margin) & truth.covers(stamps + margin))
+    evidence = Evidence(inner, longest_s, sensors) if len(inner.stamps_ns) >= FEWEST else None
+    choice = evidence.choice() if evidence else None
+    causes = {*choice.named.causes} if choice else set[str]()
+    at_limit = choice is not None and choice.at_limit
+    lost = unlike and not causes and not (evidence and evidence.follows())
+    # a motion that nearly repeats has a near lag with a mounting for each far one
+    near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
+    found = other_clock(whole, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
+    most = np.inf if not (choice and near) else (TIE if "lag" in causes else 0.5) * choice.named.error
+    if found is not None and rms(found[1].errors()) <= most:
+        clock, moved = found
+        return Diagnosis(clock_lag(clock, moved), (_of_clock(whole, moved, clock),))
+    if not evidence or not choice:
+        return Diagnosis()
+    lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
+    named = choice.named if lag.lag_s is None or not lag.sure else evidence.with_lag(choice.named, lag.lag_s)
+    told = _in_words(track, evidence, named) if named.causes else ()
+    # a gyro on other axes is the same map as three conventions and a turned world
+    many = len(told) > (1 if "world_turned" in named.turned else MOST_NAMED)
+    other = turned.other() if (lost and not told) or many else None
+    return Diagnosis(lag, (other,) if other else told, choice.of_sensors)
 
-    def __init__(self, limits: Limits) -> None:
-        self.limits, self.count = limits, 0
-        self._squares, self.largest_deg = np.zeros(3), np.zeros(3)
-        self._first_ns = self._last_ns = 0
-        self._worst: list[Largest] = [None for _ in limits.max_after]
 
-    def add(self, stamps_ns: Integers, error: AttitudeError) -> None:
-        """Take samples that come next: at least one, with their errors, rad."""
-        angles_deg = np.degrees(np.stack(error))
-        self._first_ns = int(stamps_ns[0]) if not self.count else self._first_ns
-        self._last_ns = int(stamps_ns[-1])
-        self.count += len(stamps_ns)
-        self._squares += np.sum(angles_deg**2, axis=1)
-        self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
-        t_s = (stamps_ns - self._first_ns) / 1e9
-        before = zip(self.limits.max_after, self._worst, strict=True)
-        self._worst = [largest(start, t_s, angles_deg[0], worst) for (start, _), worst in before]
+def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:
+    """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
-    @property
-    def rms_deg(self) -> Array:
-        """RMS of the total, heading and inclination error, degrees, shape (3,)."""
-        return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
+    Their constants are fitted to `most` samples. Nothing is said if the errors of all samples grow when all causes are
+    undone, as where most are of something else.
+    """
+    parts, few = named.parts, track.part(slice(len(track.stamps_ns) // 4, None)).few(most)
+    rest = fit([few.part(few.truth.covers(undone(few, parts).stamps_ns))], parts)
+    found, done, errors = list[Finding](), list[Part](), [_errors(track, [])]
+    while rest:
+        # all constants are those of one fit: they hold together, and the last finding tells what they leave
+        fixed = [part for part in rest if not part[0].price]
+        nearest = min(fixed[:1] or rest, key=lambda part: rms(_errors(track, [*done, part])))
+        rest = [part for part in rest if part is not nearest]
+        done.append(nearest)
+        errors.append(_errors(track, done))
+        others = evidence.instead_of(named, "lag" if nearest[0].code in {"lagging", "leading"} else nearest[0].code)
+        found.append(_finding(nearest, errors[-2], errors[-1], track, others))
+    return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
 
-    def broken(self) -> tuple[str, ...]:
-        """Sentences about the limits that the samples so far break, one for each."""
-        return self.limits.broken_by(float(self.rms_deg[0]), self._worst, (self._last_ns - self._first_ns) / 1e9)
 
-    def exact(self, score: Score, given: int, due_ns: int) -> Score:
-        """Replace RMS, largest error and limits in a score of some of the samples by those of all.
+def _of_clock(whole: Track, track: Track, clock: Clock) -> Finding:
+    """Put another clock into words, of all samples and of those that it puts within the truth's times."""
+    cause, constants = clock[0]
+    sign = cause if len(clock) > 1 else BY_CODE["lagging" if constants[0] > 0.0 else "leading"]
+    known = whole.known()
+    return _finding((sign, constants), _errors(known, []), np.degrees(track.errors()), known)
 
-        Parameters
-        ----------
-        score : Score
-        given : int
-            Estimates, of which those that were compared were added.
-        due_ns : int
-            The stamp until which they are due.
-        """
-        span_s, due_s = ((end - self._first_ns) / 1e9 for end in (self._last_ns, due_ns))
-        broken = (*self.broken(), *self.limits.too_little(self.count, given, span_s, due_s))
-        parts = zip(("total_deg", "heading_deg", "inclination_deg"), self.rms_deg, self.largest_deg, strict=True)
-        exact = {name: replace(getattr(score, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
-        return replace(score, broken=broken, **exact)
+
+def _errors(track: Track, parts: Sequence[Part]) -> Array:
+    """Errors without some causes where the truth is known, degrees."""
+    return np.asarray(np.degrees(undone(track, parts).known().errors()))
+
+
+def _finding(part: Part, before: Array, after: Array, track: Track, instead: Sequence[str] = ()) -> Finding:
+    """Put a cause into words, with the errors before and after it is undone, degrees, and causes that do as well."""
+    (cause, constants), others = part, [name.replace("_", " ") for name in instead]
+    fact, colon, remedy = cause.sentence(constants).partition(":")
+    if cause.code in {"lagging", "leading"}:
+        fact += f", {abs(constants[0]) / (period_ns(track.stamps_ns) / 1e9):.3g} of its samples"
+        others += ["an error of the gyro's scale or bias"] if others else []
+    gain = (
+        f"median error {np.median(before):.3g}° before and {np.median(after):.3g}° after, "
+        f"rms {rms(before):.3g}° and {rms(after):.3g}°"
+    )
+    if np.median(after) >= np.median(before):  # alone it need not help
+        gain = "helps only together with what follows"
+    doubt = f"; this motion does not tell it from {' or '.join(others)}" if others else ""
+    return Finding(cause.code, f"{fact}{colon}{remedy} ({gain}){doubt}.", rms(after))

@@ -31,17 +31,24 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import quantity
-from lie_rigid_body.evaluation.attitude_error import numbers, unit
+from lie_rigid_body.evaluation.arguments import numbers, quantity, read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import turns
-from lie_rigid_body.evaluation.estimate import read_stamps
-from lie_rigid_body.evaluation.kalman_covariances import Covariances, covariances, padded
+from lie_rigid_body.evaluation.consistency import factor_of
+from lie_rigid_body.evaluation.kalman_covariances import Covariances, Steps, covariances
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat, right_jacobian
 from lie_rigid_body.wording import components, short_repr, shown
 
 LARGEST_DEVIATION: Final = 1e50
 """Largest standard deviation: squares and their ratios stay finite."""
+SMALLEST: Final = 1e-6
+"""Turn-on of a bias that has none, in steps of its walk: the recursion divides by it."""
+AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
+"""Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
+UNSEEN: Final = 0.25
+"""Variance about an axis from which on nothing is known of it, rad²."""
+VERTICAL: Final = 0.999
+"""Cosine between an axis and the vertical above which the axis is called vertical."""
 
 
 def deviation(name: str, value: object, *, or_zero: bool = False) -> None:
@@ -102,17 +109,13 @@ class VectorReadings:
 
     def __post_init__(self) -> None:
         read_stamps("VectorReadings", self.stamps_ns)
-        self.matrices()
+        _matrices("linear_errors", self.linear_errors)
         vector = numbers("vector", self.vector, 3)
         if vector.shape != (3,) or not vector.any():
             raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
         deviation("noise of a vector", self.noise)
         if not isinstance(self.bias, BiasNoise):
             raise InputError(f"bias: {shown(self.bias)} is no BiasNoise: give for example BiasNoise(turn_on=0.03)")
-
-    def matrices(self) -> Array:
-        """The linear errors, shape (c, 3, 3)."""
-        return _matrices("linear_errors", self.linear_errors)
 
 
 @dataclass(frozen=True)
@@ -140,10 +143,7 @@ class AttitudeReadings:
         covariance = numbers("covariance", self.covariance, 3, 3)
         if covariance.ndim > 2:
             raise InputError(f"covariance: shape {covariance.shape} is not (3, 3): give one for all readings")
-        try:
-            return np.asarray(np.linalg.inv(np.linalg.cholesky(covariance)))
-        except np.linalg.LinAlgError:
-            raise InputError("covariance: not positive definite: give one that has an inverse") from None
+        return np.asarray(np.linalg.inv(factor_of(covariance)))
 
 
 @dataclass(frozen=True)
@@ -229,26 +229,31 @@ def unavoidable_error(
     InputError
         If stamps do not rise, or a noise is not above 0: without noise there is no bound but 0.
     """
-    stamps, truth = read_stamps("stamps_ns", stamps_ns), unit("truth_xyzw", truth_xyzw)
-    _require(stamps, truth, gyro_bias, vectors, attitudes)
+    stamps, truth = read_series("unavoidable_error", stamps_ns, truth_xyzw)
+    _require(stamps, gyro_bias, vectors, attitudes)
     deviation("gyro_noise", gyro_noise)
     deviation("initial", initial)
-    readings = _readings(gyro_readings, len(stamps))
+    readings = np.ones(len(stamps)) if gyro_readings is None else numbers("gyro_readings", gyro_readings, len(stamps))
+    if readings.shape != stamps.shape or readings.min() < 1.0:
+        given = shown(gyro_readings)
+        raise InputError(f"gyro_readings: {given}: give a number of 1 or more for each of {len(stamps)} stamps")
     walk = gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
     gyro_errors = _matrices("gyro_linear_errors", gyro_linear_errors)
-    system = _System(stamps, truth, gyro_noise / np.sqrt(readings), walk, gyro_bias, gyro_errors, vectors, attitudes)
-    known, unknown = system.covariances(initial)
+    noise = gyro_noise / np.sqrt(readings)
+    steps, first = _system(stamps, truth, noise, walk, gyro_bias, gyro_errors, vectors, attitudes)
+    first[:3] = initial
+    known, unknown = covariances(steps, first)
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
     share = (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis]
     R = quaternion.to_matrix(truth[-1])
 
     def bound(found: Covariances, calibrated: UnavoidableError | None = None) -> UnavoidableError:
         filtered = found.filtered + share * (found.before - found.filtered)
-        bias = filtered[:, 3:6, 3:6] if system.gyro_bias is not None else np.zeros((len(stamps), 3, 3))
+        bias = np.zeros((len(stamps), 3, 3)) if gyro_bias == BiasNoise() else filtered[:, 3:6, 3:6]
         unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
         return UnavoidableError(filtered[:, :3, :3], found.smoothed[:, :3, :3], bias, stamps, unobserved, calibrated)
 
-    return bound(unknown, bound(known) if system.constants else None)
+    return bound(unknown, bound(known) if steps[3].size else None)
 
 
 def _matrices(name: str, given: ArrayLike | None) -> Array:
@@ -258,28 +263,18 @@ def _matrices(name: str, given: ArrayLike | None) -> Array:
 
 def _require(
     stamps: Integers,
-    truth: Array,
     gyro_bias: BiasNoise,
     vectors: Sequence[VectorReadings],
     attitudes: Sequence[AttitudeReadings],
 ) -> None:
-    if truth.shape != (len(stamps), 4) or not (np.diff(stamps) > 0).all():
-        raise InputError(
-            f"stamps_ns: {stamps.shape} stamps for {truth.shape} attitudes: give rising ones, one for each"
-        )
+    if not (np.diff(stamps) > 0).all():
+        raise InputError("stamps_ns: one occurs twice: give rising ones")
     if not isinstance(gyro_bias, BiasNoise):
         raise InputError(f"gyro_bias: {shown(gyro_bias)} is no BiasNoise: give for example BiasNoise(turn_on=3e-3)")
     kinds = {"vectors": (vectors, VectorReadings), "attitudes": (attitudes, AttitudeReadings)}
     for name, (given, kind) in kinds.items():
         if not isinstance(given, list | tuple) or not all(isinstance(readings, kind) for readings in given):
             raise InputError(f"{name}: {shown(given)} is not a list of {kind.__name__}: give a list of them")
-
-
-def _readings(given: ArrayLike | None, count: int) -> Array:
-    readings = np.ones(count) if given is None else numbers("gyro_readings", given, count)
-    if readings.shape != (count,) or readings.min() < 1.0:
-        raise InputError(f"gyro_readings: {shown(given)}: give a number of 1 or more for each of {count} stamps")
-    return readings
 
 
 def _unobserved(world_covariance: Array) -> str:
@@ -295,120 +290,75 @@ def _unobserved(world_covariance: Array) -> str:
     return f"a turn about ({components(axis, 3)}) of the world"
 
 
-class _System:
-    """The linear system of the error state: what each step does to it, and what the readings of each sample tell."""
+def _system(
+    stamps: Integers,
+    truth: Array,
+    gyro_noise: Array,
+    gyro_walk: Array,
+    gyro_bias: BiasNoise,
+    gyro_errors: Array,
+    vectors: Sequence[VectorReadings],
+    attitudes: Sequence[AttitudeReadings],
+) -> tuple[Steps, Array]:
+    """The linear system of the error state, and the deviations of its biases before the first sample.
 
-    def __init__(
-        self,
-        stamps: Integers,
-        truth: Array,
-        gyro_noise: Array,
-        gyro_walk: Array,
-        gyro_bias: BiasNoise,
-        gyro_errors: Array,
-        vectors: Sequence[VectorReadings],
-        attitudes: Sequence[AttitudeReadings],
-    ) -> None:
-        # a bias counts in units of its vector: the numbers are near those of angles, and rounding is small
-        units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
-        biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
-        places, size = [], 3
-        for bias in biases:
-            known = bias.turn_on == 0.0 and bias.step == 0.0
-            places.append(None if known else size)
-            size += 0 if known else 3
-        self.gyro_bias, *vector_biases = places
-        self.size, self._stamps = size, stamps
-        self._turn_on = [
-            (place, max(bias.turn_on, SMALLEST * bias.step) / unit)
-            for place, bias, unit in zip(places, biases, units, strict=True)
-            if place
-        ]
-        self._padding = (0, padded(len(stamps)) - len(stamps))
-        truth = np.pad(truth, (self._padding, (0, 0)), "edge")
-        interval = np.diff(np.pad(stamps, self._padding, "edge"), prepend=stamps[0]) / 1e9
-        turn = np.zeros((len(truth), 3))
-        turn[1:] = turns(truth[:-1], truth[1:])
-        self._back, jacobian = so3.exp(-turn), right_jacobian(turn)
-        self._pushed = interval[:, np.newaxis, np.newaxis] * jacobian
-        self._gyro_noise = np.pad(gyro_noise, self._padding)
-        self._walks = [] if self.gyro_bias is None else [(self.gyro_bias, np.pad(gyro_walk, self._padding))]
-        self._vectors = [self._vector(*each, truth) for each in zip(vectors, vector_biases, strict=True)]
-        self._attitudes = [(self._count(each), each.whitening()) for each in attitudes]
-        # a column for each constant of each sensor: what it adds to a turn, and to the readings of a vector
-        errors = [gyro_errors, *(sensor.matrices() for sensor in vectors)]
-        ends = np.cumsum([len(each) for each in errors]).tolist()
-        self._columns = [slice(end - len(each), end) for each, end in zip(errors, ends, strict=True)]
-        self.constants: int = ends[-1]
-        self._turned = jacobian @ _errors(gyro_errors, turn)
-        self._read = [_errors(matrices, body) for matrices, (body, _, _) in zip(errors[1:], self._vectors, strict=True)]
-
-    def _count(self, readings: VectorReadings | AttitudeReadings) -> Array:
-        """Number of readings that count at each sample: those from it on until the next; none before the first."""
-        at = np.searchsorted(self._stamps, read_stamps("readings", readings.stamps_ns), side="right") - 1
-        return np.pad(np.bincount(at[at >= 0], minlength=len(self._stamps)).astype(np.float64), self._padding)
-
-    def _vector(self, sensor: VectorReadings, place: int | None, truth: Array) -> tuple[Array, Array, int | None]:
-        """Readings at each sample: derivative by a turn over the noise, one over the noise, and place of the bias."""
-        count, unit = self._count(sensor), float(np.linalg.norm(sensor.vector))
-        if place is not None and count.any():
-            steps = count.copy()
-            steps[np.flatnonzero(count)[0]] -= 1.0
-            self._walks.append((place, sensor.bias.step / unit * np.sqrt(steps)))
-        weight = np.sqrt(count) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
+    A bias counts in units of its vector: the numbers are near those of angles, and rounding is small. Each constant of
+    each sensor has a column: what it adds to a turn, and to the readings of a vector.
+    """
+    units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
+    biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
+    matrices = [gyro_errors, *(_matrices("linear_errors", sensor.linear_errors) for sensor in vectors)]
+    places = _in_turn(3, [0 if bias == BiasNoise() else 3 for bias in biases])
+    columns = _in_turn(0, [len(each) for each in matrices])
+    count, n, c, sensors = len(stamps), places[-1].stop, columns[-1].stop, len(vectors) + len(attitudes)
+    F = np.tile(np.eye(n), (count, 1, 1))
+    noise, B = np.zeros((count, 1 + len(biases), 3, n)), np.zeros((count, n, c))
+    H, D = np.zeros((count, sensors, 3, n)), np.zeros((count, sensors, 3, c))
+    turn = np.concatenate([np.zeros((1, 3)), turns(truth[:-1], truth[1:])])
+    jacobian = right_jacobian(turn)
+    pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
+    F[:, :3, :3], F[:, :3, places[0]] = so3.exp(-turn), pushed[..., : places[0].stop - 3]
+    walks = [gyro_walk]
+    B[:, :3, columns[0]] = jacobian @ _errors(gyro_errors, turn)
+    for i, (sensor, unit) in enumerate(zip(vectors, units[1:], strict=True)):
+        read = _count(stamps, sensor)
+        weight = np.sqrt(read) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
         body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
-        return weight[:, np.newaxis] * body, weight, place
+        body = weight[:, np.newaxis] * body
+        H[:, i, :, :3], H[:, i, :, places[i + 1]] = -hat(body), _diagonal(weight, places[i + 1])
+        D[:, i, :, columns[i + 1]] = _errors(matrices[i + 1], body)
+        read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
+        walks.append(sensor.bias.step / unit * np.sqrt(np.maximum(read, 0.0)))
+    for i, attitude in enumerate(attitudes, len(vectors)):
+        H[:, i, :, :3] = np.sqrt(_count(stamps, attitude))[:, np.newaxis, np.newaxis] * attitude.whitening()
+    first = np.zeros(n)
+    for i, (bias, unit, place, walk) in enumerate(zip(biases, units, places, walks, strict=True), 1):
+        first[place] = max(bias.turn_on, SMALLEST * bias.step) / unit
+        noise[:, i, :, place] = _diagonal(walk, place)
+    # the noise of a turn, to which a step of the bias adds in the same interval
+    for i, deviations in enumerate((gyro_noise, gyro_walk)):
+        noise[:, i, :, :3] = deviations[:, np.newaxis, np.newaxis] * pushed.swapaxes(1, 2)
+    noise, H, D = (part.reshape(count, 3 * part.shape[1], part.shape[3]) for part in (noise, H, D))
+    return (F, noise, H, B, D), first
 
-    def steps(self, k: Integers) -> tuple[Array, Array, Array, Array, Array]:
-        """Steps to samples by number: transition, root of the noise, what readings tell, and the constants' parts."""
-        transition = np.tile(np.eye(self.size), (len(k), 1, 1))
-        transition[:, :3, :3] = self._back[k]
-        noise = np.zeros((len(k), 1 + len(self._walks), 3, self.size))
-        pushed = self._pushed[k].swapaxes(1, 2)
-        noise[:, 0, :, :3] = self._gyro_noise[k, np.newaxis, np.newaxis] * pushed
-        for i, (place, walk) in enumerate(self._walks, 1):
-            noise[:, i, :, place : place + 3] = walk[k, np.newaxis, np.newaxis] * np.eye(3)
-            if place == self.gyro_bias:  # a step of the bias acts on the turn of the same interval
-                noise[:, i, :, :3] = walk[k, np.newaxis, np.newaxis] * pushed
-        if self.gyro_bias is not None:
-            transition[:, :3, self.gyro_bias : self.gyro_bias + 3] = self._pushed[k]
-        turned = np.zeros((len(k), self.size, self.constants))
-        turned[:, :3, self._columns[0]] = self._turned[k]
-        seen, read = self._seen(k)
-        return transition, noise.reshape(len(k), -1, self.size), seen, turned, read
 
-    def _seen(self, k: Integers) -> tuple[Array, Array]:
-        """Rows of the readings at samples, of unit variance each: three for each sensor, by state and by constants."""
-        sensors = len(self._vectors) + len(self._attitudes)
-        seen = np.zeros((len(k), sensors, 3, self.size))
-        read = np.zeros((len(k), sensors, 3, self.constants))
-        for i, (body, weight, place) in enumerate(self._vectors):
-            seen[:, i, :, :3] = -hat(body[k])
-            if place is not None:
-                seen[:, i, :, place : place + 3] = weight[k, np.newaxis, np.newaxis] * np.eye(3)
-            read[:, i, :, self._columns[i + 1]] = self._read[i][k]
-        for i, (count, whitening) in enumerate(self._attitudes, len(self._vectors)):
-            seen[:, i, :, :3] = np.sqrt(count[k])[:, np.newaxis, np.newaxis] * whitening
-        return seen.reshape(len(k), 3 * sensors, self.size), read.reshape(len(k), 3 * sensors, self.constants)
+def _in_turn(begin: int, sizes: Sequence[int]) -> list[slice]:
+    """Places of parts of some sizes, one after the other."""
+    ends = begin + np.cumsum(sizes)
+    return [slice(end - size, end) for end, size in zip(ends.tolist(), sizes, strict=True)]
 
-    def covariances(self, initial: float) -> tuple[Covariances, Covariances]:
-        """Covariances of the error state at each sample, where the constants are known, and where they are not."""
-        deviations = np.full(self.size, initial)
-        for place, deviation in self._turn_on:
-            deviations[place : place + 3] = deviation
-        return covariances(self.steps, len(self._stamps), deviations, self.constants)
+
+def _count(stamps: Integers, readings: VectorReadings | AttitudeReadings) -> Array:
+    """Number of readings that count at each sample: those from it on until the next; none before the first."""
+    at = np.searchsorted(stamps, read_stamps("readings", readings.stamps_ns), side="right") - 1
+    return np.bincount(at[at >= 0], minlength=len(stamps)).astype(np.float64)
+
+
+def _diagonal(values: Array, place: slice) -> Array:
+    """Multiples of the identity, shape (N, 3, 3), where a bias has a place; else nothing, shape (N, 3, 0)."""
+    return np.asarray(values[:, np.newaxis, np.newaxis] * np.eye(3)[:, : place.stop - place.start])
 
 
 def _errors(matrices: Array, vectors: Array) -> Array:
     """Derivatives of the readings of vectors, (N, 3), by the constants of a sensor, shape (N, 3, c)."""
     return np.asarray(np.einsum("cij,nj->nic", matrices, vectors))
-
-
-SMALLEST: Final = 1e-6
-"""Turn-on of a bias that has none, in steps of its walk: the recursion divides by it."""
-AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
-"""Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
-UNSEEN: Final = 0.25
-"""Variance about an axis from which on nothing is known of it, rad²."""
-VERTICAL: Final = 0.999
-"""Cosine between an axis and the vertical above which the axis is called vertical."""

@@ -11,10 +11,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.arguments import real_numbers, shape_remedy
-from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape_remedy, unit
 from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
-from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import Messages
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED

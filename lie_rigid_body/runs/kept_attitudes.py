@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Integers
-from lie_rigid_body.evaluation.attitude_error import SMALLEST_NORM
-from lie_rigid_body.evaluation.estimate import in_order, period_ns
+from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
+from lie_rigid_body.evaluation.attitudes import in_order, period_ns
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS, exact_duration

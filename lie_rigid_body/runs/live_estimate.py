@@ -11,8 +11,8 @@ import numpy as np
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
-from lie_rigid_body.evaluation.estimate import GAP, period_ns
-from lie_rigid_body.evaluation.scoring import Tally
+from lie_rigid_body.evaluation.attitudes import GAP, period_ns
+from lie_rigid_body.evaluation.score import Tally
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames

@@ -17,8 +17,7 @@ from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
-from lie_rigid_body.evaluation.arguments import quantity
-from lie_rigid_body.evaluation.attitude_error import numbers
+from lie_rigid_body.evaluation.arguments import numbers, quantity
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
-from lie_rigid_body.evaluation.attitude_error import unit
+from lie_rigid_body.evaluation.arguments import read_stamps, unit
 from lie_rigid_body.evaluation.consistency import covariance_fault
-from lie_rigid_body.evaluation.estimate import read_stamps
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.definitions import IMU
 from lie_rigid_body.recording.topic_messages import AttitudeTrack

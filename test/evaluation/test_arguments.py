@@ -7,7 +7,8 @@ import pytest
 
 from lie_rigid_body import InputError, attitude_error
 from lie_rigid_body.evaluation import Limits, nees
-from lie_rigid_body.evaluation.estimate import ReadEstimate, read_stamps
+from lie_rigid_body.evaluation.arguments import read_series, read_stamps
+from lie_rigid_body.evaluation.remarks import of_series
 
 Q = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
 
@@ -48,9 +49,8 @@ def test_an_imaginary_part_and_a_mask_are_not_dropped():
 
 @pytest.mark.filterwarnings("error")
 def test_a_norm_whose_square_overflows_is_remarked():
-    assert [remark.code for remark in ReadEstimate.read([0, 1, 2], 1e200 * Q).remarks] == ["not_unit"]
-    assert ReadEstimate.read([0, 1, 2], 1.0009 * Q).remarks == ()
-    assert ReadEstimate.read([0, 1, 2], 0.9989 * Q).remarks != ()
+    for factor, codes in ((1e200, ["not_unit"]), (1.0009, []), (0.9989, ["not_unit"])):
+        assert [remark.code for remark in of_series(np.arange(3), np.full(3, True), factor * Q)] == codes
 
 
 @pytest.mark.parametrize(
@@ -59,9 +59,9 @@ def test_a_norm_whose_square_overflows_is_remarked():
 )
 def test_what_numpy_would_make_numbers_of_is_refused(given):
     with pytest.raises(InputError, match="estimate: not numbers: give an array of shape") as error:
-        ReadEstimate.read([0, 1, 2], given)
+        read_series("estimate", [0, 1, 2], given)
     assert len(str(error.value)) <= 200
-    np.testing.assert_array_equal(ReadEstimate.read([0, 1, 2], Q.astype(object)).attitude_xyzw, Q)
+    np.testing.assert_array_equal(read_series("estimate", [0, 1, 2], Q.astype(object))[1], Q)
 
 
 @pytest.mark.filterwarnings("error")

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from lie_rigid_body.evaluation.differences import MOST_SAMPLES, blocks_of, of_run, of_runs
+from lie_rigid_body.evaluation.statistics import MOST_SAMPLES, blocks_of, of_run, of_runs
 
 
 def correlated(draws: np.random.Generator, count: int, memory: float) -> np.ndarray:

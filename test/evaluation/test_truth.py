@@ -7,8 +7,9 @@ import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error
-from lie_rigid_body.evaluation.estimate import ReadEstimate
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error, evaluate
+from lie_rigid_body.evaluation.arguments import read_series
+from lie_rigid_body.evaluation.remarks import of_series
 from lie_rigid_body.lie import quaternion
 
 SPIN = quaternion.exp(np.outer(STAMPS * 1e-9, [0.3, -0.2, 0.9]))
@@ -80,7 +81,7 @@ def test_body_rate_is_the_motions(motion):
         ([0, 1], [[0, 0, 0, 1], [0, 0, np.nan, 0]], "1 of 2 rows are not finite, the first is row 1"),
     ],
 )
-@pytest.mark.parametrize("read", [ReadEstimate.read, SampledTruth])
+@pytest.mark.parametrize("read", [lambda *given: read_series("estimate", *given), SampledTruth])
 def test_refusals(read, stamps, attitudes, message):
     with pytest.raises(InputError, match=message):
         read(stamps, attitudes)
@@ -99,19 +100,20 @@ def test_an_exact_truth_is_between_times_that_a_message_can_have(time):
         ExactTruth(lambda t: np.zeros((len(t), 4)), 0, time)
 
 
+def remarked(stamps: np.ndarray, given: np.ndarray) -> list[str]:
+    return [remark.code for remark in of_series(stamps, np.diff(stamps, prepend=-1) > 0, given)]
+
+
 def test_what_is_wrong_about_an_estimate_is_remarked():
-    assert ReadEstimate.read(STAMPS, SPIN * 1.0009).remarks == ()
-    (remark,) = ReadEstimate.read(STAMPS, SPIN * 1.01).remarks
-    assert remark.code == "not_unit"
+    assert remarked(STAMPS, SPIN * 1.0009) == []
+    assert remarked(STAMPS, SPIN * 1.01) == ["not_unit"]
     kept = np.r_[0:50, 50, 51, 51, 52:200, 250:300]
-    doubled = ReadEstimate.read(STAMPS[kept], SPIN[kept])
-    assert [r.code for r in doubled.remarks] == ["gaps"] * 2
-    assert len(doubled.stamps_ns) == 250
+    assert remarked(STAMPS[kept], SPIN[kept]) == ["gaps"] * 2
+    assert evaluate(STAMPS[kept], SPIN[kept], SampledTruth(STAMPS, SPIN), diagnosed=False).samples == 250
 
 
 def test_one_missing_sample_is_a_gap_of_even_stamps_only():
     """Of stamps that are uneven by themselves, two periods are none."""
-    (remark,) = ReadEstimate.read(np.delete(STAMPS, 70), np.delete(SPIN, 70, axis=0)).remarks
-    assert remark.code == "gaps"
+    assert remarked(np.delete(STAMPS, 70), np.delete(SPIN, 70, axis=0)) == ["gaps"]
     uneven = np.arange(len(STAMPS)) % 4 > 0
-    assert ReadEstimate.read(STAMPS[uneven], SPIN[uneven]).remarks == ()
+    assert remarked(STAMPS[uneven], SPIN[uneven]) == []

@@ -169,7 +169,7 @@ def test_what_is_no_noise_and_no_vector_is_one_line():
         (lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1), "has no direction"),
         (lambda: VectorReadings([0], UP, 0.1, wrong), "bias: 3 is no BiasNoise"),
         (lambda: BiasNoise(turn_on=-1.0), "turn_on: -1.0"),
-        (lambda: AttitudeReadings([0], np.zeros((3, 3))), "not positive definite"),
+        (lambda: AttitudeReadings([0], np.eye(3) - 0.5), "not positive definite"),
         (lambda: AttitudeReadings([0, 1], np.tile(np.eye(3), (2, 1, 1))), "covariance: shape .2, 3, 3. is not .3, 3."),
         (lambda: unavoidable_error(**given, gyro_readings=[1, 0]), "gyro_readings: .1, 0.: give a number of 1 or more"),
         (lambda: unavoidable_error(**given, gyro_readings=[[1, 1]] * 2), "gyro_readings"),

@@ -9,7 +9,7 @@ import pytest
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
-from lie_rigid_body.evaluation.best_possible import BestPossible
+from lie_rigid_body.evaluation.score import BestPossible
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report import scores, write_plot, write_report
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of

@@ -1,0 +1,237 @@
+"""Remarks on an estimate that hold whatever convention its attitudes are in: on its series, and on its turns.
+
+Its turns are told from those of the body where they are none, to and fro, too fast, or about other axes. The turn of
+the estimate from one sample to the next, on its own body axes, is held against that of the truth. The latter is taken
+times a scale, and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a left-handed
+frame leave attitudes that no constant rotation explains, and turns that this explains to a few percent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import permutations, product
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers, runs_of
+from lie_rigid_body.evaluation.attitudes import GAP, Truth, angles_between, named, period_ns, sizes, times, turns
+from lie_rigid_body.evaluation.causes import FEIGNED, Finding, Track, spread
+from lie_rigid_body.evaluation.clock import FAR
+from lie_rigid_body.evaluation.explanations import FEWEST, FORMS, SAMPLES, matrix
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
+from lie_rigid_body.lie import quaternion
+
+GAP_OF_EVEN: Final = 1.5
+"""Least distance that is a gap where stamps are even, so that one missing sample stands out, in median periods."""
+UNEVEN: Final = 0.1
+"""Largest relative difference of a period from the median of even stamps, and share of periods that differ more."""
+NOT_UNIT: Final = 0.002
+"""Largest | |q|² − 1 | that is taken for unit norm: what remains of one written with three decimals. tf2 takes 0.01."""
+ABSENT: Final = 0.05
+"""Largest share of the truth's times by which a filter may begin late or end early without a remark."""
+LEAST_TURN: Final = 0.5
+"""Least turn of the body in the whole run that tells anything, rad."""
+STUCK: Final = 0.01
+"""Share of the body's turn below which an estimate does not turn."""
+LONG: Final = 0.1
+"""Least share of the run in which an estimate is stuck to be told so, where it turns in others."""
+JUMP: Final = 3.0
+"""Least ratio of a step to that of the body, and to those within each of two attitudes, that is a jump."""
+LEAST_MIXED: Final = 0.02
+"""Least share of the steps that are jumps from one attitude to another."""
+LARGEST_MISS: Final = 0.2
+"""Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
+SMALLEST_MISS: Final = 1e-3
+"""Least root mean square by which the turns count as missed, in median turns."""
+CLEARLY: Final = 2.0
+"""Ratio of two misses above which the larger one is not the mistake."""
+
+DEGREE: Final = 180.0 / np.pi
+SCALES: Final = {
+    1.0: "",
+    DEGREE: "its gyro is in deg/s where the filter wants rad/s",
+    1.0 / DEGREE: "its gyro is in rad/s where the filter wants deg/s",
+    2.0: "the rate of a quaternion is ½ q ω, or its time step is twice that of the gyro",
+    0.5: "the rate of a quaternion is ½ q ω, once, or its time step is half that of the gyro",
+}
+"""Ratios of the turns of an estimate to those of the body, each with its cause."""
+OTHERWISE_WRITTEN: Final = tuple(matrix(form) for form in FORMS if {"scalar_first", "inverted"} & {*dict(form)})
+"""Conventions that may feign other turns."""
+AXES: Final = np.array(
+    [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
+)
+"""Matrices that change places and signs of axes, the first of which changes none: shape (48, 3, 3)."""
+
+
+def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[Finding]:
+    """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given."""
+    begin, doubles, kept = int(stamps[0]), stamps[~first], stamps[first]
+    if doubles.size:
+        yield Finding(
+            "gaps",
+            f"{doubles.size} of {len(stamps)} samples are doubles, of a stamp that another sample had before, first at "
+            f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
+        )
+    steps, period = np.diff(kept), period_ns(kept)
+    uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
+    wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP) * period)
+    if wide.size:
+        longest = wide[np.argmax(steps[wide])]
+        yield Finding(
+            "gaps",
+            f"{wide.size} {'gap' if wide.size == 1 else 'gaps'} in the estimate, the longest of "
+            f"{steps[longest] / 1e9:g} s after {(kept[longest] - begin) / 1e9:g} s, where samples come every "
+            f"{period / 1e9:g} s: what the filter did there is not in the score; look for lost messages.",
+        )
+    norms = quaternion.norm(given_xyzw)
+    off = (norms < np.sqrt(1.0 - NOT_UNIT)) | (norms > np.sqrt(1.0 + NOT_UNIT))  # the square of a large norm overflows
+    if off.any():
+        yield Finding(
+            "not_unit",
+            f"{np.count_nonzero(off)} of {len(norms)} quaternions are not of unit norm, the worst has "
+            f"{norms[np.argmax(np.abs(norms - 1.0))]:.4g}; they were divided by it here, and tf2 refuses 0.005 more or "
+            "less: let the filter normalise what it publishes.",
+        )
+
+
+def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> Iterator[Finding]:
+    """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds.
+
+    Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
+    """
+    last_ns, end = truth.last_ns, "ends {:g} s before the truth"
+    if due_ns is not None and due_ns > last_ns:
+        last_ns, end = due_ns, "ends {:g} s before it was to end"
+    most = max(ABSENT * (last_ns - truth.first_ns), GAP * period_ns(stamps))
+    absent = {"begins {:g} s after the truth": int(stamps[0]) - truth.first_ns, end: last_ns - int(stamps[-1])}
+    for what, missing in absent.items():
+        if missing > most:
+            yield Finding(
+                "gaps", f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
+            )
+    if given - len(stamps) > ABSENT * given:
+        yield Finding(
+            "gaps",
+            f"{given - len(stamps)} of {given} estimates lie where the truth is not known and are not in the score: "
+            "compare with the truth of the same run, by the same clock.",
+        )
+
+
+def of_truth(uncertainty_deg: float, rms_deg: float) -> Iterator[Finding]:
+    """Remark that the truth between its samples is uncertain beside an error."""
+    if uncertainty_deg > max(0.25 * rms_deg, SMALLEST_LIMIT):
+        yield Finding(
+            "gaps",
+            f"Samples of the truth are so far apart that it is uncertain by {uncertainty_deg:.2g}° between them, "
+            f"beside an error of {rms_deg:.2g}° rms: give the truth at a higher rate, or its scenario.",
+        )
+
+
+class Turns:
+    """Turns of an estimate and of the body from each sample to the next, those across gaps left out.
+
+    Parameters
+    ----------
+    track : Track
+        Samples within the truth's times.
+    """
+
+    def __init__(self, track: Track) -> None:
+        stamps, q = track.stamps_ns, track.attitude_xyzw
+        self.stamps_ns, self.estimate_xyzw = stamps, q
+        self.first = np.flatnonzero(np.diff(stamps) <= GAP * period_ns(stamps))
+        self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
+        self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
+
+    def stuck(self) -> Finding | None:
+        """Finding that the estimate does not turn, in all or for long, while the body does."""
+        stamps, every, when = self.stamps_ns, slice(None), "in all"
+        if self.ours_rad.sum() >= STUCK * self.true_rad.sum():
+            begins, ends = runs_of(0, self.ours_rad < STUCK * self.true_rad)
+            if not len(begins):
+                return None
+            k = int(np.argmax(ends - begins))
+            every = slice(begins[k], ends[k] + 1)
+            since, until = ((stamps[j] - stamps[0]) / 1e9 for j in (self.first[begins[k]], self.first[ends[k]] + 1))
+            when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
+            duration = (stamps[-1] - stamps[0]) / 1e9
+            if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
+                return None
+        turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
+        if len(self.first[every]) < FEWEST or turn < np.degrees(LEAST_TURN):
+            return None
+        return Finding(
+            "stuck",
+            f"The estimate turns by {turned:.3g}° {when}, the body by {turn:.4g}°: "
+            "see whether the filter gets its readings, and publishes what it makes of them.",
+        )
+
+    def mixed(self, most: int = 4000) -> Finding | None:
+        """Finding that the samples of the estimate belong to two attitudes in turns.
+
+        Each of `most` samples is of that attitude, of the two that came last, which is nearer.
+        """
+        q, jumps = self.estimate_xyzw, self.ours_rad > np.maximum(LEAST_TURN, JUMP * self.true_rad)
+        if np.count_nonzero(jumps) < max(FEWEST, LEAST_MIXED * len(jumps)):
+            return None
+        first = int(self.first[np.argmax(jumps)])
+        tracks = [first], [first + 1]
+        for k in range(first + 2, min(first + most, len(q))):
+            near = [abs(float(q[k] @ q[track[-1]])) for track in tracks]
+            tracks[near[1] > near[0]].append(k)
+        switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))
+        jump = float(np.median(self.ours_rad[jumps]))
+        within = [angles_between(q[track[:-1]], q[track[1:]]) for track in tracks]
+        if min(switches, *map(len, tracks)) < FEWEST or max(np.percentile(a, 90) for a in within) * JUMP > jump:
+            return None
+        return Finding(
+            "mixed",
+            f"The estimate jumps by {np.degrees(jump):.3g}° and back, {np.count_nonzero(jumps)} times: its samples are "
+            "of two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one.",
+        )
+
+    def other(self) -> Finding | None:
+        """Finding that the turns are those of the body at another rate, or about other axes."""
+        few = spread(len(self.first), SAMPLES)
+        ours, true, first = self.ours[few], self.true[few], self.first[few]
+        if len(self.first) < FEWEST or self.true_rad.sum() < LEAST_TURN:
+            return None
+        missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
+        most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
+        if missed.min() > LARGEST_MISS:  # about the axes of the body perhaps, at any other rate
+            scale = float(np.sum(ours * true) / np.sum(true**2))
+            is_rate = max(scale, 1.0 / max(scale, 1e-300)) > FAR and _missed(ours, scale * true) <= LARGEST_MISS
+            return _turn_rate(scale) if is_rate else None
+        written = (self.estimate_xyzw @ undoing.T for undoing in OTHERWISE_WRITTEN)
+        feigned = min(float(_missed(turns(q[first], q[first + 1]), true)) for q in written)
+        fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
+        if len({scale for scale, _ in fitting}) != 1 or feigned <= most:
+            return None
+        scale, axes = fitting[0]
+        if axes == 0:  # also where the motion does not tell it from others
+            return None if scale == 1.0 else _turn_rate(scale)
+        if len(fitting) > 1:
+            return None
+        mirrored = ", which are right-handed; these are not" if np.linalg.det(AXES[axes]) < 0.0 else ""
+        return Finding(
+            "turn_axes",
+            f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
+            f"{f', {times(scale)} the body' if scale != 1.0 else ''}: give the filter its gyro on the "
+            f"axes of the body{mirrored}; {FEIGNED}.",
+        )
+
+
+def _turn_rate(scale: float) -> Finding:
+    remedy = SCALES.get(scale, "see the time step of the filter, and the unit of its gyro")
+    return Finding("turn_rate", f"The estimate turns {times(scale)} the body: {remedy}; {FEIGNED}.")
+
+
+def _missed(ours: Array, predicted: Array) -> Array:
+    """Root mean square by which turns (n, 3) are missed by predictions (..., n, 3), in median turns, two at most.
+
+    Axes about which the body turns for a short time only, as that of a flip, count by this, and not by a median.
+    """
+    missed = angles_between(quaternion.exp(predicted), quaternion.exp(ours))
+    turned = max(float(np.median(sizes(ours))), 1e-300)
+    return np.asarray(np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1)))
