@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from mcap.records import Chunk, Footer, Header, Metadata, Schema
 from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, inflated_unverified, most_records
+from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, most_records
 from lie_rigid_body.recording.mcap_contents import FileSpan, Found, McapContents, Parts, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
@@ -49,6 +49,7 @@ _TOGETHER: Final[Mapping[tuple[int, int], int]] = {
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
 }
 """Bytes from a record on within which those of some kind that follow it are taken together with it."""
+_WITH_MESSAGES: Final = (Opcode.CHUNK, Opcode.MESSAGE)
 _CHECKSUMS: Final[Mapping[int, tuple[int, int, str]]] = {
     Opcode.DATA_END: (0, RECORD_HEAD.size, "data section"),
     Opcode.FOOTER: (RECORD_HEAD.size + 16, RECORD_HEAD.size + 16, "summary"),
@@ -108,7 +109,7 @@ def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], ke
                 channels, found = {key: own for key, own in there.items() if key in keys}, Found()
                 if channels:
                     raw = file[begin:end]
-                    _, indexes, data = _records_of(raw, inflated_unverified)
+                    _, indexes, data = _records_of(raw)
                     index = dict(_index(raw, place) for place in indexes)  # compared when the file was read first
                     index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
                     found = _by_track(data, index, channels)
@@ -128,21 +129,19 @@ def _told(error: Exception, at: int) -> str:
     return ContradictionError.sentence.format(at=at, what=f"{type(error).__name__}: {error}".removesuffix(": "))
 
 
-def _records_of(raw: bytes, inflate: Callable[[Chunk], bytes]) -> tuple[Chunk | None, list[Place], bytes]:
+def _records_of(raw: bytes) -> tuple[Chunk | None, list[Place], bytes]:
     """Chunk, if it is one, places of the indexes behind it, and records with messages of a part of a file.
 
     Parameters
     ----------
     raw : bytes
         A chunk with the indexes behind it, or messages that stand in no chunk.
-    inflate : callable
-        Gives the records of a chunk.
     """
     if raw[0] != Opcode.CHUNK:
         return None, [], raw
     first, *indexes = records(raw)
     chunk: Chunk = parsed(Opcode.CHUNK, raw[first.begin : first.end])
-    return chunk, indexes, inflate(chunk)
+    return chunk, indexes, inflated(chunk)
 
 
 def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
@@ -180,7 +179,9 @@ class _FileReader:
         self._require_magic()
         opcode = 0
         for opcode, begin, end in self._parts():
-            yield end - begin, self._take(opcode, begin, self._file[begin:end])
+            found = self._take(opcode, begin, self._file[begin:end])
+            if opcode in _WITH_MESSAGES:
+                yield end - begin, found
         if opcode != Opcode.FOOTER or self._file[self._end : self._end + len(MAGIC) + 1] != MAGIC:
             raise self._cut_off()
 
@@ -217,10 +218,9 @@ class _FileReader:
         """Take a part; return the messages of it that are wanted. Records of unknown kinds are left to others."""
         self.at = begin
         self._verify_section(opcode, raw)
-        has_messages = opcode in (Opcode.CHUNK, Opcode.MESSAGE)
-        record = None if has_messages else parsed(opcode, raw[RECORD_HEAD.size :])
+        record = None if opcode in _WITH_MESSAGES else parsed(opcode, raw[RECORD_HEAD.size :])
         self._check.place(opcode, begin, begin + len(raw), record)
-        if has_messages:
+        if opcode in _WITH_MESSAGES:
             return self._take_messages(begin, raw)
         self._summary.add(record, begin, len(raw))
         match record:
@@ -269,7 +269,7 @@ class _FileReader:
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
-        chunk, places, data = _records_of(raw, inflated)
+        chunk, places, data = _records_of(raw)
         indexes = dict[int, tuple[int, Rows]]()
         for place in places:
             self.at = begin + place.start

@@ -315,6 +315,8 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
             return find_messages(data, NO_HINTS, most)
         if position != behind[gap]:
             end = position
+    if not (starts or others) and end == len(data):
+        return hinted
     found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]))
     return MessageTable(data[:end], found, tuple(others))
 
