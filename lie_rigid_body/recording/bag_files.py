@@ -82,8 +82,10 @@ class BagFiles:
                 contents.kept.append(found)
                 kept += sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
                 if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * file.stat().st_size):
-                    what = f"messages of {kept} bytes in a file of {file.stat().st_size}"
-                    raise BagError(f"{file} has {what}, more than is read: record it again")
+                    raise BagError(
+                        f"{file} has messages of {kept} bytes in a file of {file.stat().st_size}, more than is read: "
+                        "record it again"
+                    )
                 self.progress(size)
         if self._information is not None:
             _hold_metadata(self._metadata, self._information, contents)
@@ -95,7 +97,7 @@ def is_one_bag(folder: Path) -> bool:
 
     Without metadata, as a recorder leaves ``NAME`` that was killed, they are ``NAME_0.mcap``, ``NAME_1.mcap`` …
     """
-    if (folder / METADATA).exists():
+    if os.path.exists(folder / METADATA):
         return True
     suffix = next((suffix for suffix in SUFFIXES if any(folder.glob(f"*{suffix}"))), "")
     numbers = _numbers(folder, suffix) if suffix else set()
@@ -250,7 +252,15 @@ def bags_in(folder: Path) -> list[Path]:
         By their names, numbers in them in their order. A folder that cannot be read, or has no bag in it, stands for
         itself: whoever opens it is told why it is none.
     """
-    return sorted(_bags_below(folder), key=natural_order) or [folder]
+    found = list[Path]()
+    for here, folders, files in os.walk(folder, onerror=lambda error: found.append(Path(error.filename))):
+        if is_one_bag(Path(here)):
+            found.append(Path(here))
+            folders.clear()
+        else:
+            found.extend(Path(here, name) for name in files if name.endswith(SUFFIXES) and not name.startswith("."))
+            folders[:] = [name for name in folders if not name.startswith(".")]
+    return sorted(found, key=natural_order) or [folder]
 
 
 def files_of(bag: str | Path) -> Iterator[Path]:
@@ -262,20 +272,3 @@ def files_of(bag: str | Path) -> Iterator[Path]:
         with suppress(BagError):
             yield from BagFiles(each).files
         yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
-
-
-def _bags_below(folder: Path) -> Iterator[Path]:
-    try:
-        if is_one_bag(folder):
-            yield folder
-            return
-        with os.scandir(folder) as entries:
-            inside = [entry for entry in entries if not entry.name.startswith(".")]
-    except OSError:
-        yield folder
-        return
-    for entry in inside:
-        if entry.is_dir(follow_symlinks=False):
-            yield from _bags_below(folder / entry.name)
-        elif entry.name.endswith(SUFFIXES):
-            yield folder / entry.name

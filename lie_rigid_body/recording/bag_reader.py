@@ -214,10 +214,10 @@ class Bag(BagFacts):
                 if len(found) == 1:
                     raise
                 bags[name] = error
-                continue
-            bag.others = besides
-            bag.name += f" {name}" * (len(found) > 1)
-            bags[name] = bag
+            else:
+                bag.others = besides
+                bag.name += f" {name}" * (len(found) > 1)
+                bags[name] = bag
         return bags
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
@@ -226,8 +226,7 @@ class Bag(BagFacts):
         self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
         for track in body.tracks.values():
             require_cdr(self._path, track)
-        truth = [body.tracks[name] for name in TRUTH]
-        pose, twist, scenario = truth
+        pose, twist, scenario = (body.tracks[name] for name in TRUTH)
         self._tracks, self.pose_count, self.twist_count = body.tracks, pose.count, twist.count
         super().__init__(
             pose_topic=pose.topic,
@@ -236,7 +235,7 @@ class Bag(BagFacts):
             library=contents.library,
             scenario_texts=read_scenarios(self._path, contents, scenario),
             expected_samples=_expected_samples(self._path, contents),
-            published_otherwise=sum(track.published_otherwise for track in truth),
+            published_otherwise=sum(track.published_otherwise for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
             undefined=tuple(t.topic for t in body.tracks.values() if not _is_defined(self._path, t)),
             without_checksum=contents.without_checksum,
@@ -352,13 +351,15 @@ def _not_chosen(body: Body) -> str:
 def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     """What a bag holds besides some bodies, in words."""
     own = [track for body in known for track in body.tracks.values()]
-    shared, topics = {track.topic for track in own}, list[str]()
-    for track in contents.tracks.values():
-        if track.count and not any(track is each for each in own):
-            kind = f"as {track.message_type}, " if track.topic in shared else ""
-            topics.append(f"topic {track.topic} ({kind}{track.count} messages), which no scenario determines")
-    if len(topics) > _MOST_OTHERS:
-        topics[_MOST_OTHERS:] = [f"{len(topics) - _MOST_OTHERS} more topics, which no scenario determines"]
+    shared = {track.topic for track in own}
+    besides = [track for track in contents.tracks.values() if track.count and not any(track is each for each in own)]
+    topics = [
+        f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
+        "which no scenario determines"
+        for track in besides[:_MOST_OTHERS]
+    ]
+    if len(besides) > _MOST_OTHERS:
+        topics.append(f"{len(besides) - _MOST_OTHERS} more topics, which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

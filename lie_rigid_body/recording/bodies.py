@@ -29,8 +29,8 @@ _LONGEST_LIST: Final = 60
 
 def topic_types() -> dict[str, tuple[str, ...]]:
     """The topics of a body by their relative names, and the message types that each may have."""
-    of_sensors = {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
-    return {POSE: (POSE_STAMPED,), TWIST: (TWIST_STAMPED, BARE_TWIST), SCENARIO: (STRING,), **of_sensors}
+    truth = {POSE: (POSE_STAMPED,), TWIST: (TWIST_STAMPED, BARE_TWIST), SCENARIO: (STRING,)}
+    return truth | {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
 
 
 @dataclass(frozen=True)

@@ -118,8 +118,7 @@ def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], ke
         except BagError:
             raise
         except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
-            what = f"{path} changed while it was read: try again when nobody writes it"
-            raise BagError(what) from error
+            raise BagError(f"{path} changed while it was read: try again when nobody writes it") from error
 
 
 def _told(error: Exception, at: int) -> str:
@@ -225,8 +224,10 @@ class _FileReader:
         self._summary.add(record, begin, len(raw))
         match record:
             case Header():
-                is_known = record.profile in _PROFILES
-                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+                require(
+                    record.profile in _PROFILES,
+                    f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'",
+                )
                 self._contents.library = self._contents.library or record.library
             case Metadata():
                 self._contents.metadata[record.name] = record.metadata
@@ -263,8 +264,10 @@ class _FileReader:
             schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
             own = RawTrack(channel.topic, schema.name, channel.message_encoding, (schema.encoding, schema.data))
             track = self._tracks[number] = self._contents.tracks.setdefault(own.key, own)
-            alike = (track.encoding, track.definition) == (own.encoding, own.definition)
-            require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
+            require(
+                (track.encoding, track.definition) == (own.encoding, own.definition),
+                f"topic {channel.topic} has messages of two encodings or definitions",
+            )
         return self._tracks[number]
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
@@ -280,8 +283,9 @@ class _FileReader:
         hints = (rows[:, 1].view(np.int64) for _, rows in indexes.values())
         most = self._records_left if chunk is not None else len(raw)
         table = find_messages(data, np.concatenate([NO_HINTS, *hints]), most)
-        end = len(table.data)
-        require(end == len(data), f"no record that ends in its chunk stands at byte {end} of it")
+        require(
+            len(table.data) == len(data), f"no record that ends in its chunk stands at byte {len(table.data)} of it"
+        )
         for place in table.others:
             require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
         table.require_times()
@@ -299,8 +303,10 @@ class _FileReader:
         self._records_left -= len(table.starts) + len(table.others)
         self._bare_chunks += not chunk.uncompressed_crc
         for channel, (self.at, rows) in indexes.items():
-            is_same = np.array_equal(rows, table.index.get(channel, _NO_ROWS))
-            require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
+            require(
+                np.array_equal(rows, table.index.get(channel, _NO_ROWS)),
+                f"the index of channel {channel} is not that of its chunk's messages",
+            )
         self.at = begin
         missing = table.index.keys() - indexes.keys()
         require(not (indexes and missing), f"a chunk has no index of channel {min(missing, default=0)}")

@@ -195,8 +195,10 @@ def parsed(opcode: int, content: bytes) -> Any:
         if (size := size_of(value)) > limit:
             raise ExcessError(f"a {name} of {size} bytes in a {kind.__name__.lower()}")
         if isinstance(value, dict) and isinstance(record, ChunkIndex | Statistics):  # maps of numbers are read beyond
-            is_same = content.startswith(record_bytes(record)[RECORD_HEAD.size :])
-            require(is_same, f"the {name} of a {kind.__name__.lower()} have another length than is said")
+            require(
+                content.startswith(record_bytes(record)[RECORD_HEAD.size :]),
+                f"the {name} of a {kind.__name__.lower()} have another length than is said",
+            )
     return record
 
 

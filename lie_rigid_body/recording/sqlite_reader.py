@@ -15,6 +15,8 @@ from lie_rigid_body.recording.records import LAST_TIME
 
 SUFFIX: Final = ".db3"
 """Suffix of the names of such files."""
+_KINDS: Final = {str: "text", float: "a real number", int: "an integer", bytes: "a blob"}
+"""Words for the types of values in the tables."""
 _AT_ONCE: Final = 4096
 """Number of messages that are read together."""
 
@@ -93,16 +95,12 @@ def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Parts:
         for connection, time, data in some:
             for column, value, kind in (("timestamp", time, int), ("data", data, bytes)):
                 if not isinstance(value, kind):
-                    raise _wrong_type(path, connection.topic, column, value)
+                    raise BagError(
+                        f"{path} is damaged: a message on {connection.topic} has {_KINDS.get(type(value), 'nothing')} "
+                        f"in the column {column}, where {_KINDS[kind]} belongs: restore a copy, or record again"
+                    )
             by_track.setdefault((connection.topic, connection.msgtype), []).append((time, data))
         yield size * len(some) // total, {key: RawMessages.of_payloads(of) for key, of in by_track.items()}
-
-
-def _wrong_type(path: Path, topic: str, column: str, value: object) -> BagError:
-    wanted = "an integer" if column == "timestamp" else "a blob"
-    found = {str: "text", float: "a real number", int: "an integer", bytes: "a blob"}.get(type(value), "nothing")
-    what = f"a message on {topic} has {found} in the column {column}, where {wanted} belongs"
-    return BagError(f"{path} is damaged: {what}: restore a copy, or record again")
 
 
 def _track(connection: Any, contents: McapContents) -> RawTrack:
