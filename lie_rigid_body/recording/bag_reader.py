@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
@@ -297,7 +297,7 @@ class Bag(BagFacts):
         poses, twists, readings = whole.pop(POSE), whole.pop(TWIST), dict[str, OfSensor](whole)
         if FAULTS in self.sensors:
             readings[FAULTS] = FaultMessages.of([*self._faults()])
-        facts: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
+        facts = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
         return Recording(**facts, poses=poses, twists=twists, readings=readings)
 
 

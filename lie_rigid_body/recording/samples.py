@@ -171,8 +171,8 @@ def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
-    return [with_inertia(segment, inertia) for segment in declared.values()]
+    texts = (text for _, text in bag.scenario_texts)
+    return [with_inertia(segment, inertia) for segment in declared_segments(texts, bag.name).values()]
 
 
 def paired(

@@ -216,9 +216,9 @@ class SummaryCheck:
             If it is not where records of its kind belong.
         """
         require(bool(self._opcodes) or opcode == Opcode.HEADER, "it does not begin with a header")
-        if self._opcodes and opcode <= Opcode.DATA_END:
-            allowed = _IN_DATA if self._begin is None else _IN_SUMMARY
-            require(opcode in allowed, f"a record {opcode:#x} is out of place")
+        allowed = _IN_DATA if self._begin is None else _IN_SUMMARY
+        is_in_place = opcode in allowed or opcode > Opcode.DATA_END or not self._opcodes
+        require(is_in_place, f"a record {opcode:#x} is out of place")
         self._opcodes.add(opcode)
         if self._begin is not None:
             first, before = self._groups.get(opcode, (begin, begin))

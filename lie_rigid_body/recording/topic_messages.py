@@ -183,11 +183,8 @@ def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tup
 
 def topic_messages(path: Path, key: TrackKey, found: RawMessages, first: int = 0) -> TopicMessages:
     """Decode messages of a topic, the first of which has a number, for errors."""
-    parts = []
-    for some in found.pieces(_AT_ONCE):
-        parts.append(_decoded(path, *key, some, first))
-        first += len(some)
-    return TopicMessages.joined(parts)
+    pieces = enumerate(found.pieces(_AT_ONCE))
+    return TopicMessages.joined([_decoded(path, *key, some, first + i * _AT_ONCE) for i, some in pieces])
 
 
 def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:
@@ -268,12 +265,11 @@ class AttitudeTrack:
         return len(self.stamps_ns)
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> AttitudeTrack:
-        P = self.covariance
         return replace(
             self,
             stamps_ns=self.stamps_ns[rows],
             attitude_xyzw=self.attitude_xyzw[rows],
-            covariance=None if P is None else P[rows],
+            covariance=None if self.covariance is None else self.covariance[rows],
         )
 
     @classmethod
