@@ -23,7 +23,6 @@ from lie_rigid_body.recording.mcap_contents import (
     Progress,
     RawMessages,
     RawTrack,
-    TrackKey,
     nothing,
     of_types,
     unheard,
@@ -268,22 +267,18 @@ class Bag(BagFacts):
     def _decoded(self, sensors: Iterable[str]) -> Iterator[dict[str, TopicMessages]]:
         """Messages of pose, twist and sensors by their relative names, as many at a time as a batch has."""
         keys = {name: self._tracks[name].key for name in (POSE, TWIST, *sensors)}
-        before = Counter[TrackKey]()
-        for found in self._some(set(keys.values())):
-            yield {name: topic_messages(self._path, key, found[key], before[key]) for name, key in keys.items()}
-            before.update({key: len(messages) for key, messages in found.items()})
-
-    def _some(self, keys: Collection[TrackKey]) -> Iterator[Found]:
-        """Messages of some tracks, as many as a batch has."""
-        waiting: dict[TrackKey, list[RawMessages]] = {key: [] for key in keys}
-        count, end = 0, Found()
-        for found in itertools.chain(self._contents.read(keys, self._progress), [end]):
-            for key in found.keys() & waiting.keys():
-                waiting[key].append(found[key])
-                count += len(found[key])
+        waiting: dict[str, list[RawMessages]] = {name: [] for name in keys}
+        before, count, end = Counter[str](), 0, Found()
+        for found in itertools.chain(self._contents.read({*keys.values()}, self._progress), [end]):
+            for name, key in keys.items():
+                if key in found:
+                    waiting[name].append(found[key])
+                    count += len(found[key])
             if found is end or count >= _BATCH:
-                yield {key: RawMessages.joined(pieces) for key, pieces in waiting.items()}
-                waiting, count = {key: [] for key in keys}, 0
+                whole = {name: RawMessages.joined(parts) for name, parts in waiting.items()}
+                yield {name: topic_messages(self._path, keys[name], raw, before[name]) for name, raw in whole.items()}
+                before.update({name: len(raw) for name, raw in whole.items()})
+                waiting, count = {name: [] for name in keys}, 0
 
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""

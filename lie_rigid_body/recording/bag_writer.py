@@ -90,6 +90,11 @@ class BagWriter:
     end : str or None, optional
         Name of the metadata record that ends it, if one does: `METADATA` or `CUT_OFF`.
 
+    Attributes
+    ----------
+    path : Path
+        The path of the bag, where an older file may stand until it is finished.
+
     Raises
     ------
     BagError
@@ -126,17 +131,13 @@ class BagWriter:
         self._flushes, self._synced = 0, -_SYNC_AT_LEAST
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
+        self.path = self._file.path
         self._queue = DiskQueue(waits=wait_for_disk)
         self._chunk = ChunkBuilder(chunk_size, self._put)
         with self._writing():
             self._mcap = McapFile(self._file.stream, Header("ros2", library))
             for topic in (POSE, TWIST, _SCENARIO):
                 self._add_channel(topic)
-
-    @property
-    def path(self) -> Path:
-        """The path of the bag, where an older file may stand until it is finished."""
-        return self._file.path
 
     @property
     def sample_count(self) -> int:

@@ -81,7 +81,9 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     own = [name for name in TRUTH if name in given]
     complete = _complete(path, contents, given)
     found = [body for body in complete if all(body[0][name] is given[name] for name in own)]
-    found = found or [(_single(path, contents, given), "")]
+    if not found:  # the topics of the one body are not in one namespace
+        near = next((given[name].topic.rpartition("/")[0] for name in given if name in (POSE, TWIST)), None)
+        found = [({name: given.get(name) or _find(path, contents, name, near) for name in TRUTH}, "")]
     return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
 
 
@@ -177,12 +179,6 @@ def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawT
     if len(own) != 1:
         raise _several(path, SCENARIO, own or scenarios)
     return own[0]
-
-
-def _single(path: Path, contents: McapContents, given: Tracks) -> Tracks:
-    """The tracks of the one body of a bag whose topics are not in one namespace."""
-    near = [track.topic.rpartition("/")[0] for name, track in given.items() if name in (POSE, TWIST)]
-    return {name: given.get(name) or _find(path, contents, name, near[0] if near else None) for name in TRUTH}
 
 
 def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:

@@ -47,6 +47,11 @@ class OutputFile:
     overwrite : bool
         Whether a regular file of that name may be replaced.
 
+    Attributes
+    ----------
+    replaces : bool
+        Whether an older file waits to be replaced.
+
     Raises
     ------
     InputError
@@ -60,6 +65,7 @@ class OutputFile:
         self._lock = contextlib.ExitStack()
         try:
             self._target = self._replaceable(overwrite)
+            self.replaces = self._target is not None
             _remove_rests((self._target or self.path).parent)  # now, as nothing is to come between a file and its use
             if self._target is None:
                 self._written, self._file = self.path, _GrowingFile(self.path)
@@ -88,11 +94,6 @@ class OutputFile:
         if not self.path.is_file():
             raise BagError(f"{self.path} is not a regular file and is not replaced: give another name")
         return self.path.resolve()
-
-    @property
-    def replaces(self) -> bool:
-        """Whether an older file waits to be replaced."""
-        return self._target is not None
 
     def sync(self) -> None:
         """Flush and fsync: what was written survives a loss of power."""

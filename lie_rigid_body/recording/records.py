@@ -247,14 +247,10 @@ class MessageTable:
         return np.asarray(self.starts + RECORD_HEAD.size + lengths)
 
     @property
-    def log_times(self) -> Integers:
-        """Times when the messages were logged, ns, shape (N,)."""
-        return np.asarray(self.heads["log_time"].view(np.int64))
-
-    @property
     def span_ns(self) -> tuple[int, int]:
-        """The earliest and the latest of them; `LAST_TIME` and 0 without messages."""
-        return int(self.log_times.min(initial=LAST_TIME)), int(self.log_times.max(initial=0))
+        """The earliest and the latest log time, ns; `LAST_TIME` and 0 without messages."""
+        times = self.heads["log_time"].view(np.int64)
+        return int(times.min(initial=LAST_TIME)), int(times.max(initial=0))
 
     @cached_property
     def index(self) -> dict[int, Rows]:

@@ -167,17 +167,7 @@ class Summary:
 
     def groups(self) -> dict[int, list[McapRecord]]:
         """Records of the summary by their opcodes, in the order in which they are written."""
-        return {
-            Opcode.SCHEMA: [*self.schemas.values()],
-            Opcode.CHANNEL: [*self.channels.values()],
-            Opcode.STATISTICS: [self._statistics()],
-            Opcode.CHUNK_INDEX: [*self.chunks],
-            Opcode.ATTACHMENT_INDEX: [*self.attachments],
-            Opcode.METADATA_INDEX: [*self._metadata],
-        }
-
-    def _statistics(self) -> Statistics:
-        return Statistics(
+        statistics = Statistics(
             attachment_count=len(self.attachments),
             channel_count=len(self.channels),
             channel_message_counts=dict(self.counts),
@@ -188,6 +178,14 @@ class Summary:
             metadata_count=len(self._metadata),
             schema_count=len(self.schemas),
         )
+        return {
+            Opcode.SCHEMA: [*self.schemas.values()],
+            Opcode.CHANNEL: [*self.channels.values()],
+            Opcode.STATISTICS: [statistics],
+            Opcode.CHUNK_INDEX: [*self.chunks],
+            Opcode.ATTACHMENT_INDEX: [*self.attachments],
+            Opcode.METADATA_INDEX: [*self._metadata],
+        }
 
 
 class SummaryCheck:
