@@ -13,8 +13,7 @@ from functools import partial
 from typing import Any, Final
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.runs.command import CommandEstimator
-from lie_rigid_body.runs.estimators import Estimator, estimator
+from lie_rigid_body.runs.estimators import CommandEstimator, Estimator, NamedFunction
 from lie_rigid_body.wording import short_repr, shown, suggestion
 
 FUNCTION: Final = r"\w+(\.\w+)*:\w+"
@@ -64,7 +63,7 @@ class Contender:
         """
         if self.function is None:
             return
-        function = estimator(self.function)
+        function = NamedFunction(self.function).load()
         try:
             taken = inspect.signature(function).parameters
         except (TypeError, ValueError):  # of a function in C that does not tell
@@ -104,7 +103,7 @@ class Entry:
         """
         if self.contender.command is not None:
             return CommandEstimator(self.contender.command)
-        found = estimator(str(self.contender.function))
+        found = NamedFunction(str(self.contender.function)).load()
         return partial(found, **self.parameters) if self.parameters else found
 
 

@@ -42,6 +42,5 @@ class Arguments:
 def parse(argv: Sequence[str]) -> Arguments:
     """Read a command line, without the program's name."""
     own, ros = console.split_ros_arguments(argv)
-    parser = console.Parser("sim", DESCRIPTION, epilog=EPILOG)
-    found = console.add_scenario_arguments(parser).parse_args(own)
+    found = console.Parser("sim", DESCRIPTION, epilog=EPILOG, scenario=True).parse_args(own)
     return Arguments(found.scenario, tuple(found.params_file), tuple(found.assignments), tuple(ros))

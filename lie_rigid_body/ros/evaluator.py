@@ -99,7 +99,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
-        if live is not None and live.complete:
+        if live is not None and live.estimate.complete:
             return True
         if given.wait and now - compared_at > given.wait:
             return True

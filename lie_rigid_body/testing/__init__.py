@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs import Run
-    from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.estimators import CommandEstimator
     from lie_rigid_body.runs.node import NodeEstimator
     from lie_rigid_body.scenario import Scenario
 
@@ -75,7 +75,7 @@ def command_estimator(command: str, timeout: float = 60.0) -> CommandEstimator:
     CommandEstimator
         A function of a `Run`, for `lie_rigid_body.diagnose`, for tests, and for campaigns.
     """
-    from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.estimators import CommandEstimator
 
     return CommandEstimator(command, timeout)
 

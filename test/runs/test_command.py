@@ -16,7 +16,7 @@ from lie_rigid_body import attitude_error, diagnose, simulate
 from lie_rigid_body.cli import diagnose as verb
 from lie_rigid_body.cli import league
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.runs.command import HEADER, CommandEstimator
+from lie_rigid_body.runs.estimators import HEADER, CommandEstimator
 from lie_rigid_body.testing import command_estimator
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
@@ -92,7 +92,7 @@ def test_what_a_program_does_wrong_is_told_in_one_line(run, tmp_path, source, to
 
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
 def test_a_program_that_prints_without_end_is_ended(run, tmp_path, monkeypatch, stream):
-    monkeypatch.setattr("lie_rigid_body.runs.command._LARGEST_OUTPUT", 2**20)
+    monkeypatch.setattr("lie_rigid_body.runs.estimators._LARGEST_OUTPUT", 2**20)
     with pytest.raises(InputError, match="prints more than 1048576 bytes"):
         python(tmp_path, f"while True:\n    sys.{stream}.write(4096 * '1')")(run)
 
