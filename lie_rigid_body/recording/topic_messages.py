@@ -50,8 +50,11 @@ _LAYOUTS: Final[dict[str, tuple[int, int, slice | None]]] = {
     ODOMETRY: (85, 3, slice(7, 43)),
     TF_MESSAGE: (7, 3, None),
 }
-"""Numbers of float64 fields, of the first of the attitude, perhaps behind three of a position, and the fields of the
-covariance: 6 × 6 after a pose, 3 × 3 after an orientation."""
+"""Number of float64 fields, the first of the attitude, and those of the covariance, by the type.
+
+An attitude stands behind the three numbers of a position, if there is one. A covariance is 6 × 6 after a pose, 3 × 3
+after an orientation.
+"""
 ATTITUDE_TYPES: Final = tuple(_LAYOUTS)
 """Message types that hold an attitude with a stamp."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
