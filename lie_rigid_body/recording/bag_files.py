@@ -1,12 +1,17 @@
-"""The files that a bag is made of, held against the metadata.yaml of their folder, and the bags in a folder."""
+"""The files that a bag is made of, held against the metadata.yaml of their folder, and the bags in a folder.
+
+SQLite files of rosbag2 are read where the library `rosbags` is installed.
+"""
 
 from __future__ import annotations
 
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,18 +19,33 @@ from lie_rigid_body.bounded_input import LARGEST_METADATA, as_path, load_yaml, r
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
-from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted, unheard
+from lie_rigid_body.recording.mcap_contents import (
+    FileSpan,
+    McapContents,
+    Parts,
+    Progress,
+    RawMessages,
+    RawTrack,
+    TrackKey,
+    Wanted,
+    unheard,
+)
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
-from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
+from lie_rigid_body.recording.records import LAST_TIME
 from lie_rigid_body.wording import shown
 
 METADATA: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""
 
-SUFFIXES: Final = (".mcap", SUFFIX)
+SQLITE: Final = ".db3"
+SUFFIXES: Final = (".mcap", SQLITE)
 """Suffixes of the names of bags."""
 
+_KINDS: Final = {str: "text", float: "a real number", int: "an integer", bytes: "a blob"}
+"""Words for the types of values in the tables of SQLite."""
+_AT_ONCE: Final = 4096
+"""Number of messages of an SQLite file that are read together."""
 _TOLERANCE_NS: Final = NS
 """A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
 _PER_MESSAGE: Final = 100
@@ -78,12 +98,14 @@ class BagFiles:
         contents = McapContents(wanted)
         for file in self.files:
             kept = 0
-            for size, found in (read_database if file.suffix == SUFFIX else read_file)(file, contents):
+            for size, found in (_read_database if file.suffix == SQLITE else read_file)(file, contents):
                 contents.kept.append(found)
                 kept += sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
                 if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * file.stat().st_size):
-                    what = f"messages of {kept} bytes in a file of {file.stat().st_size}"
-                    raise BagError(f"{file} has {what}, more than is read: record it again")
+                    raise BagError(
+                        f"{file} has messages of {kept} bytes in a file of {file.stat().st_size}, more than is read: "
+                        "record it again"
+                    )
                 self.progress(size)
         if self._information is not None:
             _hold_metadata(self._metadata, self._information, contents)
@@ -95,7 +117,7 @@ def is_one_bag(folder: Path) -> bool:
 
     Without metadata, as a recorder leaves ``NAME`` that was killed, they are ``NAME_0.mcap``, ``NAME_1.mcap`` …
     """
-    if (folder / METADATA).exists():
+    if os.path.exists(folder / METADATA):
         return True
     suffix = next((suffix for suffix in SUFFIXES if any(folder.glob(f"*{suffix}"))), "")
     numbers = _numbers(folder, suffix) if suffix else set()
@@ -193,7 +215,7 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
     present = {path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")}
     for name in sorted(present - {str(name) for name in said["relative_file_paths"]}):
         yield f"relative_file_paths: {name} is left out"
-    storage = "sqlite3" if spans[0].name.endswith(SUFFIX) else "mcap"
+    storage = "sqlite3" if spans[0].name.endswith(SQLITE) else "mcap"
     yield from _differs("storage_identifier", said.get("storage_identifier", storage), storage)
     yield from _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")
     yield from _span_misfits("", said, whole)
@@ -250,7 +272,15 @@ def bags_in(folder: Path) -> list[Path]:
         By their names, numbers in them in their order. A folder that cannot be read, or has no bag in it, stands for
         itself: whoever opens it is told why it is none.
     """
-    return sorted(_bags_below(folder), key=natural_order) or [folder]
+    found = list[Path]()
+    for here, folders, files in os.walk(folder, onerror=lambda error: found.append(Path(error.filename))):
+        if is_one_bag(Path(here)):
+            found.append(Path(here))
+            folders.clear()
+        else:
+            found.extend(Path(here, name) for name in files if name.endswith(SUFFIXES) and not name.startswith("."))
+            folders[:] = [name for name in folders if not name.startswith(".")]
+    return sorted(found, key=natural_order) or [folder]
 
 
 def files_of(bag: str | Path) -> Iterator[Path]:
@@ -264,18 +294,89 @@ def files_of(bag: str | Path) -> Iterator[Path]:
         yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
 
 
-def _bags_below(folder: Path) -> Iterator[Path]:
+def _read_database(path: Path, contents: McapContents) -> Parts:
+    """Read a file, and count its messages, some thousand at a time, in the order of their log times.
+
+    Parameters
+    ----------
+    path : Path
+    contents : McapContents
+        What it holds is added there.
+
+    Yields
+    ------
+    size : int
+        Bytes that were read, about.
+    found : Found
+        Those messages among the last ones that are wanted.
+
+    Raises
+    ------
+    BagError
+        If the file cannot be read, or rosbags is not installed.
+    """
+    with _opened(path) as reader:
+        tracks = {(track := _track(connection, contents)).key: track for connection in reader.connections}
+        count, first, last = 0, LAST_TIME, 0
+        for size, found in _read(path, reader, tracks):
+            for key, messages in found.items():
+                tracks[key].count += len(messages)
+                count += len(messages)
+                first, last = min(first, int(messages.log_times_ns.min())), max(last, int(messages.log_times_ns.max()))
+            yield size, {key: messages for key, messages in found.items() if contents.wanted(*key)}
+    contents.files.append(FileSpan(path.name, count, first, last))
+    contents.again.append(partial(_read_again, path))
+    contents.without_checksum += 1
+
+
+def _read_again(path: Path, keys: Collection[TrackKey]) -> Parts:
+    with _opened(path) as reader:
+        yield from _read(path, reader, keys)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """Context of a reader of the file, whose errors are told in one line."""
     try:
-        if is_one_bag(folder):
-            yield folder
-            return
-        with os.scandir(folder) as entries:
-            inside = [entry for entry in entries if not entry.name.startswith(".")]
-    except OSError:
-        yield folder
-        return
-    for entry in inside:
-        if entry.is_dir(follow_symlinks=False):
-            yield from _bags_below(folder / entry.name)
-        elif entry.name.endswith(SUFFIXES):
-            yield folder / entry.name
+        from rosbags.rosbag2 import Reader
+    except ModuleNotFoundError:
+        raise BagError(
+            f"{path} is an SQLite bag: install the library that reads it, pip install 'lie-rigid-body[sqlite]', or "
+            "record with 'ros2 bag record -s mcap'"
+        ) from None
+    if not path.exists():
+        raise BagError(f"{path} does not exist: give the path of a bag")
+    try:
+        with Reader(path) as reader:
+            yield reader
+    except (BagError, MemoryError):
+        raise
+    except Exception as error:  # the library's, and those of the library below it
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        if isinstance(error, AttributeError | KeyError | TypeError):  # SQLite takes values of any type in any column
+            what = "a column of its tables has a value of another type, or one that is unknown"
+        raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
+
+
+def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Parts:
+    """Bytes that were read, about, and messages of some tracks, some thousand at a time."""
+    own = [connection for connection in reader.connections if (connection.topic, connection.msgtype) in keys]
+    messages, size = reader.messages(own), path.stat().st_size
+    total = max(1, sum(connection.msgcount for connection in own))
+    while own and (some := list(islice(messages, _AT_ONCE))):
+        by_track: dict[TrackKey, list[tuple[int, bytes]]] = {}
+        for connection, time, data in some:
+            for column, value, kind in (("timestamp", time, int), ("data", data, bytes)):
+                if not isinstance(value, kind):
+                    raise BagError(
+                        f"{path} is damaged: a message on {connection.topic} has {_KINDS.get(type(value), 'nothing')} "
+                        f"in the column {column}, where {_KINDS[kind]} belongs: restore a copy, or record again"
+                    )
+            by_track.setdefault((connection.topic, connection.msgtype), []).append((time, data))
+        yield size * len(some) // total, {key: RawMessages.of_payloads(of) for key, of in by_track.items()}
+
+
+def _track(connection: Any, contents: McapContents) -> RawTrack:
+    key, encoding = (connection.topic, connection.msgtype), connection.ext.serialization_format
+    kind = "ros2msg" if connection.msgdef.format.name == "MSG" else ""
+    return contents.tracks.setdefault(key, RawTrack(*key, encoding, (kind, connection.msgdef.data.encode())))

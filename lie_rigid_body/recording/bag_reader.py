@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
@@ -23,7 +23,6 @@ from lie_rigid_body.recording.mcap_contents import (
     Progress,
     RawMessages,
     RawTrack,
-    TrackKey,
     nothing,
     of_types,
     unheard,
@@ -214,10 +213,10 @@ class Bag(BagFacts):
                 if len(found) == 1:
                     raise
                 bags[name] = error
-                continue
-            bag.others = besides
-            bag.name += f" {name}" * (len(found) > 1)
-            bags[name] = bag
+            else:
+                bag.others = besides
+                bag.name += f" {name}" * (len(found) > 1)
+                bags[name] = bag
         return bags
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
@@ -226,8 +225,7 @@ class Bag(BagFacts):
         self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
         for track in body.tracks.values():
             require_cdr(self._path, track)
-        truth = [body.tracks[name] for name in TRUTH]
-        pose, twist, scenario = truth
+        pose, twist, scenario = (body.tracks[name] for name in TRUTH)
         self._tracks, self.pose_count, self.twist_count = body.tracks, pose.count, twist.count
         super().__init__(
             pose_topic=pose.topic,
@@ -236,7 +234,7 @@ class Bag(BagFacts):
             library=contents.library,
             scenario_texts=read_scenarios(self._path, contents, scenario),
             expected_samples=_expected_samples(self._path, contents),
-            published_otherwise=sum(track.published_otherwise for track in truth),
+            published_otherwise=sum(track.published_otherwise for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
             undefined=tuple(t.topic for t in body.tracks.values() if not _is_defined(self._path, t)),
             without_checksum=contents.without_checksum,
@@ -269,22 +267,18 @@ class Bag(BagFacts):
     def _decoded(self, sensors: Iterable[str]) -> Iterator[dict[str, TopicMessages]]:
         """Messages of pose, twist and sensors by their relative names, as many at a time as a batch has."""
         keys = {name: self._tracks[name].key for name in (POSE, TWIST, *sensors)}
-        before = Counter[TrackKey]()
-        for found in self._some(set(keys.values())):
-            yield {name: topic_messages(self._path, key, found[key], before[key]) for name, key in keys.items()}
-            before.update({key: len(messages) for key, messages in found.items()})
-
-    def _some(self, keys: Collection[TrackKey]) -> Iterator[Found]:
-        """Messages of some tracks, as many as a batch has."""
-        waiting: dict[TrackKey, list[RawMessages]] = {key: [] for key in keys}
-        count, end = 0, Found()
-        for found in itertools.chain(self._contents.read(keys, self._progress), [end]):
-            for key in found.keys() & waiting.keys():
-                waiting[key].append(found[key])
-                count += len(found[key])
+        waiting: dict[str, list[RawMessages]] = {name: [] for name in keys}
+        before, count, end = Counter[str](), 0, Found()
+        for found in itertools.chain(self._contents.read({*keys.values()}, self._progress), [end]):
+            for name, key in keys.items():
+                if key in found:
+                    waiting[name].append(found[key])
+                    count += len(found[key])
             if found is end or count >= _BATCH:
-                yield {key: RawMessages.joined(pieces) for key, pieces in waiting.items()}
-                waiting, count = {key: [] for key in keys}, 0
+                whole = {name: RawMessages.joined(parts) for name, parts in waiting.items()}
+                yield {name: topic_messages(self._path, keys[name], raw, before[name]) for name, raw in whole.items()}
+                before.update({name: len(raw) for name, raw in whole.items()})
+                waiting, count = {name: [] for name in keys}, 0
 
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""
@@ -298,7 +292,7 @@ class Bag(BagFacts):
         poses, twists, readings = whole.pop(POSE), whole.pop(TWIST), dict[str, OfSensor](whole)
         if FAULTS in self.sensors:
             readings[FAULTS] = FaultMessages.of([*self._faults()])
-        facts: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
+        facts = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
         return Recording(**facts, poses=poses, twists=twists, readings=readings)
 
 
@@ -352,13 +346,15 @@ def _not_chosen(body: Body) -> str:
 def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     """What a bag holds besides some bodies, in words."""
     own = [track for body in known for track in body.tracks.values()]
-    shared, topics = {track.topic for track in own}, list[str]()
-    for track in contents.tracks.values():
-        if track.count and not any(track is each for each in own):
-            kind = f"as {track.message_type}, " if track.topic in shared else ""
-            topics.append(f"topic {track.topic} ({kind}{track.count} messages), which no scenario determines")
-    if len(topics) > _MOST_OTHERS:
-        topics[_MOST_OTHERS:] = [f"{len(topics) - _MOST_OTHERS} more topics, which no scenario determines"]
+    shared = {track.topic for track in own}
+    besides = [track for track in contents.tracks.values() if track.count and not any(track is each for each in own)]
+    topics = [
+        f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
+        "which no scenario determines"
+        for track in besides[:_MOST_OTHERS]
+    ]
+    if len(besides) > _MOST_OTHERS:
+        topics.append(f"{len(besides) - _MOST_OTHERS} more topics, which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

@@ -17,9 +17,8 @@ from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
-from lie_rigid_body.recording.disk_queue import DiskQueue
-from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressor, laid_out
-from lie_rigid_body.recording.output_file import RESCUE, OutputFile, reason, remedy
+from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
+from lie_rigid_body.recording.output_file import RESCUE, DiskQueue, OutputFile, reason, remedy
 from lie_rigid_body.recording.records import record_bytes
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
@@ -91,6 +90,11 @@ class BagWriter:
     end : str or None, optional
         Name of the metadata record that ends it, if one does: `METADATA` or `CUT_OFF`.
 
+    Attributes
+    ----------
+    path : Path
+        The path of the bag, where an older file may stand until it is finished.
+
     Raises
     ------
     BagError
@@ -114,32 +118,26 @@ class BagWriter:
         library: str = LIBRARY,
         end: str | None = METADATA,
     ) -> None:
-        self._stamped_twist, self._end = stamped_twist, end
-        self._compressed = compressor(compression)
+        self._stamped_twist, self._end, self._compression = stamped_twist, end, compression
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
-        sensors = {topic: f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS} | dict(sensor_topics or {})
-        self._names = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **sensors}
-        self._types = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING, **SENSOR_TOPICS}
-        self._names |= {topic: topic for topic in others or {}}
-        self._types |= others or {}
+        named = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **(sensor_topics or {})}
+        named |= {topic: topic for topic in others or {}}
+        truth = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING}
+        self._types = {**truth, **SENSOR_TOPICS, **(others or {})}
+        self._names = {topic: named.get(topic, f"/{topic.replace('~', SOFTWARE)}") for topic in self._types}
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
         self._gathered = Gathering()
-        self._flushes = 0
-        self._synced = -_SYNC_AT_LEAST
+        self._flushes, self._synced = 0, -_SYNC_AT_LEAST
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
+        self.path = self._file.path
         self._queue = DiskQueue(waits=wait_for_disk)
         self._chunk = ChunkBuilder(chunk_size, self._put)
         with self._writing():
             self._mcap = McapFile(self._file.stream, Header("ros2", library))
             for topic in (POSE, TWIST, _SCENARIO):
                 self._add_channel(topic)
-
-    @property
-    def path(self) -> Path:
-        """The path of the bag, where an older file may stand until it is finished."""
-        return self._file.path
 
     @property
     def sample_count(self) -> int:
@@ -214,7 +212,7 @@ class BagWriter:
 
     def _store(self, raw: RawChunk) -> None:
         """Write a chunk; this is what the disk's own thread does, while the next one is laid out."""
-        self._mcap.add_chunk(self._compressed(raw.table), raw.table)
+        self._mcap.add_chunk(compressed(raw.table, self._compression), raw.table)
 
     def flush(self) -> None:
         """Finish the present chunk, and let it be written to the disk. It survives a loss of power as soon as it is."""
@@ -232,10 +230,10 @@ class BagWriter:
         with self._writing():
             self._lay_out()
             raw = self._chunk.so_far()
-            self._queue.put(partial(self._write_draft, raw), len(raw) if raw else 0)
+            self._queue.put(partial(self._write_draft, raw), len(raw))
 
-    def _write_draft(self, raw: RawChunk | None) -> None:
-        self._file.draft(record_bytes(self._compressed(raw.table)) if raw else b"")
+    def _write_draft(self, raw: RawChunk) -> None:
+        self._file.draft(record_bytes(compressed(raw.table, self._compression)) if raw.starts else b"")
 
     def _sync(self, number: int) -> None:
         if number < self._flushes and time.monotonic() - self._synced < _SYNC_AT_LEAST:
@@ -282,11 +280,10 @@ class BagWriter:
             raise BagError(f"{self.path} is already finished: begin a new bag")
         try:
             yield
-        except BagError:
+        except (BagError, OSError) as error:
             self._abandon()
-            raise
-        except OSError as error:
-            self._abandon()
+            if isinstance(error, BagError):
+                raise
             rest = f"{remedy(error)}, and rescue it with {RESCUE}"
             if self._file.replaces:
                 rest = f"the older file of that name is kept: {remedy(error)} and record again"

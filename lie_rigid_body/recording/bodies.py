@@ -29,8 +29,8 @@ _LONGEST_LIST: Final = 60
 
 def topic_types() -> dict[str, tuple[str, ...]]:
     """The topics of a body by their relative names, and the message types that each may have."""
-    of_sensors = {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
-    return {POSE: (POSE_STAMPED,), TWIST: (TWIST_STAMPED, BARE_TWIST), SCENARIO: (STRING,), **of_sensors}
+    truth = {POSE: (POSE_STAMPED,), TWIST: (TWIST_STAMPED, BARE_TWIST), SCENARIO: (STRING,)}
+    return truth | {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
 
 
 @dataclass(frozen=True)
@@ -80,8 +80,10 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     own = [name for name in TRUTH if name in given]
     complete = _complete(path, contents, given)
-    found = [(tracks, fault) for tracks, fault in complete if all(tracks[name] is given[name] for name in own)]
-    found = found or [(_single(path, contents, given), "")]
+    found = [body for body in complete if all(body[0][name] is given[name] for name in own)]
+    if not found:  # the topics of the one body are not in one namespace
+        near = next((given[name].topic.rpartition("/")[0] for name in given if name in (POSE, TWIST)), None)
+        found = [({name: given.get(name) or _find(path, contents, name, near) for name in TRUTH}, "")]
     return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
 
 
@@ -134,9 +136,8 @@ def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[T
 
     Beside them, those of which pose or twist is missing.
     """
-    found: dict[str, Tracks] = {}
-    lacking: dict[str, Tracks] = {}
-    faults: dict[str, str] = {}
+    whole: dict[str, tuple[Tracks, str]] = {}
+    lacking: dict[str, tuple[Tracks, str]] = {}
     scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
     for scenario in [given[SCENARIO]] if SCENARIO in given else scenarios:
         beside = {space: _beside(contents, space) for space in _above(scenario.topic)}
@@ -145,17 +146,18 @@ def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[T
         if len(own) == 1 and telling_of_bodies(path, contents, [scenario]):
             name = TWIST if POSE in own else POSE
             none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
-            lacking[namespace] = {**own, name: none, SCENARIO: scenario}
-            faults[namespace] = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
-        elif len(own) == 2 and namespace in found:
+            fault = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
+            lacking[namespace] = {**own, name: none, SCENARIO: scenario}, fault
+        elif len(own) == 2 and namespace in whole:
+            tracks, _ = whole[namespace]
             try:
-                found[namespace][SCENARIO] = _ours(path, contents, [found[namespace][SCENARIO], scenario])
+                tracks[SCENARIO] = _ours(path, contents, [tracks[SCENARIO], scenario])
             except BagError as error:
-                faults[namespace] = str(error)
+                whole[namespace] = tracks, str(error)
         elif len(own) == 2:
-            found[namespace] = {**own, SCENARIO: scenario}
-    every = found and found | lacking
-    return [(every[namespace], faults.get(namespace, "")) for namespace in sorted(every)]
+            whole[namespace] = {**own, SCENARIO: scenario}, ""
+    every = whole and whole | lacking
+    return [every[namespace] for namespace in sorted(every)]
 
 
 def _beside(contents: McapContents, namespace: str) -> Tracks:
@@ -179,31 +181,22 @@ def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawT
     return own[0]
 
 
-def _single(path: Path, contents: McapContents, given: Tracks) -> Tracks:
-    """The tracks of the one body of a bag whose topics are not in one namespace."""
-    near = [track.topic.rpartition("/")[0] for name, track in given.items() if name in (POSE, TWIST)]
-    return {name: given.get(name) or _find(path, contents, name, near[0] if near else None) for name in TRUTH}
-
-
 def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:
     """The track with the right last name, of several that in the namespace; or else the only one of its types."""
     alike = _of_types(contents, name)
-    found = [track for track in alike if _last(track.topic) == name]
-    inside = [track for track in found if near is not None and track.topic.startswith(f"{near}/")]
-    if len(found) > 1 and len(inside) == 1:
-        found = inside
-    if not found and len(alike) == 1:
-        found = alike  # remapped
-    if not found:
+    named = [track for track in alike if _last(track.topic) == name]
+    inside = [track for track in named if near is not None and track.topic.startswith(f"{near}/")]
+    found = inside if len(inside) == 1 else named or alike  # remapped
+    if not named and len(alike) != 1:
         told = ": body, motion, frames" if name == SCENARIO else ""
         there = shortened(listed([topic for topic, _ in contents.tracks]), _LONGEST_LIST)
         remedy = _remedy(path, f"record it; there are {there}" if there else "record it; there is no topic at all")
         raise BagError(f"{path} has no topic .../{name} ({_types(name)}{told}): {remedy}")
-    if len(found) > 1 and name == SCENARIO:
+    if len(found) == 1:
+        return found[0]
+    if name == SCENARIO:
         return _ours(path, contents, found)
-    if len(found) > 1:
-        raise _several(path, name, found)
-    return found[0]
+    raise _several(path, name, found)
 
 
 def _remedy(path: Path, otherwise: str) -> str:

@@ -134,11 +134,7 @@ class ChunkBuilder:
     """
 
     def __init__(self, size: int, full: Callable[[RawChunk], object]) -> None:
-        self._chunk_size, self._full = size, full
-        self._begin()
-
-    def _begin(self) -> None:
-        self._chunk, self._size = RawChunk([], []), 0
+        self._size, self._full, self._chunk = size, full, RawChunk([], [])
 
     def add(self, record: McapRecord) -> None:
         """Add a schema or a channel."""
@@ -149,58 +145,54 @@ class ChunkBuilder:
         begin, count = 0, len(bounds) - 1
         while begin < count:
             # the first that ends beyond the size is the last of the chunk
-            room = self._chunk_size - self._size
-            end = int(np.searchsorted(bounds, bounds[begin] + room, side="right"))
+            there = len(self._chunk)
+            end = int(np.searchsorted(bounds, bounds[begin] + self._size - there, side="right"))
             end = min(max(end, begin + 1), count)
-            self._chunk.starts.append(bounds[begin:end] + (self._size - bounds[begin]))
+            self._chunk.starts.append(bounds[begin:end] + (there - bounds[begin]))
             self._append(data[bounds[begin] : bounds[end]])
             begin = end
 
     def _append(self, data: bytes | NDArray[np.uint8]) -> None:
         self._chunk.pieces.append(data)
-        self._size += len(data)
-        if self._size > self._chunk_size:
+        if len(self._chunk) > self._size:
             self.finish()
 
-    def so_far(self) -> RawChunk | None:
-        """The present chunk as far as it is; None without messages."""
-        return RawChunk([*self._chunk.pieces], [*self._chunk.starts]) if self._chunk.starts else None
+    def so_far(self) -> RawChunk:
+        """The present chunk as far as it is."""
+        return RawChunk([*self._chunk.pieces], [*self._chunk.starts])
 
     def finish(self) -> None:
         """End the present chunk, if it has messages."""
-        if chunk := self.so_far():
-            self._begin()
+        if self._chunk.starts:
+            chunk, self._chunk = self._chunk, RawChunk([], [])
             self._full(chunk)
 
 
-def compressor(compression: str) -> Callable[[MessageTable], Chunk]:
-    """A function that makes chunks of records with one message at least, for one thread.
+def compressed(table: MessageTable, compression: str) -> Chunk:
+    """A chunk of records with one message at least.
 
     Parameters
     ----------
+    table : MessageTable
     compression : str
         ``zstd``, ``lz4``, or nothing, as MCAP names them.
     """
-    compress: Callable[[bytes], bytes] = bytes
+    data = table.data
     if compression == "zstd":
-        compress = zstandard.ZstdCompressor(ZSTD_LEVEL).compress
+        data = zstandard.ZstdCompressor(ZSTD_LEVEL).compress(data)
     elif compression == "lz4":
         import lz4.frame
 
-        compress = lz4.frame.compress
-
-    def compressed(table: MessageTable) -> Chunk:
-        first_ns, last_ns = table.span_ns
-        return Chunk(
-            compression=compression,
-            data=compress(table.data),
-            message_start_time=first_ns,
-            message_end_time=last_ns,
-            uncompressed_crc=zlib.crc32(table.data),
-            uncompressed_size=len(table.data),
-        )
-
-    return compressed
+        data = lz4.frame.compress(data)
+    first_ns, last_ns = table.span_ns
+    return Chunk(
+        compression=compression,
+        data=data,
+        message_start_time=first_ns,
+        message_end_time=last_ns,
+        uncompressed_crc=zlib.crc32(table.data),
+        uncompressed_size=len(table.data),
+    )
 
 
 class McapFile:

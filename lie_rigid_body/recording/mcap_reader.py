@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from mcap.records import Chunk, Footer, Header, Metadata, Schema
 from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, inflated_unverified, most_records
+from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, most_records
 from lie_rigid_body.recording.mcap_contents import FileSpan, Found, McapContents, Parts, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
@@ -49,6 +49,7 @@ _TOGETHER: Final[Mapping[tuple[int, int], int]] = {
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
 }
 """Bytes from a record on within which those of some kind that follow it are taken together with it."""
+_WITH_MESSAGES: Final = (Opcode.CHUNK, Opcode.MESSAGE)
 _CHECKSUMS: Final[Mapping[int, tuple[int, int, str]]] = {
     Opcode.DATA_END: (0, RECORD_HEAD.size, "data section"),
     Opcode.FOOTER: (RECORD_HEAD.size + 16, RECORD_HEAD.size + 16, "summary"),
@@ -108,7 +109,7 @@ def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], ke
                 channels, found = {key: own for key, own in there.items() if key in keys}, Found()
                 if channels:
                     raw = file[begin:end]
-                    _, indexes, data = _records_of(raw, inflated_unverified)
+                    _, indexes, data = _records_of(raw)
                     index = dict(_index(raw, place) for place in indexes)  # compared when the file was read first
                     index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
                     found = _by_track(data, index, channels)
@@ -117,8 +118,7 @@ def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], ke
         except BagError:
             raise
         except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
-            what = f"{path} changed while it was read: try again when nobody writes it"
-            raise BagError(what) from error
+            raise BagError(f"{path} changed while it was read: try again when nobody writes it") from error
 
 
 def _told(error: Exception, at: int) -> str:
@@ -128,21 +128,19 @@ def _told(error: Exception, at: int) -> str:
     return ContradictionError.sentence.format(at=at, what=f"{type(error).__name__}: {error}".removesuffix(": "))
 
 
-def _records_of(raw: bytes, inflate: Callable[[Chunk], bytes]) -> tuple[Chunk | None, list[Place], bytes]:
+def _records_of(raw: bytes) -> tuple[Chunk | None, list[Place], bytes]:
     """Chunk, if it is one, places of the indexes behind it, and records with messages of a part of a file.
 
     Parameters
     ----------
     raw : bytes
         A chunk with the indexes behind it, or messages that stand in no chunk.
-    inflate : callable
-        Gives the records of a chunk.
     """
     if raw[0] != Opcode.CHUNK:
         return None, [], raw
     first, *indexes = records(raw)
     chunk: Chunk = parsed(Opcode.CHUNK, raw[first.begin : first.end])
-    return chunk, indexes, inflate(chunk)
+    return chunk, indexes, inflated(chunk)
 
 
 def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
@@ -180,7 +178,9 @@ class _FileReader:
         self._require_magic()
         opcode = 0
         for opcode, begin, end in self._parts():
-            yield end - begin, self._take(opcode, begin, self._file[begin:end])
+            found = self._take(opcode, begin, self._file[begin:end])
+            if opcode in _WITH_MESSAGES:
+                yield end - begin, found
         if opcode != Opcode.FOOTER or self._file[self._end : self._end + len(MAGIC) + 1] != MAGIC:
             raise self._cut_off()
 
@@ -217,16 +217,17 @@ class _FileReader:
         """Take a part; return the messages of it that are wanted. Records of unknown kinds are left to others."""
         self.at = begin
         self._verify_section(opcode, raw)
-        has_messages = opcode in (Opcode.CHUNK, Opcode.MESSAGE)
-        record = None if has_messages else parsed(opcode, raw[RECORD_HEAD.size :])
+        record = None if opcode in _WITH_MESSAGES else parsed(opcode, raw[RECORD_HEAD.size :])
         self._check.place(opcode, begin, begin + len(raw), record)
-        if has_messages:
+        if opcode in _WITH_MESSAGES:
             return self._take_messages(begin, raw)
         self._summary.add(record, begin, len(raw))
         match record:
             case Header():
-                is_known = record.profile in _PROFILES
-                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+                require(
+                    record.profile in _PROFILES,
+                    f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'",
+                )
                 self._contents.library = self._contents.library or record.library
             case Metadata():
                 self._contents.metadata[record.name] = record.metadata
@@ -263,13 +264,15 @@ class _FileReader:
             schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
             own = RawTrack(channel.topic, schema.name, channel.message_encoding, (schema.encoding, schema.data))
             track = self._tracks[number] = self._contents.tracks.setdefault(own.key, own)
-            alike = (track.encoding, track.definition) == (own.encoding, own.definition)
-            require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
+            require(
+                (track.encoding, track.definition) == (own.encoding, own.definition),
+                f"topic {channel.topic} has messages of two encodings or definitions",
+            )
         return self._tracks[number]
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
-        chunk, places, data = _records_of(raw, inflated)
+        chunk, places, data = _records_of(raw)
         indexes = dict[int, tuple[int, Rows]]()
         for place in places:
             self.at = begin + place.start
@@ -280,8 +283,9 @@ class _FileReader:
         hints = (rows[:, 1].view(np.int64) for _, rows in indexes.values())
         most = self._records_left if chunk is not None else len(raw)
         table = find_messages(data, np.concatenate([NO_HINTS, *hints]), most)
-        end = len(table.data)
-        require(end == len(data), f"no record that ends in its chunk stands at byte {end} of it")
+        require(
+            len(table.data) == len(data), f"no record that ends in its chunk stands at byte {len(table.data)} of it"
+        )
         for place in table.others:
             require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
         table.require_times()
@@ -299,8 +303,10 @@ class _FileReader:
         self._records_left -= len(table.starts) + len(table.others)
         self._bare_chunks += not chunk.uncompressed_crc
         for channel, (self.at, rows) in indexes.items():
-            is_same = np.array_equal(rows, table.index.get(channel, _NO_ROWS))
-            require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
+            require(
+                np.array_equal(rows, table.index.get(channel, _NO_ROWS)),
+                f"the index of channel {channel} is not that of its chunk's messages",
+            )
         self.at = begin
         missing = table.index.keys() - indexes.keys()
         require(not (indexes and missing), f"a chunk has no index of channel {min(missing, default=0)}")

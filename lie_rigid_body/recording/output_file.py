@@ -1,4 +1,4 @@
-"""An output file that replaces an older one only on request, and only once it is complete."""
+"""An output file that replaces an older one only on request, and only once it is complete; the queue of a disk."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import errno
 import os
 import secrets
 import stat
-from collections.abc import Iterable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from io import BufferedWriter, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
@@ -25,6 +27,8 @@ RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
 """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of writing to where there is no room left."""
+LARGEST_BACKLOG: Final = 32 * 1024**2
+"""Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
 
 class OutputFile:
@@ -43,6 +47,11 @@ class OutputFile:
     overwrite : bool
         Whether a regular file of that name may be replaced.
 
+    Attributes
+    ----------
+    replaces : bool
+        Whether an older file waits to be replaced.
+
     Raises
     ------
     InputError
@@ -56,6 +65,7 @@ class OutputFile:
         self._lock = contextlib.ExitStack()
         try:
             self._target = self._replaceable(overwrite)
+            self.replaces = self._target is not None
             _remove_rests((self._target or self.path).parent)  # now, as nothing is to come between a file and its use
             if self._target is None:
                 self._written, self._file = self.path, _GrowingFile(self.path)
@@ -66,14 +76,10 @@ class OutputFile:
                 f"{self.path} exists and is kept: give another name, or --force to replace it (Python: overwrite=True)"
             ) from None
         except (OSError, ValueError) as error:
+            why = f": {reason(error)}: give a place where you may write"
             if isinstance(error, FileNotFoundError) and not self.path.parent.is_dir():
-                raise BagError(
-                    f"{self.path} cannot be created, because the folder {self.path.parent} does not exist: "
-                    "make it, or give another one"
-                ) from None
-            raise BagError(
-                f"{self.path} cannot be created: {reason(error)}: give a place where you may write"
-            ) from None
+                why = f", because the folder {self.path.parent} does not exist: make it, or give another one"
+            raise BagError(f"{self.path} cannot be created{why}") from None
         self.stream = BufferedWriter(self._file)
         self._identity, self._is_whole = os.fstat(self._file.fileno()), False
 
@@ -88,11 +94,6 @@ class OutputFile:
         if not self.path.is_file():
             raise BagError(f"{self.path} is not a regular file and is not replaced: give another name")
         return self.path.resolve()
-
-    @property
-    def replaces(self) -> bool:
-        """Whether an older file waits to be replaced."""
-        return self._target is not None
 
     def sync(self) -> None:
         """Flush and fsync: what was written survives a loss of power."""
@@ -286,3 +287,69 @@ def _remove_rests(folder: Path) -> None:
                 held = lock(rest)
             with held:
                 path.unlink()
+
+
+class DiskQueue:
+    """Jobs for a thread of their own, in order. After one that failed none is done.
+
+    Its error is raised in this thread by the next call.
+
+    Parameters
+    ----------
+    waits : bool
+        Whether `put` waits while too much is in the queue; otherwise it refuses more.
+    """
+
+    def __init__(self, *, waits: bool) -> None:
+        self._waits = waits
+        self._thread = ThreadPoolExecutor(1)
+        self._jobs: deque[tuple[Future[None], int]] = deque()
+        self._failed = False
+
+    def put(self, job: Callable[[], object], size: int = 0) -> None:
+        """Have a job done, which keeps so many bytes in memory until then.
+
+        Raises
+        ------
+        TimeoutError
+            If too much is in the queue.
+        """
+        self._forget(lambda done: done or (self._waits and self._waiting + size > LARGEST_BACKLOG))
+        if not self._waits and self._waiting + size > LARGEST_BACKLOG:
+            raise TimeoutError(f"the disk does not keep up, {self._waiting} bytes wait for it")
+        self._jobs.append((self._thread.submit(self._do, job), size))
+
+    @property
+    def _waiting(self) -> int:
+        return sum(size for _, size in self._jobs)
+
+    def _forget(self, ready: Callable[[bool], bool]) -> None:
+        """Take jobs off the queue, oldest first, as long as they are ready; wait for those that are not done."""
+        while self._jobs and ready(self._jobs[0][0].done()):
+            future, _ = self._jobs.popleft()
+            future.result()
+
+    def _do(self, job: Callable[[], object]) -> None:
+        if self._failed:
+            return
+        try:
+            job()
+        except BaseException:
+            self._failed = True
+            raise
+
+    def wait(self) -> None:
+        """Wait until all is done."""
+        self._forget(lambda done: True)
+
+    def finish(self) -> None:
+        """Wait until all is done, and end the thread."""
+        self.wait()
+        self._thread.shutdown()
+
+    def end(self, last: Callable[[], object]) -> None:
+        """Leave out what is not begun, and do a last job; wait for it unless the disk is not waited for."""
+        self._failed = True
+        self._jobs.clear()
+        self._thread.submit(last)
+        self._thread.shutdown(wait=self._waits)

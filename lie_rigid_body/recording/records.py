@@ -195,8 +195,10 @@ def parsed(opcode: int, content: bytes) -> Any:
         if (size := size_of(value)) > limit:
             raise ExcessError(f"a {name} of {size} bytes in a {kind.__name__.lower()}")
         if isinstance(value, dict) and isinstance(record, ChunkIndex | Statistics):  # maps of numbers are read beyond
-            is_same = content.startswith(record_bytes(record)[RECORD_HEAD.size :])
-            require(is_same, f"the {name} of a {kind.__name__.lower()} have another length than is said")
+            require(
+                content.startswith(record_bytes(record)[RECORD_HEAD.size :]),
+                f"the {name} of a {kind.__name__.lower()} have another length than is said",
+            )
     return record
 
 
@@ -245,14 +247,10 @@ class MessageTable:
         return np.asarray(self.starts + RECORD_HEAD.size + lengths)
 
     @property
-    def log_times(self) -> Integers:
-        """Times when the messages were logged, ns, shape (N,)."""
-        return np.asarray(self.heads["log_time"].view(np.int64))
-
-    @property
     def span_ns(self) -> tuple[int, int]:
-        """The earliest and the latest of them; `LAST_TIME` and 0 without messages."""
-        return int(self.log_times.min(initial=LAST_TIME)), int(self.log_times.max(initial=0))
+        """The earliest and the latest log time, ns; `LAST_TIME` and 0 without messages."""
+        times = self.heads["log_time"].view(np.int64)
+        return int(times.min(initial=LAST_TIME)), int(times.max(initial=0))
 
     @cached_property
     def index(self) -> dict[int, Rows]:
@@ -315,6 +313,8 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
             return find_messages(data, NO_HINTS, most)
         if position != behind[gap]:
             end = position
+    if not (starts or others) and end == len(data):
+        return hinted
     found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]))
     return MessageTable(data[:end], found, tuple(others))
 

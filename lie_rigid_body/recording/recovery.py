@@ -21,7 +21,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
-from lie_rigid_body.recording.mcap_file import McapFile, compressor
+from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.output_file import reason, require_other, written
 from lie_rigid_body.recording.records import (
     MAGIC,
@@ -197,7 +197,7 @@ class _Salvage:
         data, self._loose = bytes(self._loose), bytearray()
         if data:
             table = find_messages(data, NO_HINTS, len(data))
-            self._file.add_chunk(compressor("zstd")(table), table)
+            self._file.add_chunk(compressed(table, "zstd"), table)
 
     def _take_chunk(self, given: Chunk, at: int) -> None:
         chunk = given
@@ -220,7 +220,7 @@ class _Salvage:
             with suppress(*_DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 table = self._whole_messages(salvaged(chunk))
-                self._file.add_chunk(compressor(chunk.compression)(table), table)
+                self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
         """Table of the messages in the whole records at the start of some data; at least one must be a message."""

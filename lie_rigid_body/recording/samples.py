@@ -73,46 +73,24 @@ class Block:
         )
 
 
-class Pairing:
-    """Pairs of poses and twists of one stamp, made as they come; what is too late, alone or doubled is left out."""
+def _ordered(topic: TopicMessages, until: int) -> TopicMessages:
+    """Sort by stamps; of several with one stamp the first is kept, and what comes too late is not."""
+    stamps = topic.stamps_ns
+    if len(stamps) and not (stamps[0] > until and (np.diff(stamps) > 0).all()):
+        distinct, first = np.unique(stamps, return_index=True)
+        return topic[first[distinct > until]]
+    return topic
 
-    def __init__(self) -> None:
-        self._waiting: Topics = ()
-        self._until = int(np.iinfo(np.int64).min)
-        self.alone = np.empty(0, dtype=np.int64)
-        """Stamps of what was released last that only one of the topics has."""
 
-    def add(self, *new: TopicMessages) -> Block:
-        """Take poses and twists, and return the samples behind which none is expected any more."""
-        parts = zip(self._waiting, new, strict=True) if self._waiting else zip(new)
-        topics = tuple(self._ordered(TopicMessages.joined(part)) for part in parts)
-        if any(len(topic) <= _HELD_BACK for topic in topics):
-            return self._release(topics, self._until)
-        return self._release(topics, min(int(topic.stamps_ns[-1 - _HELD_BACK]) for topic in topics))
-
-    def finish(self) -> Block:
-        """Return all samples that are left."""
-        return self._release(self._waiting, int(np.iinfo(np.int64).max))
-
-    def _ordered(self, topic: TopicMessages) -> TopicMessages:
-        """Sort by stamps; of several with one stamp the first is kept, and what comes too late is not."""
-        stamps = topic.stamps_ns
-        if len(stamps) and not (stamps[0] > self._until and (np.diff(stamps) > 0).all()):
-            distinct, first = np.unique(stamps, return_index=True)
-            return topic[first[distinct > self._until]]
-        return topic
-
-    def _release(self, topics: Topics, until: int) -> Block:
-        ends = [int(np.searchsorted(topic.stamps_ns, until, side="right")) for topic in topics]
-        pose, twist = (topic[:end] for topic, end in zip(topics, ends, strict=True))
-        self._waiting, self._until = tuple(topic[end:] for topic, end in zip(topics, ends, strict=True)), until
-        self.alone = pose.stamps_ns[:0]
-        if not np.array_equal(pose.stamps_ns, twist.stamps_ns):
-            self.alone = np.setxor1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True)
-            _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
-            pose, twist = pose[both[0]], twist[both[1]]
-        states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())  # behind the translations
-        return Block(np.zeros_like(pose.stamps_ns), pose.stamps_ns, states)
+def _together(pose: TopicMessages, twist: TopicMessages) -> tuple[Block, Integers]:
+    """Samples of ordered poses and twists, and the stamps that only one of the topics has."""
+    alone = pose.stamps_ns[:0]
+    if not np.array_equal(pose.stamps_ns, twist.stamps_ns):
+        alone = np.setxor1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True)
+        _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
+        pose, twist = pose[both[0]], twist[both[1]]
+    states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())  # behind the translations
+    return Block(np.zeros_like(pose.stamps_ns), pose.stamps_ns, states), alone
 
 
 def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -> Iterator[Topics]:
@@ -171,6 +149,11 @@ class RecordedSegment(Block):
     count: int
     close: int
 
+    @classmethod
+    def of(cls, segment: Segment, blocks: Sequence[Block], count: int, close: int) -> RecordedSegment:
+        """A segment with samples in blocks that follow each other."""
+        return cls(**vars(Block.joined(blocks)), segment=segment, count=count, close=close)
+
 
 def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[Segment]:
     """Segments that a bag declares, in the order of their starts.
@@ -188,14 +171,14 @@ def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -
     ParameterError
         If a declared scenario or the given inertia is impossible.
     """
-    declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
-    return [with_inertia(segment, inertia) for segment in declared.values()]
+    texts = (text for _, text in bag.scenario_texts)
+    return [with_inertia(segment, inertia) for segment in declared_segments(texts, bag.name).values()]
 
 
 def paired(
     bag: Bag | Recording, segments: Sequence[Segment], batches: Batches
 ) -> Iterator[tuple[Topics, Block, Integers]]:
-    """Put poses and twists together.
+    """Put poses and twists of one stamp together as they come; what is too late, alone or doubled is left out.
 
     Parameters
     ----------
@@ -214,10 +197,17 @@ def paired(
     alone : ndarray of int64
         Stamps among them that only one of the two topics has.
     """
-    pairing = Pairing()
+    waiting: Topics = ()
+    until = int(np.iinfo(np.int64).min)
     for topics in stamped_topics(bag, batches, segments[0].clock()):
-        yield topics, pairing.add(*topics), pairing.alone
-    yield (), pairing.finish(), pairing.alone
+        parts = zip(waiting, topics, strict=True) if waiting else zip(topics)
+        waiting = tuple(_ordered(TopicMessages.joined(part), until) for part in parts)
+        if all(len(topic) > _HELD_BACK for topic in waiting):  # none is expected any more that comes before these
+            until = min(int(topic.stamps_ns[-1 - _HELD_BACK]) for topic in waiting)
+        ends = [int(np.searchsorted(topic.stamps_ns, until, side="right")) for topic in waiting]
+        yield topics, *_together(*(topic[:end] for topic, end in zip(waiting, ends, strict=True)))
+        waiting = tuple(topic[end:] for topic, end in zip(waiting, ends, strict=True))
+    yield (), *_together(*waiting)
 
 
 def numbered(segments: Sequence[Segment], samples: Iterable[Block]) -> Iterator[tuple[int, Block]]:
@@ -285,8 +275,8 @@ def recorded_segments(bag: Bag | Recording) -> list[RecordedSegment]:
     segments = bag_segments(bag)
     blocks: list[list[Block]] = [[] for _ in segments]
     places = _read(bag, segments, lambda i, block: blocks[i].append(block))
-    joined = [(segments[i], Block.joined(blocks[i])) for i in places]
-    return [_recorded(segment, whole, len(whole.samples), len(whole.samples)) for segment, whole in joined]
+    counts = [sum(len(block.samples) for block in own) for own in blocks]
+    return [RecordedSegment.of(segments[i], blocks[i], counts[i], counts[i]) for i in places]
 
 
 def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
@@ -358,11 +348,7 @@ class _Thinning:
 
     def result(self) -> RecordedSegment:
         """Return the segment with what was kept."""
-        return _recorded(self._segment, Block.joined(self._kept), self._count, self._close)
-
-
-def _recorded(segment: Segment, block: Block, count: int, close: int) -> RecordedSegment:
-    return RecordedSegment(block.samples, block.stamps_ns, block.states, segment, count, close)
+        return RecordedSegment.of(self._segment, self._kept, self._count, self._close)
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

@@ -82,7 +82,7 @@ class Summary:
         self._metadata: list[MetadataIndex] = []
         self._declared = 0  # size of names, definitions and metadata, bytes
 
-    def add(self, record: McapRecord | None, begin: int, length: int) -> None:
+    def add(self, record: Any, begin: int, length: int) -> None:
         """Add a record that begins at a byte and has a size, if it is of a kind of which a summary tells.
 
         Raises
@@ -90,14 +90,15 @@ class Summary:
         ContradictionError
             If it is a schema or a channel that repeats another one, and is not the same, or a channel of no schema.
         """
-        if (
-            isinstance(record, Metadata)
-            or (isinstance(record, Schema) and record.id not in self.schemas)
-            or (isinstance(record, Channel) and record.id not in self.channels)
-        ):
+        kind = type(record).__name__.lower()
+        declared: Any = {"schema": self.schemas, "channel": self.channels}.get(kind)
+        if isinstance(record, Metadata) or (declared is not None and record.id not in declared):
             self._declared += sum(map(size_of, vars(record).values()))
             if self._declared > LARGEST_DECLARATIONS:
                 raise ExcessError(f"names and definitions of {self._declared} bytes")
+        if declared is not None:
+            same = declared.setdefault(record.id, record)
+            require(same == record, f"it has two different records of {kind} {record.id}")
         match record:
             case Metadata():
                 self._metadata.append(MetadataIndex(offset=begin, length=length, name=record.name))
@@ -113,14 +114,11 @@ class Summary:
                         media_type=record.media_type,
                     )
                 )
-            case Schema():
-                is_same = self.schemas.setdefault(record.id, record) == record
-                require(is_same, f"it has two different records of schema {record.id}")
             case Channel():
-                is_same = self.channels.setdefault(record.id, record) == record
-                require(is_same, f"it has two different records of channel {record.id}")
-                is_known = record.schema_id in (0, *self.schemas)
-                require(is_known, f"the schema of topic {record.topic} is not declared before it")
+                require(
+                    record.schema_id in (0, *self.schemas),
+                    f"the schema of topic {record.topic} is not declared before it",
+                )
 
     def add_messages(self, table: MessageTable) -> None:
         """Add the messages of a chunk, with the schemas and channels in it, or messages that stand in none.
@@ -169,17 +167,7 @@ class Summary:
 
     def groups(self) -> dict[int, list[McapRecord]]:
         """Records of the summary by their opcodes, in the order in which they are written."""
-        return {
-            Opcode.SCHEMA: [*self.schemas.values()],
-            Opcode.CHANNEL: [*self.channels.values()],
-            Opcode.STATISTICS: [self._statistics()],
-            Opcode.CHUNK_INDEX: [*self.chunks],
-            Opcode.ATTACHMENT_INDEX: [*self.attachments],
-            Opcode.METADATA_INDEX: [*self._metadata],
-        }
-
-    def _statistics(self) -> Statistics:
-        return Statistics(
+        statistics = Statistics(
             attachment_count=len(self.attachments),
             channel_count=len(self.channels),
             channel_message_counts=dict(self.counts),
@@ -190,6 +178,14 @@ class Summary:
             metadata_count=len(self._metadata),
             schema_count=len(self.schemas),
         )
+        return {
+            Opcode.SCHEMA: [*self.schemas.values()],
+            Opcode.CHANNEL: [*self.channels.values()],
+            Opcode.STATISTICS: [statistics],
+            Opcode.CHUNK_INDEX: [*self.chunks],
+            Opcode.ATTACHMENT_INDEX: [*self.attachments],
+            Opcode.METADATA_INDEX: [*self._metadata],
+        }
 
 
 class SummaryCheck:
@@ -218,9 +214,9 @@ class SummaryCheck:
             If it is not where records of its kind belong.
         """
         require(bool(self._opcodes) or opcode == Opcode.HEADER, "it does not begin with a header")
-        if self._opcodes and opcode <= Opcode.DATA_END:
-            allowed = _IN_DATA if self._begin is None else _IN_SUMMARY
-            require(opcode in allowed, f"a record {opcode:#x} is out of place")
+        allowed = _IN_DATA if self._begin is None else _IN_SUMMARY
+        is_in_place = opcode in allowed or opcode > Opcode.DATA_END or not self._opcodes
+        require(is_in_place, f"a record {opcode:#x} is out of place")
         self._opcodes.add(opcode)
         if self._begin is not None:
             first, before = self._groups.get(opcode, (begin, begin))
@@ -242,8 +238,9 @@ class SummaryCheck:
         found = self._found.groups()
         for opcode, what in _INDEXES.items():
             # an index may be left out as a whole: then readers scan
-            is_same = self._said[opcode] in ([], found[opcode])
-            require(is_same, f"the index of its {what} is not that of the {what} it has")
+            require(
+                self._said[opcode] in ([], found[opcode]), f"the index of its {what} is not that of the {what} it has"
+            )
         self._hold_statistics(*found[Opcode.STATISTICS])
         self._hold_places(footer)
 
@@ -257,8 +254,10 @@ class SummaryCheck:
             said.channel_message_counts = Counter(said.channel_message_counts)  # which may have some of 0
             for name, value in vars(found).items():
                 told = getattr(said, name)
-                is_same = told in (value, allowed.get(name, value))
-                require(is_same, f"the {name} of its statistics is {told!r:.40}, where it has {value!r:.40}")
+                require(
+                    told in (value, allowed.get(name, value)),
+                    f"the {name} of its statistics is {told!r:.40}, where it has {value!r:.40}",
+                )
 
     def _hold_places(self, footer: Footer) -> None:
         groups = {opcode: (begin, end - begin) for opcode, (begin, end) in self._groups.items()}
@@ -273,5 +272,7 @@ class SummaryCheck:
             ("summary begins", footer.summary_start, self._begin, end != self._begin),
             ("offsets of the summary begin", footer.summary_offset_start, offsets, bool(said)),
         ):
-            is_same = place == begin or not (is_there or place)
-            require(is_same, f"its footer says that the {what} at byte {place}, not {begin}")
+            require(
+                place == begin or not (is_there or place),
+                f"its footer says that the {what} at byte {place}, not {begin}",
+            )

@@ -38,18 +38,25 @@ from lie_rigid_body.wording import listed, short_repr
 
 TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 """Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""
-_NUMBERS: Final = {POSE_STAMPED: 7, POSE_WITH_COVARIANCE_STAMPED: 43, QUATERNION_STAMPED: 4, IMU: 37}
-"""Number of float64 fields of each type with one frame."""
 _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
     ODOMETRY: decode_odometry,
     TF_MESSAGE: decode_transforms,
 }
-ATTITUDE_TYPES: Final = (*_NUMBERS, *_FRAMED)
+_LAYOUTS: Final[dict[str, tuple[int, int, slice | None]]] = {
+    POSE_STAMPED: (7, 3, None),
+    POSE_WITH_COVARIANCE_STAMPED: (43, 3, slice(7, 43)),
+    QUATERNION_STAMPED: (4, 0, None),
+    IMU: (37, 0, slice(4, 13)),
+    ODOMETRY: (85, 3, slice(7, 43)),
+    TF_MESSAGE: (7, 3, None),
+}
+"""Number of float64 fields, the first of the attitude, and those of the covariance, by the type.
+
+An attitude stands behind the three numbers of a position, if there is one. A covariance is 6 × 6 after a pose, 3 × 3
+after an orientation.
+"""
+ATTITUDE_TYPES: Final = tuple(_LAYOUTS)
 """Message types that hold an attitude with a stamp."""
-_BEHIND_POSITION: Final = (POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, *_FRAMED)
-"""Types whose attitude stands behind three numbers of a position."""
-_COVARIANCES: Final = {POSE_WITH_COVARIANCE_STAMPED: slice(7, 43), ODOMETRY: slice(7, 43), IMU: slice(4, 13)}
-"""Fields of the covariance: 6 × 6 after a pose, 3 × 3 after an orientation."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
 """Complaint about a topic of Imu in which no message has an orientation."""
 _AT_ONCE: Final = 8192
@@ -102,8 +109,6 @@ class TopicMessages:
     @classmethod
     def joined(cls, parts: Sequence[TopicMessages]) -> TopicMessages:
         """Messages that continue each other as one."""
-        if len(parts) == 1:
-            return parts[0]
         kinds = {kind: i for i, kind in enumerate(dict.fromkeys(kind for part in parts for kind in part.kinds))}
         own = [np.array([kinds[kind] for kind in part.kinds], dtype=np.int64) for part in parts]
         return cls(
@@ -181,11 +186,8 @@ def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tup
 
 def topic_messages(path: Path, key: TrackKey, found: RawMessages, first: int = 0) -> TopicMessages:
     """Decode messages of a topic, the first of which has a number, for errors."""
-    parts = []
-    for some in found.pieces(_AT_ONCE):
-        parts.append(_decoded(path, *key, some, first))
-        first += len(some)
-    return TopicMessages.joined(parts)
+    pieces = enumerate(found.pieces(_AT_ONCE))
+    return TopicMessages.joined([_decoded(path, *key, some, first + i * _AT_ONCE) for i, some in pieces])
 
 
 def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:
@@ -259,12 +261,11 @@ class AttitudeTrack:
         return len(self.stamps_ns)
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> AttitudeTrack:
-        P = self.covariance
         return replace(
             self,
             stamps_ns=self.stamps_ns[rows],
             attitude_xyzw=self.attitude_xyzw[rows],
-            covariance=None if P is None else P[rows],
+            covariance=None if self.covariance is None else self.covariance[rows],
         )
 
     @classmethod
@@ -307,19 +308,18 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
     raw = contents.messages(track.key)
     with decoding(path, topic, raw):
         found = _attitudes(topic, track.message_type, raw)
-    chosen = frames if frames in found else next(iter(found), None)
-    if chosen is None:
+    if not found:
         raise BagError(f"{path}: the messages on {topic} are empty: record it while an estimator runs")
+    told = listed([" to ".join(filter(None, each)) for each in found])
     if len(found) > 1 and track.message_type not in _FRAMED:
-        raise BagError(f"{path}: topic {topic} is of the frames {_names(found)}: record those of one body")
-    if len(found) > 1 and chosen != frames:
+        raise BagError(f"{path}: topic {topic} is of the frames {told}: record those of one body")
+    if len(found) > 1 and frames not in found:
         what = f"none of which is {' to '.join(frames)}" if frames else "of which none is known as the body's"
-        raise BagError(
-            f"{path}: topic {topic} tells of {_names(found)}, {what}: record one body, or name its frames so"
-        )
-    if not len(found[chosen]):
+        raise BagError(f"{path}: topic {topic} tells of {told}, {what}: record one body, or name its frames so")
+    chosen = found[frames] if frames in found else next(iter(found.values()))
+    if not len(chosen):
         raise BagError(f"{path}: topic {topic} {NO_ORIENTATION}")
-    return found[chosen]
+    return chosen
 
 
 def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> dict[Frames, AttitudeTrack]:
@@ -347,28 +347,25 @@ def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames
             frames: _track(topic, message_type, np.array(own.stamps_ns, dtype=np.int64), np.array(own.numbers), frames)
             for frames, own in framed.items()
         }
-    read = _columns(found, _NUMBERS[message_type])
+    count, _, covariance = _LAYOUTS[message_type]
+    read, tracks = _columns(found, count), dict[Frames, AttitudeTrack]()
     assert read.stamps_ns is not None
-    tracks: dict[Frames, AttitudeTrack] = {}
+    gives = np.ones(len(found), dtype=np.bool_)
+    if message_type == IMU and covariance:
+        gives = read.numbers[:, covariance.start] != NOT_GIVEN
     for i, frame in enumerate(read.frame_ids):
-        told = read.frames == i
-        if message_type == IMU:
-            told &= read.numbers[:, _COVARIANCES[IMU].start] != NOT_GIVEN
-        tracks[frame, ""] = _track(topic, message_type, read.stamps_ns[told], read.numbers[told], (frame, ""))
+        own = gives & (read.frames == i)
+        tracks[frame, ""] = _track(topic, message_type, read.stamps_ns[own], read.numbers[own], (frame, ""))
     return tracks
 
 
 def _track(topic: str, message_type: str, stamps_ns: Integers, numbers: Array, frames: Frames) -> AttitudeTrack:
-    first, covariance = 3 if message_type in _BEHIND_POSITION else 0, None
-    if message_type in _COVARIANCES:
-        rows = numbers[:, _COVARIANCES[message_type]]
-        size = math.isqrt(rows.shape[1])
-        covariance = rows.reshape(-1, size, size)[:, -3:, -3:]
+    _, first, fields = _LAYOUTS[message_type]
+    covariance = None
+    if fields:
+        size = math.isqrt(fields.stop - fields.start)
+        covariance = numbers[:, fields].reshape(-1, size, size)[:, -3:, -3:]
     return AttitudeTrack(topic, message_type, stamps_ns, numbers[:, first : first + 4], covariance, *frames)
-
-
-def _names(found: dict[Frames, AttitudeTrack]) -> str:
-    return listed([" to ".join(filter(None, frames)) for frames in found])
 
 
 def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:

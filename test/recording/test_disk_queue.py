@@ -12,9 +12,9 @@ import pytest
 from bags import write_samples
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording import bag_writer, disk_queue
+from lie_rigid_body.recording import bag_writer, output_file
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.disk_queue import LARGEST_BACKLOG, DiskQueue
+from lie_rigid_body.recording.output_file import LARGEST_BACKLOG, DiskQueue
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -67,7 +67,7 @@ def test_after_an_error_nothing_is_written_and_it_is_told_once(disk: Event) -> N
 def test_a_bag_whose_disk_stands_still_is_given_up_and_what_is_written_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, disk: Event
 ) -> None:
-    monkeypatch.setattr(disk_queue, "LARGEST_BACKLOG", 100_000)
+    monkeypatch.setattr(output_file, "LARGEST_BACKLOG", 100_000)
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation = Simulation(scenario)
     bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True, chunk_size=10_000, wait_for_disk=False)

@@ -55,7 +55,7 @@ def test_hints_change_nothing_but_time(hints: list[int]) -> None:
         one for one in RECORDS if one[0] == 5
     ]
     assert table.heads["channel"].tolist() == [1, 2, 1]
-    assert table.log_times.tolist() == [7, 7, 9]
+    assert table.heads["log_time"].tolist() == [7, 7, 9]
     assert [(place.opcode, DATA[place.begin : place.end]) for place in table.others] == [
         (4, b"a channel"),
         (3, b"schema"),
