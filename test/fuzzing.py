@@ -638,7 +638,7 @@ def warmed() -> None:
     import matplotlib.pyplot  # noqa: F401
 
     from lie_rigid_body.cli import campaign, check, checking, evaluate, explain, plot, record, recover  # noqa: F401
-    from lie_rigid_body.report import certificates, motion_figures, recording_picture, score_picture  # noqa: F401
+    from lie_rigid_body.report import certificates, figures, recording_picture, scores  # noqa: F401
 
 
 def fuzz(

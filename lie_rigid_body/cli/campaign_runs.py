@@ -112,7 +112,6 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
             "tls:// keeps others out",
             "warning",
         )
-    runs = (run for run in range(campaign.runs) if run not in journal)
     with (
         console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
         client_of(given.workers, given.scheduler) as client,
@@ -120,7 +119,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
         rows = finished(
             client,
             campaign,
-            runs,
+            (run for run in range(campaign.runs) if run not in journal),
             journal.folder,
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
@@ -134,10 +133,9 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
                     journal.require_intact()
                 else:
                     journal.add(row)
-                    if len(errors) < MOST_FAILURES:
-                        errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
-                        if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
-                            _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
+                    errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
+                    if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
+                        _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
                 bar.update()
         except SchedulerGoneError as error:
             if len(journal) + len(failed) < campaign.runs:
@@ -164,16 +162,12 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     runs : str
         What the runs are called.
     """
-    failed: dict[str, str] = dict.fromkeys(campaign.contenders, "")
-    for of_run in errors:
-        for entry, error in zip(campaign.entries, of_run, strict=True):
-            name = entry.contender.name
-            if error is None:
-                failed.pop(name, None)
-            elif name in failed:
-                failed[name] = failed[name] or error
-    if failed:
-        reason = shortened(failed[min(failed)].removesuffix(f": {MENDED}"), _LONGEST_REASON)
+    names = [entry.contender.name for entry in campaign.entries]
+    told = [each for of_run in errors for each in zip(names, of_run, strict=True)]
+    scored = {name for name, error in told if error is None}
+    if failed := [name for name in campaign.contenders if name not in scored]:
+        first = next(error for name, error in told if name == min(failed) and error is not None)
+        reason = shortened(first.removesuffix(f": {MENDED}"), _LONGEST_REASON)
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
         raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 
@@ -204,49 +198,45 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     path = journal.write_table()
     lines: list[Line] = []
     varied: dict[int, Mapping[str, Any]] = {}
-    scores: list[list[tuple[float | None, str | None]]] = []
+    errors: list[list[str | None]] = []
+    totals: list[float] = []
     for row in journal.rows():
         cells = (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary))
         residuals = {} if given.report is None else row.residuals  # those of a million runs would take gigabytes
         lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, residuals))
         varied[row.run] = row.parameters
-        scores.append([(judgement["scores"][SCORES[0]], judgement["scores"][ERROR]) for judgement in row.judgements])
+        scores = [judgement["scores"] for judgement in row.judgements]
+        errors.append([of_entry[ERROR] for of_entry in scores])
+        totals += [of_entry[SCORES[0]] or 0.0 for of_entry in scores if of_entry[ERROR] is None]
     broken = [line.cells[0] for line in lines if not line.certified]
-    said = [
+    told = [
         f"{counted(len(lines), 'run')}, {len(lines) - len(broken)} certified, attitudes within "
         f"{max(0.0, *(line.accuracy for line in lines)):.2g} rad, in {printable(str(path))}"
     ]
     if broken:
-        said.append(f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}")
+        told.append(f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}")
     first: tuple[str, ...] = ()
     if campaign.estimator is not None:
-        said.append(_of_one([own for (own,) in scores]))
+        middle = f", median {median(totals):.3g}° rms" if totals else ""
+        reasons = (f"; run {run} is not: {error}" for run, (error,) in enumerate(errors) if error is not None)
+        told.append(f"{len(totals)} scored{middle}{next(reasons, '')}")
     elif campaign.estimators:
         comparison = compare(campaign, journal.rows())
-        said += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
+        told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         first = tuple(campaign_scores.sections(campaign, comparison, varied)) if given.report else ()
     functions = sorted({one.function for one in campaign.contenders.values() if one.function})
     what = "it" if campaign.estimator is not None else "one"
-    said += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
+    told += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
     if given.report is not None:
         more = [html_page.details("Campaign", campaign.to_json())]
         content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, more, first=first)
         write_file(given.report, content, overwrite=given.force)
-        said.append(f"wrote {printable(given.report)}")
-    console.say("\n".join(said), done=f"{path} is written")
+        told.append(f"wrote {printable(given.report)}")
+    console.say("\n".join(told), done=f"{path} is written")
     if broken:
         return console.BROKEN
-    if campaign.contenders:
-        _require_scores(campaign, ([error for _, error in of_run] for of_run in scores), "any run")
+    _require_scores(campaign, errors, "any run")
     return console.SUCCESS
-
-
-def _of_one(scores: Sequence[tuple[float | None, str | None]]) -> str:
-    """What is said of the only estimator, by its error, degrees, in each run, or why it has none."""
-    totals = [total or 0.0 for total, error in scores if error is None]
-    middle = f", median {median(totals):.3g}° rms" if totals else ""
-    failed = next((f"; run {run} is not: {error}" for run, (_, error) in enumerate(scores) if error is not None), "")
-    return f"{len(totals)} scored{middle}{failed}"
 
 
 def _cell(value: Value | Sequence[float]) -> str:

@@ -38,8 +38,6 @@ from lie_rigid_body.wording import listed
 
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
 
-Judge = Callable[[str], list[Verdict]]
-
 
 def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
@@ -71,9 +69,9 @@ def check(given: argparse.Namespace) -> int:
         proof = Proof(tuple(console.progress(prove(first, certificate, given.prove, inertia), unit=" samples")))
     answer(
         given,
+        {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
         lambda: certificates.as_table(name, certificate, proof),
         lambda: certificates.as_json(name, certificate, proof),
-        {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
     )
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
@@ -121,9 +119,9 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
     path = given.report if any(verdict.certificate for verdict in verdicts) else None
     answer(
         given,
+        {path: lambda: overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
         lambda: overview.as_table(verdicts),
         lambda: overview.as_json(verdicts),
-        {path: lambda: overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
     )
     return max(verdict.status for verdict in verdicts)
 
@@ -182,7 +180,9 @@ def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
     return Verdict(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
 
 
-def _by_processes(one: Judge, bags: Sequence[str], most: int, interruption: Interruption) -> list[list[Verdict] | None]:
+def _by_processes(
+    one: Callable[[str], list[Verdict]], bags: Sequence[str], most: int, interruption: Interruption
+) -> list[list[Verdict] | None]:
     """Verdicts on each bag by so many processes at most; None for a bag whose process died."""
     context = multiprocessing.get_context()
     with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin)) as pool:

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator, name_of
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S
 from lie_rigid_body.errors import InputError
 
@@ -37,14 +37,14 @@ from lie_rigid_body.errors import InputError
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    estimate = given_estimator(given)
+    name, estimate = given_estimator(given)
     if estimate is None:
         raise InputError(
             "no estimator: give MODULE:FUNCTION, such as my_filter:estimate, --command PROGRAM, or --node COMMAND"
         )
 
     from lie_rigid_body.diagnosis import diagnose
-    from lie_rigid_body.report.diagnoses import as_text, page
+    from lie_rigid_body.report.diagnoses import lines, page
     from lie_rigid_body.report.drawing import answer, require_page
     from lie_rigid_body.scenario.parameter_file import gather
 
@@ -59,7 +59,7 @@ def main(given: argparse.Namespace) -> int:
             progress=lambda runs: bar.update(runs - bar.n),
             **parameters,
         )
-    answer(given, lambda: as_text(found), found.to_dict, {given.report: lambda: page(name_of(given), found)})
+    answer(given, {given.report: lambda: page(name, found)}, lambda: "\n".join(lines(found)), found.to_dict)
     if found.interrupted:
         console.complain(console.program("diagnose"), "interrupted: this is what was found so far")
         return console.INTERRUPTED

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator, name_of
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
@@ -40,26 +40,27 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_page
-    from lie_rigid_body.report.league import as_text, page
+    from lie_rigid_body.report.league import lines, page
     from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
     require_page(given, given.others)
     own = [row for path in given.others for row in rows_of(path)]
-    estimate = given_estimator(given)
+    name, estimate = given_estimator(given)
     if estimate is not None:
         source = source_of(estimate)
         assert source is not None  # it is no function
         source.load()
-        workers, name = given.workers or cores(), name_of(given)
         with console.progress(total=len(CASES), desc="league", unit=" cases") as bar:
-            own.insert(0, play(name, source, workers=workers, timeout_s=given.timeout, progress=bar.update))
+            own.insert(
+                0, play(name, source, workers=given.workers or cores(), timeout_s=given.timeout, progress=bar.update)
+            )
     table = reference().with_rows(own)
     rows = own[:1] if estimate else table.rows
     answer(
         given,
-        lambda: as_text(table, own),
-        lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
         {given.report: lambda: page(table, own)},
+        lambda: "\n".join(lines(table, own)),
+        lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
     )
     return console.SUCCESS

@@ -8,8 +8,7 @@ from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
-from lie_rigid_body.recording.output_file import require_room, write_file
-from lie_rigid_body.wording import printable
+from lie_rigid_body.recording.output_file import require_room
 
 
 @console.verb(
@@ -41,11 +40,10 @@ def main(given: argparse.Namespace) -> int:
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.recording.samples import thinned_segments
-    from lie_rigid_body.report.drawing import png
+    from lie_rigid_body.report.drawing import answer, png
     from lie_rigid_body.report.recording_picture import draw
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
-    write_file(out, png(draw(pieces)), overwrite=given.force)
-    console.say(f"wrote {printable(out)}", done=f"{out} is written")
+    answer(given, {out: lambda: png(draw(pieces))})
     return console.SUCCESS

@@ -65,16 +65,15 @@ def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     """Sentence about what was wrong with a file; empty if it was whole."""
-    at, found = recovery.broken_at, []
+    at, damaged, rewritten, found = recovery.broken_at, recovery.damaged, recovery.rewritten, []
     if at is not None:
         gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
         found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
-    if recovery.damaged:
-        damaged = counted(len(recovery.damaged), "damaged record")
-        found.append(f"has {damaged}, left out, the first at byte {recovery.damaged[0]}")
-    if recovery.rewritten:
-        chunks = counted(len(recovery.rewritten), "chunk")
-        found.append(f"has {chunks} of more than one compressed frame, written anew, at byte {recovery.rewritten[0]}")
+    if damaged:
+        found.append(f"has {counted(len(damaged), 'damaged record')}, left out, the first at byte {damaged[0]}")
+    if rewritten:
+        chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
+        found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
     return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 

@@ -23,7 +23,7 @@ def main(given: argparse.Namespace) -> int:
     for name, path in scenario_files().items():
         scenario = Scenario.from_parameters(read_parameter_file(path))
         entries.append({"name": name, "description": describe(path), "file": str(path), **scenario.parameters()})
-    answer(given, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
+    answer(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
     return console.SUCCESS
 
 

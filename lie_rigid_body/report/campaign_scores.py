@@ -84,14 +84,13 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
             yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
-        for what, verdict in (("", one.covariance), (" (gyro bias)", one.gyro_bias)):
-            if verdict is not None:
-                yield f"{one.name}{what}: {verdict.message}."
+        verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
+        yield from (f"{one.name}{what}: {verdict.message}." for what, verdict in verdicts.items() if verdict)
     if best := comparison.best:
-        of = [(one.name, float(one.scores["total_rms_deg"][one.runs == best.run][0])) for one in comparison.standings]
-        errors = ", ".join(f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of)
         left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
-        yield f"{left}; in it errs {errors}."
+        of = {one.name: float(one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings}
+        errors = (f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of.items())
+        yield f"{left}; in it errs {', '.join(errors)}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
     elif comparison.has_covariances and not any(one.covariance for one in comparison.standings):
@@ -117,10 +116,9 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iter
 def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Varied) -> Iterator[str]:
     curves = [trace for one, colour in shown if len(one.curve_deg) for trace in _band(comparison.t_s, one, colour)]
     if curves:
-        errors = np.concatenate([np.array(trace["y"], dtype=float) for trace in curves])
+        errors = np.concatenate([trace["y"] for trace in curves])
         content = drawn(curves, xaxis=axis("time, s"), yaxis=_scale("total error, °", errors))
-        caption = "Median over the runs; between the thin lines are 90 % of the runs."
-        yield figure("Error over time", content, caption)
+        yield figure("Error over time", content, "Median over the runs; between the thin lines are 90 % of the runs.")
     yield from (_grid(one, colour) for one, colour in shown if one.points)
     for name in next(iter(varied.values()), {}):
         values = {run: parameters[name] for run, parameters in varied.items()}
@@ -151,18 +149,24 @@ def _scale(title: str, values: Array) -> dict[str, Any]:
 def _grid(one: Standing, colour: str) -> str:
     """Mean error of each point of a grid over its first parameter, a line for each choice of the others."""
     name, *others = one.entry.contender.grid
-    lines: dict[str, list[tuple[Any, float]]] = {}
-    for point in one.points:
-        key = ", ".join(f"{other} {json.dumps(point.parameters[other])}" for other in others)
-        lines.setdefault(key, []).append((point.parameters[name], point.mean_deg))
     ranked = [point.parameters[name] for point in one.points]
-    are_numbers, traces = _are_numbers(ranked), []
-    for at, (key, points) in enumerate(lines.items()):
-        shade = colour if len(lines) == 1 else _COLOURS[at % len(_COLOURS)]
-        x = [value if are_numbers else json.dumps(value) for value, _ in points]
-        y = [None if np.isnan(mean) else mean for _, mean in points]
-        look = {"mode": "lines+markers" if are_numbers else "markers", "line": {"color": shade}}
-        traces.append({"type": "scatter", "x": x, "y": y, "name": key or one.name, **look})
+    are_numbers = _are_numbers(ranked)
+    lines: dict[str, list[tuple[Any, float | None]]] = {}
+    for point, value in zip(one.points, ranked, strict=True):
+        key = ", ".join(f"{other} {json.dumps(point.parameters[other])}" for other in others)
+        mean = None if np.isnan(point.mean_deg) else point.mean_deg
+        lines.setdefault(key, []).append((value if are_numbers else json.dumps(value), mean))
+    traces = [
+        {
+            "type": "scatter",
+            "x": [value for value, _ in means],
+            "y": [mean for _, mean in means],
+            "name": key or one.name,
+            "mode": "lines+markers" if are_numbers else "markers",
+            "line": {"color": colour if len(lines) == 1 else _COLOURS[at % len(_COLOURS)]},
+        }
+        for at, (key, means) in enumerate(lines.items())
+    ]
     xaxis = _scale(name, np.array(ranked, dtype=float)) if are_numbers else axis(name, type="category")
     yaxis = _scale("mean total error, °", np.array([point.mean_deg for point in one.points]))
     best = json.dumps(one.entry.parameters)

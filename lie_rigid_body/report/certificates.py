@@ -14,12 +14,12 @@ from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificat
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report import html_page, motion_figures, residual_figures
+from lie_rigid_body.report import figures, html_page
 from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Headings of the columns of `law_cells`."""
-_COLUMNS: Final = " {:<34} {:>7} {:>7} {:<3} {:>7} {:>9} {}"
+COLUMNS: Final = " {:<34} {:>7} {:>7} {:<3} {:>7} {:>9} {}"
 _UNIT: Final = 3
 """Width of the column of units, characters; a longer unit stands behind the name."""
 _TIME: Final = 9
@@ -50,14 +50,15 @@ def as_table(bag: str, certificate: Certificate, proof: Proof | None = None) -> 
     lines = [printable(bag)]
     for i, segment in enumerate(certificate.segments, 1):
         first, *others = segment_facts(i, len(certificate.segments), segment)
-        lines += ["", first, *(f"  {fact}" for fact in others), "", _COLUMNS.format(*HEADINGS).rstrip()]
-        lines += [law_row(law, segment.time_s(law)) for law in segment.laws]
+        lines += ["", first, *(f"  {fact}" for fact in others), "", COLUMNS.format(*HEADINGS).rstrip()]
+        lines += [COLUMNS.format(*law_cells(law, segment.time_s(law))) for law in segment.laws]
         lines += [wrapped(note, " note: ") for note in segment.notes]
-    lines += [law_row(law, None) for law in certificate.whole]
-    lines += ["", verdict(certificate)]
+    lines += [*(COLUMNS.format(*law_cells(law, None)) for law in certificate.whole), "", verdict(certificate)]
     if certificate.not_certified:
         lines.append(wrapped("; ".join(certificate.not_certified) + ".", "Not certified: "))
-    return "\n".join([*lines, *([] if proof is None else [proved(proof)])])
+    if proof is not None:
+        lines.append(proved(proof))
+    return "\n".join(lines)
 
 
 def verdict(certificate: Certificate) -> str:
@@ -122,7 +123,30 @@ def as_json(bag: str, certificate: Certificate, proof: Proof | None = None) -> d
             for segment in certificate.segments
         ],
         "laws": [_law_json(law, None) for law in certificate.whole],
-    } | ({} if proof is None else {"proved": _proof_json(proof)})
+    } | (
+        {}
+        if proof is None
+        else {
+            "proved": {
+                "passed": proof.passed,
+                "attitude_rad": max((sample.at_most for sample in proof.samples), default=math.nan),
+                "samples": [
+                    {
+                        "segment": sample.segment,
+                        "sample": sample.sample,
+                        "stamp_ns": sample.stamp_ns,
+                        "time_s": sample.time_s,
+                        "attitude_at_least_rad": sample.at_least,
+                        "attitude_at_most_rad": sample.at_most,
+                        "attitude_limit_rad": sample.limit,
+                        "body_rate_at_most_rad_s": sample.rate_at_most,
+                        "holds": sample.holds,
+                    }
+                    for sample in proof.samples
+                ],
+            }
+        }
+    )
 
 
 def _accuracy(certificate: Certificate) -> dict[str, Any]:
@@ -160,27 +184,6 @@ def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
     }
 
 
-def _proof_json(proof: Proof) -> dict[str, object]:
-    return {
-        "passed": proof.passed,
-        "attitude_rad": max((sample.at_most for sample in proof.samples), default=math.nan),
-        "samples": [
-            {
-                "segment": sample.segment,
-                "sample": sample.sample,
-                "stamp_ns": sample.stamp_ns,
-                "time_s": sample.time_s,
-                "attitude_at_least_rad": sample.at_least,
-                "attitude_at_most_rad": sample.at_most,
-                "attitude_limit_rad": sample.limit,
-                "body_rate_at_most_rad_s": sample.rate_at_most,
-                "holds": sample.holds,
-            }
-            for sample in proof.samples
-        ],
-    }
-
-
 def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> tuple[str, ...]:
     """Facts about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
@@ -195,11 +198,6 @@ def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> t
     )
 
 
-def law_row(law: LawResult, time_s: float | None) -> str:
-    """Line of a law in the table; see `law_cells`."""
-    return _COLUMNS.format(*law_cells(law, time_s))
-
-
 def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     """Cells of a law's line in the table, under `HEADINGS`.
 
@@ -211,17 +209,14 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     """
     sample, time = "", ""
     if law.sample is not None and time_s is not None:
-        sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), _time(time_s))
+        # seven digits, or as many as there is room for: such as of a small time that does not end
+        times = (f"{time_s:.{digits}g}" for digits in range(7, 0, -1))
+        fitting = next(text for text in times if len(text) <= _TIME)
+        sample, time = ("all", "") if law.worst == 0.0 else (str(law.sample), fitting)
     is_long, is_count = len(law.unit) > _UNIT, _COUNTS[0] < law.worst < _COUNTS[1] and law.worst.is_integer()
     name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
     worst = f"{law.worst:.0f}" if is_count else f"{law.worst:.2g}"
     return name, worst, f"{law.limit:.2g}", unit, sample, time, "holds" if law.holds else "BROKEN"
-
-
-def _time(time_s: float) -> str:
-    """Seven digits, or as many as there is room for: such as of a small time that does not end."""
-    texts = (f"{time_s:.{digits}g}" for digits in range(7, 0, -1))
-    return next(text for text in texts if len(text) <= _TIME)
 
 
 def of_limit(worst: float, limit: float) -> str:
@@ -268,19 +263,14 @@ def page(
     bytes
         HTML.
     """
-    pieces = [piece for piece in pieces if len(piece.samples)]
-    parts = [
-        *_verdict_of_page(certificate, proof),
-        *(motion_figures.sections(pieces) if pieces else ()),
-        *_laws(certificate),
-        *(_residuals(certificate, residuals, pieces) if pieces else ()),
-        html_page.listing("Not certified", map(escape, certificate.not_certified)),
-        *(html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES]),
-    ]
+    parts = _parts(certificate, residuals, [piece for piece in pieces if len(piece.samples)], proof)
     return html_page.document(f"Certificate of {bag}", parts, with_figures=True)
 
 
-def _verdict_of_page(certificate: Certificate, proof: Proof | None) -> Iterator[str]:
+def _parts(
+    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment], proof: Proof | None
+) -> Iterator[str]:
+    """HTML of the verdict, the motion, the laws, their residuals, what is not certified, and the scenarios."""
     yield html_page.badge("CERTIFIED" if certificate.passed else "NOT CERTIFIED", passed=certificate.passed)
     if certificate.passed:
         said = " ".join(verdict(certificate).split()).removeprefix("CERTIFIED: ")
@@ -289,6 +279,19 @@ def _verdict_of_page(certificate: Certificate, proof: Proof | None) -> Iterator[
         yield f"<ul>{''.join(f'<li>{escape(message)}</li>' for message in certificate.messages)}</ul>"
     if proof is not None:
         yield html_page.paragraph(proved(proof))
+    if pieces:
+        yield from figures.sections(pieces)
+    yield from _laws(certificate)
+    if pieces and (panels := list(figures.residuals_over_time(certificate, residuals, pieces))):
+        yield "<h2>Residuals over time</h2>"
+        yield html_page.paragraph(
+            "The largest residual of each law in each of some hundred intervals of time, beside its limit. "
+            "A circle marks the worst sample or reading; what is beyond its limit is red. Residuals of 0 are left out, "
+            "and so are laws that have no other: the tables have all."
+        )
+        yield html_page.grid(panels)
+    yield html_page.listing("Not certified", map(escape, certificate.not_certified))
+    yield from (html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES])
 
 
 def _laws(certificate: Certificate) -> Iterator[str]:
@@ -310,18 +313,3 @@ def _laws(certificate: Certificate) -> Iterator[str]:
 def law_table(laws: Iterable[tuple[LawResult, float | None]]) -> str:
     """Table of laws as HTML, each with the time of its worst sample; see `law_cells`."""
     return html_page.table(HEADINGS, [(law_cells(law, time_s), law.holds) for law, time_s in laws])
-
-
-def _residuals(
-    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
-) -> Iterator[str]:
-    shapes = motion_figures.resets(pieces)
-    panels = list(residual_figures.figures_over_time(certificate, residuals, int(pieces[0].stamps_ns[0]), shapes))
-    if panels:
-        yield "<h2>Residuals over time</h2>"
-        yield html_page.paragraph(
-            "The largest residual of each law in each of some hundred intervals of time, beside its limit. "
-            "A circle marks the worst sample or reading; what is beyond its limit is red. Residuals of 0 are left out, "
-            "and so are laws that have no other: the tables have all."
-        )
-        yield html_page.grid(panels)

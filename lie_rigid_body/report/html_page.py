@@ -134,8 +134,9 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     if with_figures:
         from plotly.offline import get_plotlyjs
 
-        scripts = [get_plotlyjs(), _DRAW]
-    allowed = " ".join(f"'sha256-{_sha256(script)}'" for script in scripts) or "'none'"
+        scripts += [get_plotlyjs(), _DRAW]
+    hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
+    allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
     text = "\n".join(
         [
@@ -154,10 +155,6 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
 
 
-def _sha256(script: str) -> str:
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-
-
 def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
     """Make a figure that plotly.js draws.
 
@@ -173,17 +170,15 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
     from plotly.io import to_json
 
     data = str(to_json(content, validate=False)).replace("<", "\\u003c")
-    controls = ""
-    if "film" in content:
-        times = content["film"]["times"]
-        controls = (
-            '<div class="controls"><button type="button">▶ play</button>'
-            f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
-            f"<output>{escape(times[0])}</output></div>"
-        )
+    times = content.get("film", {}).get("times")
+    controls = times and (
+        '<div class="controls"><button type="button">▶ play</button>'
+        f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
+        f"<output>{escape(times[0])}</output></div>"
+    )
     below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     return (
-        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>{controls}'
+        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>{controls or ""}'
         f'<script type="application/json">{data}</script>{below}</figure>'
     )
 
@@ -275,19 +270,18 @@ def paragraph(text: str) -> str:
 def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
     """Table of plain text; each row comes with whether it passed."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
-    lines = [
+    body = "".join(
         f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
         for cells, passed in rows
-    ]
-    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
+    )
+    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
     """List of HTML under a heading; if there is no item, a sentence or nothing."""
     entries = "".join(f"<li>{item}</li>" for item in items)
-    if entries:
-        return f"<h2>{heading}</h2><ul>{entries}</ul>"
-    return f"<h2>{heading}</h2><p>{empty}</p>" if empty else ""
+    content = f"<ul>{entries}</ul>" if entries else empty and f"<p>{empty}</p>"
+    return content and f"<h2>{heading}</h2>{content}"
 
 
 def scenario(segment: Segment) -> str:

@@ -15,7 +15,6 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report.drawing import drawable
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
@@ -36,6 +35,8 @@ from lie_rigid_body.wording import counted
 INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
 
+_LARGEST: Final = 1e300
+"""Largest number that is drawn: the length of an axis is a number as well."""
 _SHORT_NUMBER: Final = 3
 """Number of characters of a number that keeps clear of its axis at the usual distance."""
 _TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0
@@ -90,7 +91,7 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
         t = times(piece.stamps_ns, pieces)
         for name, colour, rates in zip("xyz", COLOURS, piece.states.body_rate.T, strict=True):
             label = rf"$\omega_{name}$" if piece is pieces[0] else None
-            axes.plot(t, drawable(rates), color=colour, label=label, **curve_style(piece.count, 1.4))
+            axes.plot(t, _drawable(rates), color=colour, label=label, **curve_style(piece.count, 1.4))
     axes.set_ylabel("body rate [rad/s]")
 
 
@@ -112,9 +113,14 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
     momentum.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{INTERVALS}")
 
 
+def _drawable(values: Array) -> Array:
+    """Numbers that an axis can have, NaN in place of those that are too large."""
+    return np.where(np.abs(values) < _LARGEST, values, np.nan)
+
+
 def _draw_envelope(axes: Axes, t: Array, values: Array, colour: str, label: str | None = None) -> None:
     """Draw the smallest and the largest value in each interval of time, as a band: others are seen through it."""
-    t, lowest, highest = map(drawable, envelope(t, values))
+    t, lowest, highest = map(_drawable, envelope(t, values))
     axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
     axes.plot(t, lowest, color=colour, lw=0.9, **(DOTS if len(t) <= FEW_SAMPLES else {}))
     axes.plot(t, highest, color=colour, lw=0.9, label=label)

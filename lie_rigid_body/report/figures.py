@@ -1,14 +1,17 @@
-"""Motion of a recording as figures of a page: rate, polhode, herpolhode, and a film of the body."""
+"""Figures of pages: the motion of a recording with a film of the body, and residuals over time and by their sizes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import product
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby, product
 from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.certificate import Certificate, LawResult
+from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
@@ -21,6 +24,7 @@ from lie_rigid_body.report.html_page import (
     figure,
     grid,
     line,
+    logarithmic,
     mark,
     over_time,
     paragraph,
@@ -37,6 +41,7 @@ from lie_rigid_body.report.recorded_motion import (
     extremes,
     path,
     reset_times,
+    screen,
     times,
     usable,
     world_rates,
@@ -76,6 +81,13 @@ _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
 """Corners along a path through all edges."""
 _NONE: Final = np.zeros((1, 3))
 
+_BINS: Final = 30
+_LEAST_SPAN: Final = 0.3
+"""Least span of a distribution, decades."""
+_BEYOND: Final = 10.0
+"""Height at which residuals are drawn that are not finite, as a multiple of all that is."""
+_LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
+
 
 def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
     """Lines at the resets, for a layout; none where there are too many."""
@@ -108,8 +120,8 @@ def rate(pieces: Sequence[RecordedSegment]) -> Figure:
     for name, colour, component in zip("xyz", COLOURS, rates.T, strict=True):
         at = extremes(t, component)
         traces.append(over_time(t[at], component[at], f"ω<sub>{name}</sub>", colour, **few))
-    axes = {"xaxis": axis("time [s]", range=[0.0, float(t[-1]) or 1.0]), "yaxis": axis("body rate [rad/s]")}
-    return drawn(traces, **axes, shapes=resets(pieces))
+    time = axis("time [s]", range=[0.0, float(t[-1]) or 1.0])
+    return drawn(traces, xaxis=time, yaxis=axis("body rate [rad/s]"), shapes=resets(pieces))
 
 
 def polhode(piece: RecordedSegment) -> Figure | None:
@@ -118,17 +130,16 @@ def polhode(piece: RecordedSegment) -> Figure | None:
     if ellipsoid is None:
         return None
     circles = np.insert(ellipsoid.principal_circles(), 0, np.nan, axis=1).reshape(-1, 3)
-    surface = {
-        "type": "surface",
-        **coordinates(np.moveaxis(ellipsoid.surface(_ABOVE), 0, -1)),
-        "colorscale": [[0, SURFACE], [1, SURFACE]],
-        "showscale": False,
-        "opacity": 0.75,
-        "hoverinfo": "skip",
-        "lighting": {"specular": 0.1, "diffuse": 0.6},
-    }
     traces = [
-        surface,
+        {
+            "type": "surface",
+            **coordinates(np.moveaxis(ellipsoid.surface(_ABOVE), 0, -1)),
+            "colorscale": [[0, SURFACE], [1, SURFACE]],
+            "showscale": False,
+            "opacity": 0.75,
+            "hoverinfo": "skip",
+            "lighting": {"specular": 0.1, "diffuse": 0.6},
+        },
         line(circles, "principal planes", CIRCLES, 1.5),
         line(ellipsoid.polhode, "polhode", RED, 5),
         mark(ellipsoid.polhode[0], "first sample", size=4, color="black"),
@@ -138,8 +149,8 @@ def polhode(piece: RecordedSegment) -> Figure | None:
         f"{name}axis": {"title": {"text": f"ω<sub>{i}</sub>"}, "range": [-1.08 * radius, 1.08 * radius], **look}
         for i, (name, radius) in enumerate(zip("xyz", ellipsoid.radii, strict=True), 1)
     }
-    eye = coordinates(_DISTANCE * ellipsoid.best_view().axes[0])
-    camera = {"eye": eye, "projection": {"type": "orthographic"}}
+    eye, *_ = screen(ellipsoid.best_view())
+    camera = {"eye": coordinates(_DISTANCE * eye), "projection": {"type": "orthographic"}}
     return drawn(traces, scene={**axes, "aspectmode": "data", "camera": camera}, showlegend=False)
 
 
@@ -150,8 +161,7 @@ def herpolhode(piece: RecordedSegment) -> Figure | None:
     size, fastest = float(np.linalg.norm(momentum)), scenario.rate_bound()
     if size == 0.0 or not len(states.body_rate):
         return None
-    upright = momentum / size
-    rates = world_rates(states)
+    upright, rates = momentum / size, world_rates(states)
     across = rates - np.outer(rates @ upright, upright)
     right = across[0]  # of ω's first part across the momentum, or any if it has none
     if np.linalg.norm(right) < 1e-9 * fastest:
@@ -165,8 +175,8 @@ def herpolhode(piece: RecordedSegment) -> Figure | None:
     ]
     reach = 1.1 * max(float(np.abs(points).max()), 1e-3 * fastest)
     look: dict[str, Any] = {"range": [-reach, reach], "constrain": "domain", "nticks": 6}
-    axes = {"xaxis": axis("ω across L [rad/s]", **look), "yaxis": axis("[rad/s]", scaleanchor="x", **look)}
-    return drawn(traces, **axes, showlegend=False)
+    upwards = axis("[rad/s]", scaleanchor="x", **look)
+    return drawn(traces, xaxis=axis("ω across L [rad/s]", **look), yaxis=upwards, showlegend=False)
 
 
 def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
@@ -179,19 +189,29 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     momentum = momentum / (float(np.linalg.norm(momentum)) or 1.0)
     followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
     moving = _moving(piece, states, followed)
-    trace = moving[2][:, 3 * followed + 1]
     world = {"text": ["", "X", "", "", "Y", "", "", "Z", ""], "textfont": {"size": 12, "color": _WORLD}}
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
         _arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM),
-        line(trace, f"path of the {'xyz'[followed]} axis", _TRACE, 2, opacity=0.6, hoverinfo="name"),
+        line(
+            moving[2][:, 3 * followed + 1],
+            f"path of the {'xyz'[followed]} axis",
+            _TRACE,
+            2,
+            opacity=0.6,
+            hoverinfo="name",
+        ),
         line(_cross(1.0), "axes of the world", _WORLD, 2, mode="lines+text", hoverinfo="name", **world),
     ]
     # the eye is across the angular momentum and somewhat above
     azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
     eye = coordinates(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
     hidden = {f"{name}axis": {"visible": False, "range": [-_REACH, _REACH]} for name in "xyz"}
-    scene = {**hidden, "aspectmode": "cube", "camera": {"eye": eye}}
+    layout = {
+        "scene": {**hidden, "aspectmode": "cube", "camera": {"eye": eye}},
+        "uirevision": "kept",
+        "margin": {"l": 0, "r": 0, "t": 30, "b": 0},
+    }
     digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
     duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
     each = [[_places(points[k]) for points in moving] for k in range(len(t))]
@@ -200,22 +220,17 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
         "duration": duration,
         "pictures": [{name: [place[name] for place in places] for name in "xyz"} for places in each],
     }
-    shown = (
+    return {**drawn(data, **layout), "film": film}, (
         f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * duration:.3g} s: a box of the body's principal "
         "moments in the world. Drag to turn, scroll to come nearer."
     )
-    margin = {"l": 0, "r": 0, "t": 30, "b": 0}
-    return {**drawn(data, scene=scene, uirevision="kept", margin=margin), "film": film}, shown
 
 
 def _frames(piece: RecordedSegment) -> tuple[Array, State]:
     """Times since the first sample, s, and states of the frames."""
-    t = times(piece.stamps_ns[: piece.close], [piece])
-    if not len(t):
-        return t, piece.states[:0]
-    fastest = piece.segment.scenario.rate_bound()
-    horizon = min(float(t[-1]), FRAMES * _TURN / fastest) if fastest else float(t[-1])
-    at = np.unique(np.searchsorted(t, np.linspace(0.0, horizon, FRAMES) - 1e-9))
+    t, fastest = times(piece.stamps_ns[: piece.close], [piece]), piece.segment.scenario.rate_bound()
+    horizon = min(float(t.max(initial=0.0)), FRAMES * _TURN / fastest if fastest else np.inf)
+    at = np.unique(np.searchsorted(t, np.linspace(0.0, horizon, FRAMES) - 1e-9))[: len(t)]  # of no sample none
     states, sane = usable(piece, at)
     return t[at[sane]], states
 
@@ -275,3 +290,103 @@ _LOOKS: Final = (
     line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
 )
 """Looks of what moves, in the order of `_moving`."""
+
+
+def residuals_over_time(
+    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
+) -> Iterator[str]:
+    """Draw the largest residuals of each law over time, beside their limits.
+
+    Parameters
+    ----------
+    certificate : Certificate
+    residuals : ResidualsOverTime
+        Of the same bag.
+    pieces : sequence of RecordedSegment
+        Of the same bag, with samples, the first of which has the time 0.
+
+    Yields
+    ------
+    str
+        HTML. Laws that have no residual but 0 are left out.
+    """
+    watched = [law for law in certificate.laws if law.name in residuals.laws]
+    for name, laws in groupby(watched, lambda law: re.sub(" [xyz]$", "", law.name)):
+        own = [(law, residuals.laws[law.name]) for law in laws]
+        if traces := list(_traces(own, int(pieces[0].stamps_ns[0]))):
+            unit = own[0][0].unit
+            label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
+            time = axis("time [s]", range=[0.0, max(float(trace["x"][-1]) for trace in traces)])
+            size = logarithmic(label, np.concatenate([trace["y"] for trace in traces]))
+            look = {"xaxis": time, "yaxis": size, "shapes": resets(pieces), "showlegend": len(own) > 1}
+            yield figure(name, drawn(traces, **look))
+
+
+def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
+    """Curves of a law, or of its components, marks at what is broken and at the worst, and their limit."""
+    limits = []
+    for i, (worst, law) in enumerate(laws):
+        t, residuals, limit, broken = law.series(origin_ns)
+        if not (residuals > 0.0).any():
+            continue
+        if (limit > 0.0).any():
+            limits.append(over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT))
+        finite = np.isfinite(residuals)
+        top = _BEYOND * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
+        heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
+        name, colour = (worst.name[-1], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
+        yield over_time(t, heights, name, colour)
+        if broken.any():
+            yield over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
+        if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
+            at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
+            circle = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
+            yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
+    yield from limits[-1:]
+
+
+def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
+    """Draw how often each size of the worst residual occurs among many bags, beside the limits.
+
+    Parameters
+    ----------
+    laws : mapping of str to sequence of pairs of float
+        Of each law, by its name with the unit, the worst residual and its limit in each bag.
+    whose : str
+        What there are many of, such as ``bags``.
+
+    Yields
+    ------
+    str
+        HTML. Laws that have no residual but 0, as those that hold or do not, are left out.
+    """
+    for name, pairs in laws.items():
+        residuals, limits = np.array(pairs, dtype=np.float64).T
+        finite = np.isfinite(residuals)
+        shown = finite & (residuals > 0.0)
+        if shown.any() and limits.max() > 0.0:
+            left_out = {"0": np.sum(residuals == 0.0), "not finite": np.sum(~finite)}
+            caption = ", ".join(f"{what} in {count} {whose}" for what, count in left_out.items() if count)
+            yield figure(name, _distribution(residuals[shown], limits[shown], limits, whose), caption)
+
+
+def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
+    """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
+    low, high = np.log10(residuals.min()), np.log10(residuals.max())
+    widen = max(0.0, _LEAST_SPAN - (high - low)) / 2.0 + 1e-9
+    edges = np.logspace(low - widen, high + widen, _BINS + 1)
+    traces: list[dict[str, Any]] = []
+    beyond = residuals > own
+    for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):
+        counts, _ = np.histogram(residuals[which], edges)
+        if counts.any():
+            bars = {"x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts}
+            traces.append({"type": "bar", "marker": {"color": colour}, "name": label, **bars})
+    top, least, most = max(int(np.max(trace["y"])) for trace in traces), float(limits.min()), float(limits.max())
+    corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
+    if least == most:
+        traces.append({**line(corners[:2], "limit", GREY, 1.4), **_LIMIT})
+    else:
+        traces.append({**line(corners, "limits", GREY, 1.4), **_LIMIT, "fill": "toself"})
+    size = logarithmic("worst residual", np.append(edges, limits))
+    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"), barmode="stack", bargap=0)
