@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import tempfile
 import time
@@ -54,6 +55,9 @@ _QUIET: Final = {
     "distributed.scheduler.allowed-failures": 0,
 }
 """Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
+
+_MARK: Final = "LIE_RIGID_BODY_CLUSTER"
+"""Variable of the environment that tells to which cluster a process belongs."""
 
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
@@ -188,10 +192,12 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             yield connected
         return
     others = active_children()
+    resource_tracker.ensure_running()  # before the mark, and in a thread that may get the signal that it unblocks
     # neither half of a cluster nor one that closes may be interrupted
     with (
         Interruption.current().noted() as interruption,
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own,
+        _marked(own),
     ):
         try:
             with (
@@ -199,8 +205,12 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
                 _closed_in_time(Client(cluster)) as client,
                 interruption.allowed(),
             ):
-                yield client
+                try:
+                    yield client
+                finally:
+                    _end_what_is_left(own)  # it may hold a worker's connections, whose end would be waited for
         finally:
+            _end_what_is_left(own)
             for process in active_children():  # there is none, unless the cluster was too late
                 if process not in others:
                     process.kill()
@@ -233,8 +243,28 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
 def _deafen() -> None:
     """Block SIGINT in this thread, where a system has masks of signals: Ctrl-C goes to all processes of a terminal."""
     if hasattr(signal, "pthread_sigmask"):
-        resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+@contextmanager
+def _marked(mark: str) -> Iterator[None]:
+    """A context in which processes begin with a mark in their environment, which those that they begin inherit."""
+    os.environ[_MARK] = mark
+    try:
+        yield
+    finally:
+        del os.environ[_MARK]
+
+
+def _end_what_is_left(mark: str) -> None:
+    """Kill what estimators began and left: the processes with a mark that are no workers."""
+    import psutil
+
+    own = {os.getpid(), *(child.pid for child in active_children())}
+    for process in psutil.process_iter():
+        with suppress(psutil.Error):
+            if process.pid not in own and process.environ().get(_MARK) == mark:
+                process.kill()
 
 
 @contextmanager

@@ -23,6 +23,7 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import short_repr, shortened
@@ -225,7 +226,8 @@ def judged(entry: Entry, run: Run) -> Judgement:
     try:
         estimate = entry.load()
         begin = time.perf_counter()
-        found = Estimate.of(estimate(run))
+        with leaving_the_process_alone():
+            found = Estimate.of(estimate(run))
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:
@@ -241,7 +243,7 @@ def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
         "nees_mean": None if score.consistency is None else score.consistency.mean,
         "gyro_bias_rms_rad_s": None if score.gyro_bias_rad_s is None else score.gyro_bias_rad_s.rms,
     }
-    found = replace(found, t_ns=run.stamps_of(len(found)) if found.t_ns is None else found.t_ns)
+    found = run.stamped(found)
     places, known = _nearest(found.t_ns, run, CURVE)
     total = np.degrees(attitude_error(found.attitude_xyzw[places], run.attitude().at(found.t_ns[places])).total)
     curve = [value if is_known else None for value, is_known in zip(_short(total), known, strict=True)]

@@ -65,7 +65,7 @@ class Player:
 
     def __init__(self, node: Node, play: Play, require_alive: Callable[[], None]) -> None:
         self._play, self._require_alive = play, require_alive
-        self._longest_s = play.timeout_s / 2.0
+        self._longest_s = play.node.timeout_s / 2.0
         self._topics = {reading.sensor: SENSORS[reading.sensor].topics[0] for reading in play.readings}
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
         self._publishers = {
@@ -75,7 +75,7 @@ class Player:
         self._publishers[CLOCK] = node.create_publisher(Clock, CLOCK, quality)
         self._heard = SimpleQueue[tuple[int, bytes]]()
         self._payloads: list[bytes] = []
-        self.answers = Answers(node, self._publishers, play.topic, [])
+        self.answers = Answers(node, self._publishers, play.node.topic, [])
         self.answers.hear = lambda *answer: self._heard.put(answer)
 
     def played(self) -> Answered:
