@@ -175,16 +175,14 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
 def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     error = failed[min(failed)]
-    reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
-    reason = reason.replace(f"{journal.folder.absolute()}{os.sep}", "")
+    # without the rescue of its bag, as the run is done again
+    reason = said(error).partition("; ")[0].replace(f"{journal.folder.absolute()}{os.sep}", "")
     if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
-    reason = shortened(reason, _LONGEST_REASON)
     named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
     kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
-    return BagError(
-        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; {kept}: mend that, and {RESUMED}"
-    )
+    first = f"first: {shortened(reason, _LONGEST_REASON)}"
+    return BagError(f"{len(failed)} of {campaign.runs} runs failed{named}, {first}; {kept}: mend that, and {RESUMED}")
 
 
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
@@ -228,8 +226,8 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     what = "it" if campaign.estimator is not None else "one"
     told += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
     if given.report is not None:
-        more = [html_page.details("Campaign", campaign.to_json())]
-        content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, more, first=first)
+        title, more = f"Campaign {given.campaign}", [html_page.details("Campaign", campaign.to_json())]
+        content = page(title, "runs", ("run", *campaign.vary), lines, more, first=first)
         write_file(given.report, content, overwrite=given.force)
         told.append(f"wrote {printable(given.report)}")
     console.say("\n".join(told), done=f"{path} is written")

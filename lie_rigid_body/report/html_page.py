@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Figure = Mapping[str, Any]
 """A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
 
-_GRID: Final = "#E4E7EB"
 _FRAME: Final = "#8A97A8"
 _MARKS: Final = 6
 """Largest number of decades that are labelled."""
@@ -138,21 +137,19 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
     allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
-    text = "\n".join(
-        [
-            "<!DOCTYPE html>",
-            f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f'<meta http-equiv="Content-Security-Policy" content="{policy}"><style>{_STYLE}</style></head>',
-            f"<body><h1>{escape(title)}</h1>",
-            *parts,
-            f"<p>Made by lie_rigid_body {__version__}.</p>",
-            *(f"<script>{script}</script>" for script in scripts),
-            "</body></html>",
-            "",
-        ]
-    )
-    return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
+    lines = [
+        "<!DOCTYPE html>",
+        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}"><style>{_STYLE}</style></head>',
+        f"<body><h1>{escape(title)}</h1>",
+        *parts,
+        f"<p>Made by lie_rigid_body {__version__}.</p>",
+        *(f"<script>{script}</script>" for script in scripts),
+        "</body></html>",
+        "",
+    ]
+    return "\n".join(lines).encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
 
 
 def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
@@ -199,7 +196,7 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
     """Axis of a plane figure."""
     return {
         "title": {"text": title, "standoff": 6},
-        "gridcolor": _GRID,
+        "gridcolor": "#E4E7EB",
         "zeroline": False,
         "showline": True,
         "linecolor": _FRAME,
