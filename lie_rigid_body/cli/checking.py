@@ -57,8 +57,7 @@ def check(given: argparse.Namespace) -> int:
         else:
             bar.total = size(name) * (1 + passes(first, residuals) + 2 * (residuals is not None))
             certificate = certify(first, inertia, residuals)
-            has_samples = residuals is not None and certificate.segments
-            pieces = thinned_segments(first, inertia) if has_samples else []
+            pieces = thinned_segments(first, inertia) if residuals and certificate.segments else []
     if others or isinstance(first, BagError):
         return _answer(given, verdicts)
     proof = None

@@ -148,13 +148,13 @@ def page_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> bytes:
 
 def _heat_map(table: LeagueTable) -> str:
     """A table of all errors, each cell in a shade of its size."""
-    head = "".join(f'<th class="case"><span>{case}</span></th>' for case in CASES)
-    rows = []
-    for row in table.rows:
-        cells = "".join(_shaded(row.results[str(case)].total_deg) for case in CASES)
-        rows.append(f"<tr><td>{escape(row.name)}</td>{cells}</tr>")
-    body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
-    return f'<div class="table heat"><table>{body}</table></div>'
+    cases = "".join(f'<th class="case"><span>{case}</span></th>' for case in CASES)
+    body = "".join(
+        f"<tr><td>{escape(row.name)}</td>{''.join(_shaded(row.results[str(case)].total_deg) for case in CASES)}</tr>"
+        for row in table.rows
+    )
+    head = f"<thead><tr><th></th>{cases}</tr></thead>"
+    return f'<div class="table heat"><table>{head}<tbody>{body}</tbody></table></div>'
 
 
 def _shaded(error_deg: float) -> str:

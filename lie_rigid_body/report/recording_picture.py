@@ -193,10 +193,9 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     inertia, rate = (", ".join(f"{v:g}" for v in values) for values in (scenario.inertia, scenario.initial_body_rate))
     stepper = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
-    samples = counted(sum(piece.count for piece in pieces), "sample")
-    mark = "dashed" if count <= MOST_RESETS else "marks above"
-    resets = f", {counted(count, 'reset')} ({mark})" if count else ""
+    marks = "dashed" if count <= MOST_RESETS else "marks above"
+    resets = f", {counted(count, 'reset')} ({marks})" if count else ""
     return (
         f"torque-free body, {whose}inertia [{inertia}] kg m², initial body rate [{rate}] rad/s\n"
-        f"{motion}; {samples} at {scenario.rate:g} Hz{resets}"
+        f"{motion}; {counted(sum(piece.count for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
     )
