@@ -81,8 +81,10 @@ def page_of_diagnosis(name: str, found: FilterDiagnosis) -> bytes:
 
 def mistakes(found: FilterDiagnosis) -> str:
     """Table of the mistakes as HTML."""
-    headings = ("mistake", "repair", "error before", "error after", "does as well")
-    return html_page.table(headings, [(cells, True) for cells in _cells_of_mistakes(found)])
+    return html_page.table(
+        ("mistake", "repair", "error before", "error after", "does as well"),
+        [(cells, True) for cells in _cells_of_mistakes(found)],
+    )
 
 
 def _draw(found: FilterDiagnosis, width: float) -> Figure:

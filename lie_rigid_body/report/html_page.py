@@ -182,14 +182,17 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
 
 def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> dict[str, Any]:
     """Figure of plotly.js: room for the axes and for a legend above them, and no more."""
-    look = {
-        "font": {"family": "sans-serif", "size": 12, "color": "#222"},
-        "margin": {"l": 10, "r": 24, "t": 28, "b": 10},
-        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom"},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
+    return {
+        "data": traces,
+        "layout": {
+            "font": {"family": "sans-serif", "size": 12, "color": "#222"},
+            "margin": {"l": 10, "r": 24, "t": 28, "b": 10},
+            "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom"},
+            "paper_bgcolor": "white",
+            "plot_bgcolor": "white",
+            **layout,
+        },
     }
-    return {"data": traces, "layout": {**look, **layout}}
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
@@ -212,15 +215,14 @@ def logarithmic(title: str, values: Array) -> dict[str, Any]:
     """Axis of powers of ten, of whole decades around positive values."""
     found = np.log10(values[np.isfinite(values) & (values > 0.0)])
     low, high = int(np.floor(found.min())), int(np.ceil(found.max() + 1e-9))
-    marks = {"dtick": -(-(high - low) // _MARKS), "exponentformat": "power"}
-    return axis(title, type="log", range=[low, high], **marks)
+    return axis(title, type="log", range=[low, high], dtick=-(-(high - low) // _MARKS), exponentformat="power")
 
 
 def line(points: Array, name: str, colour: str, width: float, **more: Any) -> dict[str, Any]:
     """Line through points of shape (N, 2) or (N, 3), in a plane or in space."""
     kind = "scatter3d" if points.shape[-1] == 3 else "scatter"
-    look = {"mode": "lines", "line": {"color": colour, "width": width}}
-    return {"type": kind, "name": name, **look, **coordinates(points), **more}
+    look = {"color": colour, "width": width}
+    return {"type": kind, "name": name, "mode": "lines", "line": look, **coordinates(points), **more}
 
 
 def over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:
