@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.result import degrees
 from lie_rigid_body.evaluation.score import wrapped
-from lie_rigid_body.league import CASES, GRADES, FilterRow, LeagueTable, standing
+from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
 from lie_rigid_body.wording import counted
 
@@ -107,7 +107,7 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
 
 def lines_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
     """Lines of the table for a terminal, with marks at one's own rows, and a paragraph for each of these."""
-    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {table.edition}."
+    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {EDITION}."
     yield _ROWS.format(*_HEADINGS).rstrip()
     for row in table.rows:
         name, *others = _cells_of_row(table, row)
@@ -145,7 +145,7 @@ def page_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> bytes:
         html_page.table(_HEADINGS, rows),
         f"<h2>Every case</h2>{_heat_map(table)}",
     ]
-    return html_page.document(f"League of attitude filters {table.edition}", parts)
+    return html_page.document(f"League of attitude filters {EDITION}", parts)
 
 
 def _heat_map(table: LeagueTable) -> str:
