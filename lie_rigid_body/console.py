@@ -90,7 +90,12 @@ class Parser(argparse.ArgumentParser):
         if either:
             groups.append((self.add_mutually_exclusive_group(), either))
         if scenario:
-            groups.append((self.add_argument_group("scenario", _ORDER), SCENARIO))
+            groups.append(
+                (
+                    self.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p"),
+                    SCENARIO,
+                )
+            )
         for group, rows in groups:
             for names, how in rows:
                 group.add_argument(*names, **how)
@@ -308,7 +313,6 @@ def scenario(arguments: argparse.Namespace) -> Scenario:
         raise error if path is None else InputError(f"{path}: {error}") from None
 
 
-_ORDER: Final = "later wins: defaults < --scenario < --params-file < -p"
 SCENARIO: Final = (
     argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them"),
     argument(

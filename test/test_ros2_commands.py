@@ -10,20 +10,20 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.__main__ import VERBS
-from lie_rigid_body.cli import check, record
 from lie_rigid_body.report import request
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.sim import given_to_ros, parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
+from tables import parser_of
 
 ROOT = Path(__file__).parent.parent
 LIST = ROOT / "test" / "data" / "ros2_commands.txt"
 COMMANDS = [line for line in LIST.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PARSERS: dict[str, Callable[[list[str]], object]] = {
-    "check": check._parser().parse_args,
-    "record": record._parser().parse_args,
+    "check": parser_of("check").parse_args,
+    "record": parser_of("record").parse_args,
     "evaluate": request.parse,
 }
 

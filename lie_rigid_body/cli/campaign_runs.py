@@ -139,8 +139,10 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
                 bar.update()
         except SchedulerGoneError as error:
             if len(journal) + len(failed) < campaign.runs:
-                kept = f"{len(journal)} of {campaign.runs} runs are kept in {journal.folder}"
-                raise BagError(f"{error}; {kept}: start one, and {RESUMED}") from None
+                raise BagError(
+                    f"{error}; {len(journal)} of {campaign.runs} runs are kept in {journal.folder}: start one, and "
+                    f"{RESUMED}"
+                ) from None
     return failed
 
 
@@ -175,16 +177,14 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
 def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     error = failed[min(failed)]
-    reason = said(error).partition("; ")[0]  # without the rescue of its bag, as the run is done again
-    reason = reason.replace(f"{journal.folder.absolute()}{os.sep}", "")
+    # without the rescue of its bag, as the run is done again
+    reason = said(error).partition("; ")[0].replace(f"{journal.folder.absolute()}{os.sep}", "")
     if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
-    reason = shortened(reason, _LONGEST_REASON)
     named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
     kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
-    return BagError(
-        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {reason}; {kept}: mend that, and {RESUMED}"
-    )
+    first = f"first: {shortened(reason, _LONGEST_REASON)}"
+    return BagError(f"{len(failed)} of {campaign.runs} runs failed{named}, {first}; {kept}: mend that, and {RESUMED}")
 
 
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
@@ -195,16 +195,16 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
             f"{len(lacking)} of {counted(campaign.runs, 'bag')} were deleted or changed meanwhile ({listed(lacking)}): "
             f"keep others away, also the estimator; {RESUMED}"
         )
-    path = journal.write_table()
+    path, has_page = journal.write_table(), given.report is not None
     lines: list[Line] = []
     varied: dict[int, Mapping[str, Any]] = {}
     errors: list[list[str | None]] = []
     totals: list[float] = []
     for row in journal.rows():
-        cells = (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary))
-        residuals = {} if given.report is None else row.residuals  # those of a million runs would take gigabytes
-        lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, residuals))
-        varied[row.run] = row.parameters
+        # what only the page tells of a million runs would take gigabytes
+        varied[row.run] = row.parameters if has_page else {}
+        cells = (str(row.run), *(_cell(varied[row.run][name]) for name in campaign.vary if has_page))
+        lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, row.residuals if has_page else {}))
         scores = [judgement["scores"] for judgement in row.judgements]
         errors.append([of_entry[ERROR] for of_entry in scores])
         totals += [of_entry[SCORES[0]] or 0.0 for of_entry in scores if of_entry[ERROR] is None]
@@ -223,13 +223,13 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     elif campaign.estimators:
         comparison = compare(campaign, journal.rows())
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
-        first = tuple(campaign_scores.sections(campaign, comparison, varied)) if given.report else ()
+        first = tuple(campaign_scores.sections(campaign, comparison, varied)) if has_page else ()
     functions = sorted({one.function for one in campaign.contenders.values() if one.function})
-    what = "it" if campaign.estimator is not None else "one"
-    told += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
-    if given.report is not None:
-        more = [html_page.details("Campaign", campaign.to_json())]
-        content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, more, first=first)
+    what = f"what is wrong with {'one' if campaign.estimators else 'it'}: {console.program('diagnose')}"
+    told += [f"{what} {name}" for name in functions[:1]]
+    if has_page:
+        title, more = f"Campaign {given.campaign}", [html_page.details("Campaign", campaign.to_json())]
+        content = page(title, "runs", ("run", *campaign.vary), lines, more, first=first)
         write_file(given.report, content, overwrite=given.force)
         told.append(f"wrote {printable(given.report)}")
     console.say("\n".join(told), done=f"{path} is written")

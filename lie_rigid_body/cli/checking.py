@@ -8,10 +8,8 @@ import os
 import signal
 import threading
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, as_completed
 from functools import partial
 from multiprocessing.connection import wait as wait_for
 from pathlib import Path
@@ -19,8 +17,7 @@ from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.bounded_input import real
-from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.certification import passes
+from lie_rigid_body.certificate.certification import certify, passes
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
@@ -31,9 +28,9 @@ from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import topic_types
 from lie_rigid_body.recording.samples import thinned_segments
-from lie_rigid_body.report import certificates, overview
+from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_page
-from lie_rigid_body.report.overview import Verdict
+from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import listed
 
@@ -61,8 +58,7 @@ def check(given: argparse.Namespace) -> int:
         else:
             bar.total = size(name) * (1 + passes(first, residuals) + 2 * (residuals is not None))
             certificate = certify(first, inertia, residuals)
-            has_samples = residuals is not None and certificate.segments
-            pieces = thinned_segments(first, inertia) if has_samples else []
+            pieces = thinned_segments(first, inertia) if residuals and certificate.segments else []
     if others or isinstance(first, BagError):
         return _answer(given, verdicts)
     proof = None
@@ -120,9 +116,9 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
     path = given.report if any(verdict.certificate for verdict in verdicts) else None
     answer(
         given,
-        {path: lambda: overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
-        lambda: overview.as_table(verdicts),
-        lambda: overview.as_json(verdicts),
+        {path: lambda: page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
+        lambda: as_table(verdicts),
+        lambda: as_json(verdicts),
     )
     return max(verdict.status for verdict in verdicts)
 
@@ -184,22 +180,18 @@ def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
 def _by_processes(
     one: Callable[[str], list[Verdict]], bags: Sequence[str], most: int, interruption: Interruption
 ) -> list[list[Verdict] | None]:
-    """Verdicts on each bag by so many processes at most; None for a bag whose process died."""
-    context = multiprocessing.get_context()
-    with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin)) as pool:
+    """Verdicts on each bag by so many processes at most; None for a bag whose process died.
+
+    The processes have ended when this does, at once if it is left by an exception.
+    """
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(min(most, len(bags)), multiprocessing.get_context(), _begin)
+    try:
         futures = [pool.submit(one, bag) for bag in bags]
         with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
             for _ in console.progress(as_completed(futures), total=len(bags), unit=" bags"):
                 pass
-        return [None if isinstance(future.exception(), BrokenProcessPool) else future.result() for future in futures]
-
-
-@contextmanager
-def _pool(pool: ProcessPoolExecutor) -> Iterator[ProcessPoolExecutor]:
-    """A context after which the processes of a pool have ended, at once if it is left by an exception."""
-    others = set(multiprocessing.active_children())
-    try:
-        yield pool
+        return [None if isinstance(future.exception(), BrokenExecutor) else future.result() for future in futures]
     except BaseException:
         for process in set(multiprocessing.active_children()) - others:
             process.kill()

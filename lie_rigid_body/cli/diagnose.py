@@ -7,7 +7,7 @@ from typing import Any
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
-from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S
+from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
 
 
@@ -43,9 +43,8 @@ def main(given: argparse.Namespace) -> int:
             "no estimator: give MODULE:FUNCTION, such as my_filter:estimate, --command PROGRAM, or --node COMMAND"
         )
 
-    from lie_rigid_body.diagnosis import diagnose
-    from lie_rigid_body.report.diagnoses import lines, page
     from lie_rigid_body.report.drawing import answer, require_page
+    from lie_rigid_body.report.filters import lines_of_diagnosis, page_of_diagnosis
     from lie_rigid_body.scenario.parameter_file import gather
 
     require_page(given, given.params_file)
@@ -59,7 +58,12 @@ def main(given: argparse.Namespace) -> int:
             progress=lambda runs: bar.update(runs - bar.n),
             **parameters,
         )
-    answer(given, {given.report: lambda: page(name, found)}, lambda: "\n".join(lines(found)), found.to_dict)
+    answer(
+        given,
+        {given.report: lambda: page_of_diagnosis(name, found)},
+        lambda: "\n".join(lines_of_diagnosis(found)),
+        found.to_dict,
+    )
     if found.interrupted:
         console.complain(console.program("diagnose"), "interrupted: this is what was found so far")
         return console.INTERRUPTED

@@ -21,7 +21,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
     topics = console.topic_names(given.topic, TRUE_TOPICS)
-    bags = [path for path in (given.run, given.truth) if path]
-    with progress_bar(bags, passes=len(given.estimate)) as bar:
+    with progress_bar(filter(None, (given.run, given.truth)), passes=len(given.estimate)) as bar:
         reads = [recorded_estimate(given.run, topic, given.truth, topics, bar.update) for topic in given.estimate]
     return answer(given, given.run, [(read, read.score(limits, given.covariance_axes)) for read in reads])

@@ -40,7 +40,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_page
-    from lie_rigid_body.report.league import lines, page
+    from lie_rigid_body.report.filters import lines_of_league, page_of_league
     from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
@@ -59,8 +59,8 @@ def main(given: argparse.Namespace) -> int:
     rows = own[:1] if estimate else table.rows
     answer(
         given,
-        {given.report: lambda: page(table, own)},
-        lambda: "\n".join(lines(table, own)),
+        {given.report: lambda: page_of_league(table, own)},
+        lambda: "\n".join(lines_of_league(table, own)),
         lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
     )
     return console.SUCCESS

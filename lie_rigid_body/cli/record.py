@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import shutil
 from contextlib import suppress
 from pathlib import Path
@@ -79,7 +78,7 @@ def main(given: argparse.Namespace) -> int:
         ):
             for written in write_run(bag, simulation, last_ns, interruption.allowed):
                 bar.update(written)
-        done, size = bag.sample_count, console.size(os.path.getsize(bag.path))
+        done, size = bag.sample_count, console.size(bag.path.stat().st_size)
         if done < count and interruption.requested:
             told = f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
             console.complain(console.program("record"), told)

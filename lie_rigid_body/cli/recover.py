@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -59,7 +58,7 @@ def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
     times_ns = [time for part in parts for time in part.log_times_ns]
     first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
     messages, topics = sum(part.messages for part in parts), max(part.topics for part in parts)
-    where = f"{printable(str(out))} ({console.size(sum(map(os.path.getsize, files)))})"
+    where = f"{printable(str(out))} ({console.size(sum(file.stat().st_size for file in files))})"
     return f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in {where}"
 
 

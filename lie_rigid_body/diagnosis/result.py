@@ -171,7 +171,7 @@ class FilterDiagnosis(Shown):
         }
 
     def __str__(self) -> str:
-        """What a person needs to know first; `lie_rigid_body.report.diagnoses` makes the tables."""
+        """What a person needs to know first; `lie_rigid_body.report.filters` makes the tables."""
         return "\n".join(self.sentences)
 
 

@@ -15,8 +15,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
-from lie_rigid_body.report import html_page
-from lie_rigid_body.report.html_page import axis, drawn, figure, line, logarithmic
+from lie_rigid_body.report.html_page import axis, drawn, figure, grid, line, listing, logarithmic, paragraph, table
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.wording import counted, printable, shortened
 
@@ -49,7 +48,7 @@ Varied = Mapping[int, Mapping[str, Any]]
 def as_text(comparison: Comparison) -> str:
     """The table, and a sentence for each pair, grid, covariance and failure."""
     rows = [_WIDTHS.format(*row).rstrip() for row in (_COLUMNS, *map(_cells, comparison.standings))]
-    sentences = [line for sentence in _sentences(comparison) for line in wrapped(printable(sentence))]
+    sentences = [row for sentence in _sentences(comparison) for row in wrapped(printable(sentence))]
     return "\n".join([_HEAD, "", *rows, "", *sentences])
 
 
@@ -100,17 +99,17 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
 def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iterator[str]:
     """HTML of the estimators."""
     yield "<h2>Estimators</h2>"
-    yield from map(html_page.paragraph, _sentences(comparison))
-    yield html_page.table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings])
-    yield html_page.paragraph(_HEAD)
+    yield from map(paragraph, _sentences(comparison))
+    yield table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings])
+    yield paragraph(_HEAD)
     shown = [(one, _COLOURS[at % len(_COLOURS)]) for at, one in enumerate(comparison.standings)]
-    yield html_page.grid(_figures(comparison, shown, varied), wide=True)
+    yield grid(_figures(comparison, shown, varied), wide=True)
     commands = [
         f"{escape(one.name)}: <code>{escape(_command(campaign, run))}</code>"
         for one in comparison.standings
         for run in one.worst(_WORST)
     ]
-    yield html_page.listing("Worst runs", commands)
+    yield listing("Worst runs", commands)
 
 
 def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Varied) -> Iterator[str]:
@@ -169,8 +168,7 @@ def _grid(one: Standing, colour: str) -> str:
     ]
     xaxis = _scale(name, np.array(ranked, dtype=float)) if are_numbers else axis(name, type="category")
     yaxis = _scale("mean total error, °", np.array([point.mean_deg for point in one.points]))
-    best = json.dumps(one.entry.parameters)
-    caption = f"RMS of the total error on the runs of even number. The best point: {best}."
+    caption = f"RMS of the total error on the runs of even number. The best point: {json.dumps(one.entry.parameters)}."
     return figure(f"Grid of {one.name}", drawn(traces, xaxis=xaxis, yaxis=yaxis), caption)
 
 
@@ -179,8 +177,8 @@ def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Standing
     traces = []
     for one, colour in shown:
         points = np.column_stack([[values[int(run)] for run in one.runs], one.scores["total_rms_deg"]])
-        marker = {"color": colour, "size": 5, "opacity": 0.7}
-        traces.append(line(points[~one.failed], one.name, colour, 1, mode="markers", marker=marker))
+        look = {"mode": "markers", "marker": {"color": colour, "size": 5, "opacity": 0.7}}
+        traces.append(line(points[~one.failed], one.name, colour, 1, **look))
     errors = np.concatenate([one.scores["total_rms_deg"] for one, _ in shown])
     xaxis, yaxis = _scale(name, np.array([*values.values()], dtype=float)), _scale("total error, °", errors)
     return figure(f"Error over {name}", drawn(traces, xaxis=xaxis, yaxis=yaxis))

@@ -226,12 +226,11 @@ def of_limit(worst: float, limit: float) -> str:
 
 def wrapped(sentence: str, mark: str) -> str:
     """Lines of a sentence for a terminal, the first after a mark; paths stay whole."""
-    indent = " " * min(len(mark), 7)
     return textwrap.fill(
         sentence,
         _WIDTH,
         initial_indent=mark,
-        subsequent_indent=indent,
+        subsequent_indent=" " * min(len(mark), 7),
         break_long_words=False,
         break_on_hyphens=False,
     )

@@ -91,9 +91,10 @@ def answer(
     """
     made = {path: make() for path, make in files.items() if path is not None}
     names = [*written, *made]
-    lines = [*([text()] if text else []), *(f"wrote {printable(name)}" for name in names)]
     if content and given.json:
         lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
+    else:
+        lines = [*([text()] if text else []), *(f"wrote {printable(name)}" for name in names)]
     for path, data in made.items():
         write_file(path, data, overwrite=given.force)
     console.say("\n".join(lines), done=", ".join(f"{name} is written" for name in names))

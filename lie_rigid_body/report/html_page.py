@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Figure = Mapping[str, Any]
 """A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
 
-_GRID: Final = "#E4E7EB"
 _FRAME: Final = "#8A97A8"
 _MARKS: Final = 6
 """Largest number of decades that are labelled."""
@@ -138,21 +137,19 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
     allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
-    text = "\n".join(
-        [
-            "<!DOCTYPE html>",
-            f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f'<meta http-equiv="Content-Security-Policy" content="{policy}"><style>{_STYLE}</style></head>',
-            f"<body><h1>{escape(title)}</h1>",
-            *parts,
-            f"<p>Made by lie_rigid_body {__version__}.</p>",
-            *(f"<script>{script}</script>" for script in scripts),
-            "</body></html>",
-            "",
-        ]
-    )
-    return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
+    lines = [
+        "<!DOCTYPE html>",
+        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}"><style>{_STYLE}</style></head>',
+        f"<body><h1>{escape(title)}</h1>",
+        *parts,
+        f"<p>Made by lie_rigid_body {__version__}.</p>",
+        *(f"<script>{script}</script>" for script in scripts),
+        "</body></html>",
+        "",
+    ]
+    return "\n".join(lines).encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
 
 
 def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
@@ -185,21 +182,24 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
 
 def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> dict[str, Any]:
     """Figure of plotly.js: room for the axes and for a legend above them, and no more."""
-    look = {
-        "font": {"family": "sans-serif", "size": 12, "color": "#222"},
-        "margin": {"l": 10, "r": 24, "t": 28, "b": 10},
-        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom"},
-        "paper_bgcolor": "white",
-        "plot_bgcolor": "white",
+    return {
+        "data": traces,
+        "layout": {
+            "font": {"family": "sans-serif", "size": 12, "color": "#222"},
+            "margin": {"l": 10, "r": 24, "t": 28, "b": 10},
+            "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom"},
+            "paper_bgcolor": "white",
+            "plot_bgcolor": "white",
+            **layout,
+        },
     }
-    return {"data": traces, "layout": {**look, **layout}}
 
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """Axis of a plane figure."""
     return {
         "title": {"text": title, "standoff": 6},
-        "gridcolor": _GRID,
+        "gridcolor": "#E4E7EB",
         "zeroline": False,
         "showline": True,
         "linecolor": _FRAME,
@@ -215,15 +215,14 @@ def logarithmic(title: str, values: Array) -> dict[str, Any]:
     """Axis of powers of ten, of whole decades around positive values."""
     found = np.log10(values[np.isfinite(values) & (values > 0.0)])
     low, high = int(np.floor(found.min())), int(np.ceil(found.max() + 1e-9))
-    marks = {"dtick": -(-(high - low) // _MARKS), "exponentformat": "power"}
-    return axis(title, type="log", range=[low, high], **marks)
+    return axis(title, type="log", range=[low, high], dtick=-(-(high - low) // _MARKS), exponentformat="power")
 
 
 def line(points: Array, name: str, colour: str, width: float, **more: Any) -> dict[str, Any]:
     """Line through points of shape (N, 2) or (N, 3), in a plane or in space."""
     kind = "scatter3d" if points.shape[-1] == 3 else "scatter"
-    look = {"mode": "lines", "line": {"color": colour, "width": width}}
-    return {"type": kind, "name": name, **look, **coordinates(points), **more}
+    look = {"color": colour, "width": width}
+    return {"type": kind, "name": name, "mode": "lines", "line": look, **coordinates(points), **more}
 
 
 def over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:

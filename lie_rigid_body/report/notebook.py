@@ -6,9 +6,8 @@ from html import escape
 
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.diagnosis import FilterDiagnosis
-from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.score import verdict
-from lie_rigid_body.report import certificates, diagnoses, html_page, scores
+from lie_rigid_body.evaluation.score import Score, verdict
+from lie_rigid_body.report import certificates, filters, html_page, scores
 from lie_rigid_body.runs import Run
 
 
@@ -27,7 +26,7 @@ def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
             probes = [((p.code, "passed" if p.passed else "FAILED", p.message), p.passed) for p in result.probes]
             sentences, parts = (
                 result.sentences,
-                [diagnoses.mistakes(result), html_page.table(("probe", "", ""), probes)],
+                [filters.mistakes(result), html_page.table(("probe", "", ""), probes)],
             )
         case Run(t_s=t_s):
             span = f"{t_s[-1] - t_s[0]:.6g} s from {t_s[0]:.13g} s on" if len(t_s) else "nothing"

@@ -13,7 +13,6 @@ from typing import Final
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.report import certificates, figures, html_page
-from lie_rigid_body.report.certificates import of_limit, wrapped
 from lie_rigid_body.wording import counted, printable, short_repr, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
@@ -24,8 +23,6 @@ MOST_LINES: Final = 500
 """Largest number of lines of the table; of more the worst are shown."""
 MOST_MESSAGES: Final = 100
 """Largest number of broken laws that are told in words."""
-_NUMBERS: Final = re.compile(r" \(\d+ messages\)|: \d+$")
-"""Numbers of messages, which may differ from bag to bag where the same thing is not certified."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,7 @@ class Verdict:
 def as_table(verdicts: Sequence[Verdict]) -> str:
     """Lines for a terminal: a row for each verdict, how many there are of each, what is broken or left out."""
     head = _COLUMNS.format("verdict", "samples", "rad", "worst law", "of limit", "bag")
-    left_out = [wrapped(line, "  - ") for line in uncovered(verdicts)]
+    left_out = [certificates.wrapped(line, "  - ") for line in uncovered(verdicts)]
     remark = ["Not certified, besides what is not of any bag:"] if left_out else []
     return "\n".join([head, *map(_row, verdicts), "", _summary(verdicts), *_faults(verdicts), *remark, *left_out])
 
@@ -91,7 +88,7 @@ def _row(verdict: Verdict) -> str:
     if certificate is not None:
         samples, worst = sum(segment.samples for segment in certificate.segments), _worst_law(certificate)
         accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
-        cells = str(samples), accuracy, worst.name, of_limit(worst.worst, worst.limit)
+        cells = str(samples), accuracy, worst.name, certificates.of_limit(worst.worst, worst.limit)
     return _COLUMNS.format(_VERDICTS[verdict.status], *cells, printable(verdict.name)).rstrip()
 
 
@@ -106,8 +103,9 @@ def _summary(verdicts: Sequence[Verdict]) -> str:
         verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate and not verdict.status
     ]
     if len(right) == len(verdicts):
-        every = "all " * (len(verdicts) > 1)
-        return f"CERTIFIED: {every}{number}, attitude within {max(right):.2g} rad of the exact motion."
+        return (
+            f"CERTIFIED: {'all ' * (len(right) > 1)}{number}, attitude within {max(right):.2g} rad of the exact motion."
+        )
     counts = Counter(verdict.status for verdict in verdicts)
     return (
         f"NOT CERTIFIED: of {number} {len(right)} are certified, "
@@ -125,7 +123,7 @@ def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
     broken = [(v.name, v.certificate) for v in verdicts if v.certificate is not None and not v.certificate.passed]
     for name, certificate in broken[:_MOST_TOLD]:
         more = f" ({len(certificate.messages) - 1} more)" if len(certificate.messages) > 1 else ""
-        yield wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
+        yield certificates.wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
 
@@ -135,7 +133,8 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     found: dict[str, list[tuple[Verdict, str]]] = {}
     for verdict in verdicts:
         for text in verdict.certificate.uncovered if verdict.certificate else ():
-            found.setdefault(_NUMBERS.sub("", text), []).append((verdict, text))
+            # numbers of messages may differ from bag to bag where the same thing is not certified
+            found.setdefault(re.sub(r" \(\d+ messages\)|: \d+$", "", text), []).append((verdict, text))
     lines, count = [], len({verdict.bag for verdict in verdicts})
     for what, places in found.items():
         (first, text), *others = places
@@ -174,7 +173,7 @@ class Line:
     def worst(self) -> tuple[str, str]:
         """Law that came nearest to its limit, or went farthest beyond, and its residual as a share of the limit."""
         name, (worst, limit) = max(self.residuals.items(), key=lambda law: _share(*law[1]), default=("", (0.0, 0.0)))
-        return name, of_limit(worst, limit) if name else ""
+        return name, certificates.of_limit(worst, limit) if name else ""
 
     @property
     def rank(self) -> tuple[bool, float]:

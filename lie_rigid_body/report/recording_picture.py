@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -65,8 +65,7 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     if not pieces:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
-    halves: Any = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05)
-    over_time, of_space = halves
+    over_time, of_space = cast(Any, figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05))
     rate, energy, momentum = curves = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
     whose = "first segment: " if len(pieces) > 1 else ""
     _draw_rate(rate, pieces)
@@ -168,8 +167,7 @@ def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None
     # words of the figure: axes in space do not keep to their frame, as those seen from below have labels above it
     principal = piece.segment.scenario.body().principal_moments
     moments = ", ".join(f"$I_{i}$ = {moment:.4g}" for i, moment in enumerate(principal, start=1))
-    title = f"{whose}polhode on the energy ellipsoid, principal frame\n{moments} kg m²"
-    figure.suptitle(title, fontsize=10.5)
+    figure.suptitle(f"{whose}polhode on the energy ellipsoid, principal frame\n{moments} kg m²", fontsize=10.5)
     figure.supxlabel("dot: first sample; faint: behind", fontsize=9)
 
 
@@ -195,10 +193,9 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     inertia, rate = (", ".join(f"{v:g}" for v in values) for values in (scenario.inertia, scenario.initial_body_rate))
     stepper = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
-    samples = counted(sum(piece.count for piece in pieces), "sample")
-    mark = "dashed" if count <= MOST_RESETS else "marks above"
-    resets = f", {counted(count, 'reset')} ({mark})" if count else ""
+    marks = "dashed" if count <= MOST_RESETS else "marks above"
+    resets = f", {counted(count, 'reset')} ({marks})" if count else ""
     return (
         f"torque-free body, {whose}inertia [{inertia}] kg m², initial body rate [{rate}] rad/s\n"
-        f"{motion}; {samples} at {scenario.rate:g} Hz{resets}"
+        f"{motion}; {counted(sum(piece.count for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
     )

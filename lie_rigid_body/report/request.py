@@ -101,8 +101,9 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         If an option goes only with a bag, and there is none, or the other way round.
     """
     own, ros = console.split_ros_arguments(argv)
-    about = "Score and diagnose an attitude estimate against the truth."
-    parser = console.Parser("evaluate", about, *_ARGUMENTS, epilog=_EPILOG)
+    parser = console.Parser(
+        "evaluate", "Score and diagnose an attitude estimate against the truth.", *_ARGUMENTS, epilog=_EPILOG
+    )
     given = parser.parse_args(own, argparse.Namespace(ros=ros))
     live = given.run is None
     if ros and not live:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.attitudes import GAP
-from lie_rigid_body.evaluation.score import HEADINGS, angles, facts, findings, numbers, table, verdict, wrapped
+from lie_rigid_body.evaluation.score import HEADINGS, Score, angles, facts, findings, numbers, table, verdict, wrapped
 from lie_rigid_body.evaluation.statistics import Difference, of_run
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.recorded_motion import COLOURS, RED, curve_style, extremes
@@ -86,8 +85,8 @@ def differences(scored: Scored) -> Iterator[tuple[tuple[str, str], Difference]]:
     """Differences of the RMS of the total error, degrees, of every pair at the stamps that both have, by the topics."""
     for (first, left), (second, right) in combinations(scored, 2):
         _, of_left, of_right = np.intersect1d(left.stamps_ns, right.stamps_ns, return_indices=True)
-        errors = np.degrees(left.error.total[of_left]), np.degrees(right.error.total[of_right])
-        yield (first.track.topic, second.track.topic), of_run(*errors)
+        difference = of_run(np.degrees(left.error.total[of_left]), np.degrees(right.error.total[of_right]))
+        yield (first.track.topic, second.track.topic), difference
 
 
 def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
@@ -143,9 +142,8 @@ def summary(score: Score) -> str:
 
 def tables(score: Score) -> list[str]:
     """Statistics of the errors, and what else the score tells, as tables of HTML."""
-    rows = [((name, *numbers(found)), True) for name, found in angles(score)]
     return [
-        html_page.table(("error, deg", *HEADINGS), rows),
+        html_page.table(("error, deg", *HEADINGS), [((name, *numbers(found)), True) for name, found in angles(score)]),
         html_page.table(("", ""), [((name, value), True) for name, value in facts(score)]),
     ]
 

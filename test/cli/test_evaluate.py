@@ -36,6 +36,12 @@ def test_every_type_of_message_has_the_same_score(kind, bag, score, capsys):
         assert content["nees"]["verdict"] == "consistent"
 
 
+def test_json_is_json_whatever_the_name_of_a_file(bag, tmp_path, capsys):
+    name = tmp_path / "a\x85\u200b°.mcap"  # a control character and one without width, which a terminal gets escaped
+    name.symlink_to(bag)
+    assert scored(capsys, name, "--estimate", "filter/Imu")["bag"] == str(name)
+
+
 def test_ten_times_as_fast_as_the_truth(own, run, tmp_path, capsys):
     t = np.arange(0, 10 * 10**9, 10_000_000)
     bag = beside(own, tmp_path / "fast.mcap", (POSE, HOW[POSE], "/estimate", t, run.attitude().at(t)))
