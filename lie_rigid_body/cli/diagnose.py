@@ -30,10 +30,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     if given.report is not None:
         require_room(given.report, given.params_file, overwrite=given.force)
-    parameters: dict[str, Any] = dict(gather(given.scenario, given.params_file, given.assignments))
+    chosen = gather(given.scenario, given.params_file, ())
+    parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:
         found = diagnose(
             estimate,
+            scenario=chosen,
             workers=given.workers,
             max_runs=given.max_runs,
             timeout=given.timeout,
