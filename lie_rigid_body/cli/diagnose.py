@@ -48,10 +48,12 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.scenario.parameter_file import gather
 
     require_page(given, given.params_file)
-    parameters: dict[str, Any] = dict(gather(given.scenario, given.params_file, given.assignments))
+    chosen = gather(given.scenario, given.params_file, ())
+    parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:
         found = diagnose(
             estimate,
+            scenario=chosen,
             workers=given.workers,
             max_runs=given.max_runs,
             timeout=given.timeout,

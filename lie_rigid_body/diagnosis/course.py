@@ -7,7 +7,7 @@ freely.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Final, Literal
@@ -52,6 +52,9 @@ MOTIONS: Final[tuple[dict[str, object], ...]] = (
 )
 """Two motions that turn about every axis by a radian a second and more: `benchmarks/diagnosis.py` prints how far apart
 they keep the repairs."""
+TINY: Final = 1e-4
+"""Error of the sensors where mistakes are looked for, rad/s and share of the vector, beside the turn between two
+readings in rad. An unstable filter makes as much of it as of round-off, which no repair mends by chance."""
 SMALLEST_TURN: Final = 1e-6
 """Turn between two readings, rad, below which a motion tells nothing."""
 _OF_A_MOTION: Final = frozenset(("inertia", "initial_attitude_xyzw", "initial_body_rate"))
@@ -61,6 +64,8 @@ _OWN: Final = frozenset(
     ("rate", "motion", "method", "max_step", "world_frame", "body_frame", "imu_frame", "stamped_twist", "epoch_ns")
 ) | {"sensor_seed", "sensor_grade", "gyro_rate", "accelerometer_mode"}
 """Parameters of a given scenario that change no course."""
+_SET: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity"}
+"""Parameters of every course."""
 
 NOISE: Final = {
     "gyro_noise_density": "imu_rate",
@@ -86,8 +91,8 @@ class Course:
         from 2/3 to 4/3.
     gaps_s : tuple of float
         Times at which readings are lost for a second, s.
-    off : tuple of str and tuple of float, or None
-        A sensor, by the name of its readings, and its constant error, rad/s, m/s² or T.
+    off : tuple of (str, tuple of float)
+        Sensors, by the names of their readings, and their constant errors, rad/s, m/s² or T.
     seed : int
         Number from which the white noise follows whose densities the scenario tells.
     """
@@ -97,7 +102,7 @@ class Course:
     rest_s: float = REST
     grid: Grid = "even"
     gaps_s: tuple[float, ...] = ()
-    off: tuple[str, tuple[float, ...]] | None = None
+    off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
 
     def of_kind(self, kind: str) -> Course:
@@ -107,6 +112,11 @@ class Course:
     def of_scenario(self, **parameters: object) -> Course:
         """The course with some parameters of its scenario changed."""
         return replace(self, scenario=Scenario.from_parameters({**self.scenario.parameters(), **parameters}))
+
+    def nearly_perfect(self) -> Course:
+        """The course with sensors off by so little that a stable filter errs no more for it."""
+        sizes = {"gyro": 1.0, "specific_force": self.number("gravity"), "field": float(np.linalg.norm(self.field))}
+        return replace(self, off=tuple((name, (TINY * self.turn * size,) * 3) for name, size in sizes.items()))
 
     def number(self, name: str) -> float:
         """A parameter of the scenario that is a number."""
@@ -224,8 +234,7 @@ def readings(course: Course) -> Readings:
     for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):
         deviation = course.number(density) * course.number(its_rate) ** 0.5
         read[name] = vectors + deviation * draw.standard_normal(vectors.shape)
-    if course.off:
-        name, error = course.off
+    for name, error in course.off:
         read[name] = read[name] + error
     return Readings(course, t_ns, field_t_ns, read)
 
@@ -242,25 +251,32 @@ def _stamps(course: Course, rate: float) -> Integers:
     return np.round(steps * (1e9 / rate)).astype(np.int64)
 
 
-def courses_of(given: Mapping[str, object]) -> tuple[Course, ...]:
+def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple[Course, ...]:
     """The ordinary courses, with an integrated gyro.
 
     Parameters
     ----------
     given : mapping of str to object
         Parameters of a scenario. Those of a motion choose another one than the two of this module.
+    said : collection of str, optional
+        Names of those that were given one by one, of which none may be without effect.
 
     Raises
     ------
     InputError
-        If they give sensors errors, or a body that does not turn.
+        If they give sensors errors, a body that does not turn, or what a course sets itself.
     """
     values = read_parameters(given)
-    odd = [name for name in given if name not in _TAKEN | _OWN and values[name] != BY_NAME[name].default]
+    odd = [
+        name
+        for name, value in given.items()
+        if name not in _TAKEN
+        and (_SET.get(name) != value if name in said else name not in _OWN and values[name] != BY_NAME[name].default)
+    ]
     if odd:
         raise InputError(
-            f"{listed(odd)}: mistakes are looked for with an IMU and a magnetometer without errors: give only the "
-            "motion, the rates and the fields"
+            f"{listed(odd)}: diagnose sets the rest itself, with sensors without errors: give only "
+            f"{', '.join(sorted(_TAKEN))}"
         )
     kept: dict[str, object] = {name: values[name] for name in given if name in _TAKEN}
     rates = {name: kept.get(name, RATE) for name in ("imu_rate", "magnetometer_rate")}
@@ -268,7 +284,7 @@ def courses_of(given: Mapping[str, object]) -> tuple[Course, ...]:
         raise InputError(
             f"{listed([name for name in rates if not rates[name]])}: 0: give rates above 0, or leave it out"
         )
-    own = {"motion": "closed_form", "gyro_rate": KINDS[0], "accelerometer_mode": "pivot_gravity", **rates}
+    own = {**_SET, "gyro_rate": KINDS[0], **rates}
     motions = [kept] if _OF_A_MOTION & kept.keys() else [{**motion, **kept} for motion in MOTIONS]
     courses = tuple(Course(Scenario.from_parameters({**motion, **own})) for motion in motions)
     if not min(course.turn for course in courses) > SMALLEST_TURN:

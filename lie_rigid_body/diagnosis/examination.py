@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Final, cast
@@ -50,7 +50,7 @@ _ALONE: Final = (
 def diagnose(
     estimate: Estimator | str,
     *,
-    scenario: str | Path | Scenario | None = None,
+    scenario: str | Path | Scenario | Mapping[str, object] | None = None,
     workers: int | None = None,
     max_runs: int | None = None,
     timeout: float = TIMEOUT_S,
@@ -68,8 +68,8 @@ def diagnose(
         A function of a `Run` whose ``truth`` is None, ``"module:function"``, or what
         `lie_rigid_body.testing.command_estimator` makes of a program, or `node_estimator` of a ROS 2 node. It returns
         attitudes (N, 4), scalar last, at the stamps of the IMU, or stamps and attitudes.
-    scenario : str, Path or Scenario, optional
-        The motion, rates and fields instead of those chosen here.
+    scenario : str, Path, Scenario or mapping, optional
+        The motion, rates and fields instead of those chosen here; of a mapping those that it has.
     workers : int, optional
         Processes; by default one per core, and two for a node.
     max_runs : int, optional
@@ -79,7 +79,7 @@ def diagnose(
     progress : callable, optional
         Told the number of runs after each.
     **parameters
-        Parameters of the scenario by their public names.
+        The motion, rates and fields by their public names, over those of the scenario.
 
     Returns
     -------
@@ -90,8 +90,11 @@ def diagnose(
     InputError
         If there is no such function, it raises an exception, does not return, or returns what is no estimate.
     """
-    given = dict(parameters) if scenario is None else scenario_of(scenario, parameters).parameters()
-    courses = courses_of(given)
+    if scenario is None or isinstance(scenario, Mapping):
+        given = {**(scenario or {}), **parameters}
+    else:
+        given = dict(scenario_of(scenario, parameters).parameters())
+    courses = courses_of(given, parameters)
     for name, value in (("workers", workers), ("max_runs", max_runs)):
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
@@ -119,7 +122,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         chosen, course = search.chosen, search.courses[0].of_kind(search.chosen.kind)
         (answer,) = search.ask([Job(course, chosen.repairs)])
         has_covariance = isinstance(answer, Answer) and answer.given.covariance is not None
-        found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance), left_out)
+        found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance, search.change), left_out)
     except KeyboardInterrupt:
         if not search.trials:
             raise
@@ -160,8 +163,7 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     choice = search.choice()
     if choice is None:
         return
-    left = {each.code: each.rms_deg for each in errors}
-    left[choice.named.codes[-1]] = float(np.degrees(choice.named.error))
+    left = {choice.named.codes[-1]: float(np.degrees(choice.named.error)), **{e.code: e.rms_deg for e in errors}}
     before = left.get("", float(np.degrees(plain(search.trials, joint=False).error)))
     for found in (*choice.named.inputs, *map(of_output, choice.named.outputs)):
         after, or_else = left.get(found.code, before), choice.or_else(found.code)

@@ -10,13 +10,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import NOISE, REST, Course, readings
+from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.result import Note, Probe
 from lie_rigid_body.diagnosis.search import Each, Trial
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
-from lie_rigid_body.evaluation.attitudes import angles_between, error_vectors
+from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.consistency import rotation_block
 from lie_rigid_body.evaluation.honesty import honesty
@@ -35,6 +35,8 @@ SLOW: Final = 0.06
 """Factor of the rates in a slow motion."""
 WORSE: Final = 2.0
 """Factor of an error that is allowed beside that of the plain run."""
+WRONG_SIGN: Final = "as where a correction has the wrong sign"
+"""What is said of a filter that makes small errors large."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 SEEDS: Final = 12
@@ -59,12 +61,15 @@ class Setup(NamedTuple):
         The error below which all are equal, rad.
     has_covariance : bool
         Whether its estimate tells one.
+    change : float
+        See `Search.change`.
     """
 
     course: Course
     chosen: Trial
     floor: float
     has_covariance: bool
+    change: float = 0.0
 
     @property
     def limit(self) -> float:
@@ -131,7 +136,10 @@ def _follows(setup: Setup, answers: Answers) -> Probe:
     what = "with its mistakes repaired" if setup.chosen.codes else "with perfect sensors"
     value, floor = np.degrees([error, setup.floor]).tolist()
     said = f"{what} it errs by {with_unit(value)} (limit {with_unit(floor)})"
-    if not passed:
+    if setup.change and not passed:
+        off, change = f"{TINY * setup.course.turn:.1g}", with_unit(float(np.degrees(setup.change)))
+        said += f"; it is unstable: sensors off by {off} of what they read change it by {change}, {WRONG_SIGN}"
+    elif not passed:
         track = answers[0].track
         known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
         found = evaluate(track.stamps_ns, track.attitude_xyzw, known).findings
@@ -158,7 +166,7 @@ def _from(setup: Setup, attitude_xyzw: Array) -> Course:
 
 def _biased(setup: Setup) -> list[Course]:
     bias = tuple((GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])).tolist())
-    return [replace(setup.course, moving_s=60.0 - REST, off=("gyro", bias))]
+    return [replace(setup.course, moving_s=60.0 - REST, off=(("gyro", bias),))]
 
 
 def _bias_judged(setup: Setup, answers: Answers) -> Judged:
@@ -170,7 +178,8 @@ def _bias_judged(setup: Setup, answers: Answers) -> Judged:
     turn = GYRO_BIAS * 52.5
     most = max(setup.floor, 0.05 * turn, min(1.5 * second, 0.5 * turn))
     removed = last <= max(setup.limit, 0.1 * second)
-    return Judged(last, most, f"; it {'removes the bias' if removed else 'keeps an error that the bias makes'}")
+    kept = f"makes more of it than it is alone, {WRONG_SIGN}" if last > turn else "keeps an error that the bias makes"
+    return Judged(last, most, f"; it {'removes the bias' if removed else kept}")
 
 
 def _level(setup: Setup) -> float:
@@ -181,8 +190,9 @@ def _level(setup: Setup) -> float:
 
 def _off(setup: Setup, name: str) -> list[Course]:
     """A constant error of a vector along each axis; of a field without a level part nothing is asked."""
-    errors = VECTOR_ERROR * np.eye(3) * np.linalg.norm(readings(setup.course).vectors[name][0])
-    return [replace(setup.course, off=(name, tuple(each))) for each in errors.tolist() if _level(setup) > VECTOR_ERROR]
+    size = VECTOR_ERROR * np.linalg.norm(readings(setup.course).vectors[name][0])
+    errors = (size * np.eye(3)).tolist() if _level(setup) > VECTOR_ERROR else []
+    return [replace(setup.course, off=((name, tuple(error)),)) for error in errors]
 
 
 def _off_judged(setup: Setup, answers: Answers) -> Judged:
@@ -238,9 +248,7 @@ def _rests_judged(setup: Setup, answers: Answers) -> Judged:
 
 def _apart(setup: Setup, answers: Answers) -> Judged:
     """Largest difference of two estimates while both go on."""
-    one, other = (answer.attitude_xyzw for answer in answers)
-    both = min(len(one), len(other))
-    return Judged(float(np.max(angles_between(one[:both], other[:both]))), 1e-9)
+    return Judged(answers[0].apart(answers[1]), 1e-9)
 
 
 def _broken(setup: Setup, answers: Answers) -> Judged:

@@ -13,6 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
+from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import Part, Track, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
@@ -149,6 +150,11 @@ def factor(value: float) -> Repair:
     )
 
 
+def silent(sensor: str) -> Repair:
+    """Readings of one sensor that vanish beside those that a filter uses; no repair of a mistake."""
+    return Repair("", "", 0, partial(_multiplied, (sensor,), 1e-12 * np.eye(3)), "", "")
+
+
 def late(sensor: str, samples: float) -> Repair:
     """Readings of one sensor moved in time by a whole number of samples."""
     count = int(samples)
@@ -250,6 +256,11 @@ class Answer:
         """The answer with causes of errors in the output undone."""
         track = undone(self.track, parts)
         return replace(self, stamps_ns=track.stamps_ns, attitude_xyzw=track.attitude_xyzw)
+
+    def apart(self, other: Answer) -> float:
+        """Largest difference from another answer while both go on, rad."""
+        both = min(len(self.attitude_xyzw), len(other.attitude_xyzw))
+        return float(np.max(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])))
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error between two shares of the samples, rad."""

@@ -156,9 +156,9 @@ class FilterDiagnosis(Shown):
             fails = f"The filter fails {counted(len(failed), 'probe')}: {', '.join(failed)}."
             return [fails, f"{first}: {failed[first]}.", f"{sound}."]
         tried = "so far" if self.interrupted else "that was tried"
-        return [
-            f"Nothing {tried} mends the error of {degrees(self.rms_deg)}; failed: {', '.join(failed) or 'nothing'}."
-        ]
+        nothing = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}"
+        follows = [f"follows: {failed['follows']}."] if "follows" in failed else []
+        return [f"{nothing}; failed: {', '.join(failed) or 'nothing'}.", *follows]
 
     def to_dict(self) -> dict[str, Any]:
         """The entries of ``diagnose --json``."""

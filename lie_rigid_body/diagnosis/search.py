@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Final
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs, silent
 from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, Track, Tracks, error_of, undone
 from lie_rigid_body.runs.estimators import FilterError
 from lie_rigid_body.wording import short_repr
@@ -126,7 +127,7 @@ def plain(trials: Iterable[Trial], *, joint: bool | None = None) -> Trial:
     return min((t for t in trials if not t.codes and joint in (None, t.joint)), key=lambda t: t.error)
 
 
-def choose(trials: Sequence[Trial], floor: float) -> Choice | None:
+def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> Choice | None:
     """The repairs that are named, if any mend the error.
 
     Parameters
@@ -135,9 +136,11 @@ def choose(trials: Sequence[Trial], floor: float) -> Choice | None:
         At least those without a repair.
     floor : float
         The error below which all count as equal, rad.
+    mended : float, optional
+        Share of the error that a repair may leave above the floor.
     """
     before = plain(trials).error
-    limit = max(MENDED * before, min(floor, HALVED * before))
+    limit = max(mended * before, min(floor, HALVED * before))
     mending = [t for t in trials if t.codes and t.error <= limit]
     if before <= floor or not mending:
         return None
@@ -173,6 +176,9 @@ class Search:
         Whether pairs were left untried for want of runs.
     is_broken : bool
         Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
+    change : float
+        Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
+        what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
 
     Parameters
     ----------
@@ -190,10 +196,11 @@ class Search:
     ) -> None:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self._short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]),)
+        self._short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]).nearly_perfect(),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
         self.runs, self.is_cut, self.is_broken = 0, False, False
+        self.change = 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """What the filter makes of courses, in their order."""
@@ -204,7 +211,7 @@ class Search:
 
     def choice(self) -> Choice | None:
         """What is named so far."""
-        return choose(self.trials, self.floor)
+        return choose(self.trials, self.floor, 0.0 if self.change else MENDED)
 
     @property
     def chosen(self) -> Trial:
@@ -214,15 +221,29 @@ class Search:
 
     def run(self) -> None:
         """Look for repairs of a filter that is wrong, also after a longer rest: one that is right then goes on so."""
-        self.trials += self.fully([()])
-        if self.is_broken or plain(self.trials).error <= self.floor:
+        self.trials += self.fully([()], is_exact=True)
+        nearly = list(self.fully([()]))
+        if self.is_broken or plain(nearly).error <= self.floor:
             return
+        self.trials = nearly
+        self.change = max(self._changes(), default=0.0)
         longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
         rested = list(self.fully([()], courses=longer))
         if plain(rested).error <= self.floor:
             self.courses, self.trials = longer, rested
         else:
             self.look()
+
+    def _changes(self) -> Iterator[float]:
+        """What sensors that are off by a little change, where it is much and no chance of the filter itself, rad."""
+        for kind, repairs in product(KINDS, ((), (JOINT,))):
+            course = self.courses[0].of_kind(kind)
+            given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
+            exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
+            if exact and again and nearly:
+                change = exact.apart(nearly)
+                if change > max(self.floor, NEAR * exact.apart(again)):
+                    yield change
 
     def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
@@ -273,9 +294,22 @@ class Search:
         best = sorted(least, key=least.__getitem__)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
         far = FAR * max(self.floor, least[best[0]])
-        finals = dict.fromkeys(trial.inputs for trial in (*alone, *best) if least[trial] <= far)
+        promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial] <= far]
+        finals = dict.fromkeys(trial.inputs for trial in promising if self._uses_what_it_scales(trial))
         self.trials += self.fully(finals, CAUSES if single else ())
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
+
+    def _uses_what_it_scales(self, trial: Trial) -> bool:
+        """Whether a sensor in other units corrects a gyro that is off: a wrong correction is also mended by silence.
+
+        Of an unstable filter more is asked, as it may also be calmed by a correction that is nearly silent.
+        """
+        scaled = [repair.code.partition("_")[0] for repair in trial.inputs if repair.code.endswith("_units")]
+        off = (replace(self._short[0], off=(("gyro", (self.floor,) * 3),)),)
+        asked = [trial.repairs, *((*trial.repairs, silent(sensor)) for sensor in scaled)]
+        (used,), *unused = self.tried([(repairs, off) for repairs in asked]) if scaled else [[trial]]
+        least = (NEAR if self.change else 1.0) * used.error + UNCHANGED
+        return all(without.error > least for (without,) in unused)
 
     def fully(
         self,
@@ -284,10 +318,15 @@ class Search:
         *,
         pairs: bool = False,
         courses: tuple[Course, ...] = (),
+        is_exact: bool = False,
     ) -> Iterator[Trial]:
-        """Try repairs on all courses, or on others, with both kinds of gyro, with and without `JOINT`."""
+        """Try repairs on all courses, or on others, with both kinds of gyro, with and without `JOINT`.
+
+        Sensors are perfect, or nearly so, which an unstable filter does not forgive.
+        """
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
-        by_kind = [tuple(course.of_kind(kind) for course in courses or self.courses) for kind in KINDS]
+        exact = [[course.of_kind(kind) for course in courses or self.courses] for kind in KINDS]
+        by_kind = [tuple(c if is_exact else c.nearly_perfect() for c in each) for each in exact]
         for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
             yield from found
 

@@ -17,7 +17,11 @@ from lie_rigid_body import InputError
 from lie_rigid_body.cli.diagnose import main
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
+from lie_rigid_body.diagnosis.course import courses_of
+from lie_rigid_body.diagnosis.repairs import exact_repairs
+from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.runs.workers import Alone
 
 HERE = Path(__file__).parent
 CODES = [
@@ -249,3 +253,37 @@ def test_right_filter_that_expects_integrated_rates_is_told_so() -> None:
     found = diagnose(textbook.mahony, workers=2)
     assert found.passed
     assert {note.code: note.value for note in found.notes} == {"gyro_kind": "integrated"}
+
+
+def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter() -> None:
+    """Without the sensor that it takes wrongly the filter leaves 0.00°, as with readings in other units."""
+    search = Search(Alone(textbook.with_wrong_jacobian).each, courses_of({}), 2000)
+    search.change = max(search._changes())
+    assert np.degrees(search.change) > 30.0
+    units = [(repair,) for repair in exact_repairs() if repair.code == "magnetometer_units"]
+    trials = [trial for (trial,) in search.tried([(repairs, search._short) for repairs in units])]
+    assert min(trial.error for trial in trials) < search.floor
+    assert not any(search._uses_what_it_scales(trial) for trial in trials if trial.error < search.floor)
+
+
+def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
+    found = diagnose(textbook.corrects_the_wrong_way, max_runs=1, workers=2)
+    assert found.mistakes == ()
+    assert failed(found)[0] == "follows"
+    assert "unstable" in found.probes[0].message
+    assert "unstable" in str(found)
+
+
+def test_bias_of_the_wrong_sign_is_told_beside_the_probe() -> None:
+    found = diagnose(textbook.bias_of_wrong_sign, max_runs=1, workers=2)
+    assert found.mistakes == ()
+    assert "wrong sign" in next(probe.message for probe in found.probes if probe.code == "gyro_bias")
+
+
+@pytest.mark.parametrize(
+    "given", [{"gyro_rate": "instantaneous"}, {"accelerometer_mode": "free_fall"}, {"rate": 100.0}]
+)
+def test_parameter_without_effect_is_refused_unless_a_scenario_has_it(given: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="initial_body_rate"):
+        courses_of(given, said=given)
+    assert courses_of(given) == courses_of({})

@@ -62,8 +62,13 @@ def triad(run: Any) -> Array:
     return Rotation.from_matrix(world @ np.swapaxes(body, -1, -2)).as_quat()
 
 
-def mahony(run: Any, kp: float = 2.0, ki: float = 0.2, *, nominal: float | None = None) -> Array:
-    """Mahony's filter with the gyro's step first; it begins with TRIAD."""
+def mahony(
+    run: Any, kp: float = 2.0, ki: float = 0.2, *, nominal: float | None = None, signs: Vector = (1.0, 1.0, 1.0)
+) -> Array:
+    """Mahony's filter with the gyro's step first; it begins with TRIAD.
+
+    The signs of its corrections, by the accelerometer, by the magnetometer and of the bias, can be wrong.
+    """
     field = unit(run.scenario.parameters()["magnetic_field"])
     q: Quaternion = tuple(triad(run)[0].tolist())
     steps = np.diff(run.imu.t_ns, prepend=2 * run.imu.t_ns[0] - run.imu.t_ns[1]) / 1e9
@@ -74,8 +79,9 @@ def mahony(run: Any, kp: float = 2.0, ki: float = 0.2, *, nominal: float | None 
         dt = nominal or dt
         q = product(q, exponential(((gyro[0] - bx) * dt, (gyro[1] - by) * dt, (gyro[2] - bz) * dt)))
         e, f = cross(unit(force), to_body(q, (0.0, 0.0, 1.0))), cross(unit(magnetic), to_body(q, field))
-        ex, ey, ez = e[0] + f[0], e[1] + f[1], e[2] + f[2]
-        bx, by, bz = bx - ki * ex * dt, by - ki * ey * dt, bz - ki * ez * dt
+        ex, ey, ez = (signs[0] * a + signs[1] * b for a, b in zip(e, f, strict=True))
+        bias = signs[2] * ki * dt
+        bx, by, bz = bx - bias * ex, by - bias * ey, bz - bias * ez
         q = product(q, exponential((kp * ex * dt, kp * ey * dt, kp * ez * dt)))
         size = sqrt(sum(x * x for x in q))
         q = (q[0] / size, q[1] / size, q[2] / size, q[3] / size)
@@ -204,3 +210,41 @@ def triad_for_the_body(run: Any) -> Any:
     from dataclasses import replace
 
     return replace(triad_with_covariance(run), covariance_axes="body")
+
+
+def with_wrong_jacobian(run: Any) -> Array:
+    """A Kalman filter of the attitude whose Jacobian of the magnetometer has the wrong sign.
+
+    With exact readings it follows until round-off has grown. It divides the field by its size in the world, and makes
+    the Jacobian of what is read: with tiny readings it goes on without them, and is right.
+    """
+    field = np.array(run.scenario.parameters()["magnetic_field"])
+    size, up = np.linalg.norm(field), np.array([0.0, 0.0, 1.0])
+    q, P, out = triad(run)[0], 1e-2 * np.eye(3), []
+    readings = run.imu.gyro, run.imu.specific_force / 9.80665, run.magnetometer.field / size
+    for gyro, force, magnetic in zip(*readings, strict=True):
+        q = np.array(product(tuple(q.tolist()), exponential(tuple((0.01 * gyro).tolist()))))
+        expected = [np.array(to_body(tuple(q.tolist()), tuple(v))) for v in (up, field / size)]
+        Phi = np.eye(3) - 0.01 * hat(gyro)
+        P = Phi @ P @ Phi.T + 1e-7 * np.eye(3)
+        H = np.concatenate([hat(force), -hat(magnetic)])
+        K = P @ H.T @ np.linalg.inv(H @ P @ H.T + 1e-4 * np.eye(6))
+        step = K @ np.concatenate([force - expected[0], magnetic - expected[1]])
+        q = np.array(product(tuple(q.tolist()), exponential(tuple(step.tolist()))))
+        q, P = q / np.linalg.norm(q), P - K @ H @ P
+        out.append(q)
+    return np.array(out)
+
+
+def hat(v: Array) -> Array:
+    """Matrix of the cross product with a vector from the left."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def corrects_the_wrong_way(run: Any) -> Array:
+    """Mahony's filter that turns away from the accelerometer, which shows only where it errs."""
+    return mahony(run, signs=(-1.0, 1.0, 1.0))
+
+
+def bias_of_wrong_sign(run: Any) -> Array:
+    return mahony(run, signs=(1.0, 1.0, -1.0))
