@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+import tables
 from lie_rigid_body.__main__ import VERBS
-from lie_rigid_body.cli import check, record
 from lie_rigid_body.report import request
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.arguments import parse
@@ -22,8 +22,8 @@ LIST = ROOT / "test" / "data" / "ros2_commands.txt"
 COMMANDS = [line for line in LIST.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PARSERS: dict[str, Callable[[list[str]], object]] = {
-    "check": check._parser().parse_args,
-    "record": record._parser().parse_args,
+    "check": tables.parser_of("check").parse_args,
+    "record": tables.parser_of("record").parse_args,
     "evaluate": request.parse,
 }
 
