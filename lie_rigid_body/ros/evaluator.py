@@ -95,6 +95,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if live.tally.count > compared:
                 compared, compared_at = live.tally.count, now
         said.say(compared > 0)
+        said.say_what_stopped(compared > 0 and now - compared_at > WORD_S[0])
         said.complain(live.left_out() if live is not None else {})
         scores.report(live, following.silence)
         if requested:
@@ -107,10 +108,11 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
 
 
 class _Word:
-    """Lines on stderr: now and then what is missing, once that the comparison begins, once each kind of fault."""
+    """Lines on stderr: what is missing, that the comparison begins, what stopped it, and once each kind of fault."""
 
     def __init__(self, following: Following) -> None:
         self._following, self._begun, self._complained = following, False, set[str]()
+        self._stopped = False
         self._due = time.monotonic() + WORD_S[0]
 
     def say(self, begun: bool) -> None:
@@ -122,6 +124,12 @@ class _Word:
         elif time.monotonic() > self._due:
             self._due = time.monotonic() + WORD_S[1]
             _say(f"still waiting: {self._following.silence()}")
+
+    def say_what_stopped(self, stopped: bool) -> None:
+        """Say once what nothing more comes of, each time that the comparison stops."""
+        if stopped and not self._stopped:
+            _say(f"still waiting: {self._following.stop()}; Ctrl-C ends it with the score")
+        self._stopped = stopped
 
     def complain(self, left_out: Mapping[str, str]) -> None:
         """Say of each kind of messages that count for nothing, as soon as there is one, what it is."""
