@@ -104,7 +104,7 @@ class Lockstep:
 
     def _silence(self) -> str:
         missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
-        came = (
-            f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns" if self._others else "none came"
-        )
-        return f"{self._topic}: {missed}; {came}: a filter on a timer cannot be used in lock-step"
+        came = "none came: see whether its node still runs"
+        if self._others:
+            came = f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns"
+        return f"{self._topic}: {missed}; {came}; a filter on a timer cannot be used in lock-step"
