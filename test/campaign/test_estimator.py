@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.judging import SCORES
-from lie_rigid_body.campaign.run import judgements
+from lie_rigid_body.campaign.run import SCORES, judgements
 
 MODULE = """
 import os
