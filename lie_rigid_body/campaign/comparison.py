@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Final, NamedTuple
@@ -17,6 +17,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
 from lie_rigid_body.evaluation.statistics import Difference, of_runs
 from lie_rigid_body.runs import simulate
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import short_repr
 
 MOST_SERIES: Final = 1000
@@ -25,6 +26,8 @@ _COLUMNS: Final = (*SCORES, *MORE_SCORES)
 _TOTAL: Final = SCORES[0]
 _READING: Final = "reading_s"
 _SEED: Final = "sensor_seed"
+_CONSTANTS: Final = ("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron")
+"""Ends of the names of parameters of errors that stay, and that no filter knows."""
 
 
 @dataclass(frozen=True)
@@ -136,6 +139,8 @@ class Comparison:
         Whether the noise differs from run to run, without which nothing is said of covariances.
     has_covariances : bool
         Whether any estimate has one.
+    fixed_constants : tuple of str
+        Parameters of errors that no filter knows, such as the scale of the gyro, and that are the same in every run.
     """
 
     standings: tuple[Standing, ...]
@@ -144,6 +149,7 @@ class Comparison:
     best: Best | None
     independent: bool
     has_covariances: bool
+    fixed_constants: tuple[str, ...]
 
     __repr__ = short_repr
 
@@ -171,7 +177,17 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
         _best_possible(campaign, standings),
         independent,
         any(each.covariance for one, _ in chosen for each in one.kept),
+        tuple(_fixed_constants(campaign)),
     )
+
+
+def _fixed_constants(campaign: Campaign) -> Iterator[str]:
+    scenario = campaign.scenario_of(0)
+    for name, value in scenario.sensor_parameters:
+        sensor = "magnetometer" if name.startswith("magnetometer") else "imu"
+        is_fixed = sensor in scenario.sensors.on and name not in campaign.vary
+        if is_fixed and name.endswith(_CONSTANTS) and value != BY_NAME[name].default:
+            yield name
 
 
 class _EntryScores:

@@ -19,7 +19,7 @@ from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
-from lie_rigid_body.wording import call_repr, short_repr
+from lie_rigid_body.wording import call_repr, short_repr, shown
 
 GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The Runge–Kutta methods of every group, by the public names of their steppers."""
@@ -203,6 +203,8 @@ def runge_kutta_step(tableau: Tableau, field: Callable[[Array], Array], start: A
 
 
 def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], Array]:
+    if not isinstance(start, GroupState):
+        raise InputError(f"start: {shown(start)} is no state: give GroupState(element, rate)")
     rate = group.as_components(start.rate, "rates")
     element = np.asarray(start.element)
     if element.shape != (group.size, group.size) or rate.shape != (group.dimension,):

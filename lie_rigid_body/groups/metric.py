@@ -14,6 +14,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array, symmetric_matrix, symmetrised
+from lie_rigid_body.mechanics.mass_moments import MassMoments
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
 
 _GENERATOR_ROUND_OFF: Final = 1e-12
@@ -46,6 +47,8 @@ def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: Array
     InputError
         If K is not positive semidefinite, a generator not antisymmetric, A₀ not orthogonal, or sizes differ.
     """
+    if isinstance(second_moment, MassMoments):
+        raise ParameterError("second moment", "mass, centre and second moment were given: give its second_moment")
     K = second_moment_matrix(second_moment)
     T = _antisymmetric_generators(generators, len(K))
     if attitude is not None:

@@ -17,7 +17,7 @@ from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.report.html_page import axis, drawn, figure, grid, line, listing, logarithmic, paragraph, table
 from lie_rigid_body.scenario.parameter_file import assignments
-from lie_rigid_body.wording import counted, printable, shortened
+from lie_rigid_body.wording import counted, listed, printable, shortened
 
 _COLUMNS: Final = (
     "estimator",
@@ -81,6 +81,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         if one.points:
             point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
             yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
+            yield from _at_the_edge(one)
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
         verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
@@ -92,8 +93,23 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield f"{left}; in it errs {', '.join(errors)}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
-    elif comparison.has_covariances and not any(one.covariance for one in comparison.standings):
+    elif comparison.has_covariances and any(one.covariance for one in comparison.standings):
+        if names := comparison.fixed_constants:
+            what = f"{listed(names)} {'is' if len(names) == 1 else 'are'} the same in every run"
+            remedy = "vary what a filter counts as unknown"
+            yield f"The verdicts on covariances hold for these very sensors: {what}; {remedy}."
+    elif comparison.has_covariances:
         yield f"Nothing is said of the covariances: {FEWEST_RUNS} runs that have one are needed, outside of grids."
+
+
+def _at_the_edge(one: Standing) -> Iterator[str]:
+    """A hint for each parameter whose best value is the smallest or the largest that was tried."""
+    for name, values in one.entry.contender.grid.items():
+        best = one.entry.parameters[name]
+        if len({*map(str, values)}) > 1 and all(type(value) in (int, float) for value in values):
+            for end, further in ((min(values), "smaller"), (max(values), "larger")):
+                if best == end:
+                    yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
 
 
 def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iterator[str]:

@@ -74,6 +74,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
     scores, complaints = Scores(node), set[str]()
     compared, compared_at, look_at, word_at = 0, time.monotonic(), 0.0, time.monotonic() + WORD_S[0]
     _say(f"{node.get_fully_qualified_name()} waits for {following.estimate}; Ctrl-C ends it")
+    was_still = False
     while True:
         requested = interruption.requested  # what came before it is in the score
         now = time.monotonic()
@@ -97,6 +98,10 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         if not compared and now > word_at:
             word_at = now + WORD_S[1]
             _say(f"still waiting: {following.silence()}")
+        is_still = compared > 0 and now - compared_at > WORD_S[0]
+        if is_still and not was_still:
+            _say(f"still waiting: {following.stop()}; Ctrl-C ends it with the score")
+        was_still = is_still
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0

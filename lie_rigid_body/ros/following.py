@@ -128,6 +128,15 @@ class Following:
             return f"nothing came on {self.estimate}, which is there: does its node get what it needs? {attitudes}"
         return f"there is no topic {self.estimate}: {attitudes}; remap it, --ros-args -r estimate:=TOPIC"
 
+    def stop(self) -> str:
+        """A sentence about why no more estimates are compared, once some were."""
+        there = self.published()
+        others = [topic for topic in self._subscriptions if topic != self.estimate]
+        gone = [topic for topic in (self.estimate, *others) if topic not in there]
+        if gone:
+            return f"nobody publishes {listed(gone)} any more"
+        return f"nothing more of {self.estimate} can be compared: is its node busy, or the simulation paused?"
+
     def _true_topics(self, there: dict[str, list[str]]) -> list[tuple[str, str]]:
         """Names and types of the topics of the truth, as far as they are there."""
         if self._truth in there:

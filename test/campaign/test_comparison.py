@@ -8,17 +8,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from campaigns import NEEDS_DASK, written
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.comparison import Comparison, Standing, compare
+from lie_rigid_body.campaign.comparison import Comparison, Standing, _fixed_constants, compare
+from lie_rigid_body.campaign.definition import Contender, Entry
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
 from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.report import campaign_scores
 from lie_rigid_body.runs import simulate
 
 pytestmark = NEEDS_DASK
@@ -229,6 +232,27 @@ def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder:
     found = compare(replace(campaign, vary={}, parameters={}), rows)
     assert (found.independent, found.has_covariances) == (False, True)
     assert [one.covariance for one in found.standings] == [None] * 6
+
+
+def test_constants_that_no_run_draws_anew_are_told(comparison: Comparison, folder: Path, said: list[str]) -> None:
+    """Honesty over runs is that of a filter which counts them as unknown only where they are drawn."""
+    names = ("gyro_scale_factor", "gyro_misalignment", "accelerometer_misalignment", "magnetometer_hard_iron")
+    assert set(comparison.fixed_constants) == set(names)
+    told = " ".join(" ".join(said).split())
+    assert "magnetometer_hard_iron are the same in every run; vary what a filter counts as unknown." in told
+    assert "are the same in every run; vary what" in (folder / "page.html").read_text()
+    campaign = Campaign.from_table(folder / "out" / "runs.parquet")
+    drawn = SimpleNamespace(scenario_of=campaign.scenario_of, vary=names[1:])
+    assert [*_fixed_constants(cast(Any, drawn))] == [names[0]]
+
+
+def test_a_best_point_at_the_edge_of_a_grid_is_told(said: list[str]) -> None:
+    assert "tuned: degrees is best at the end of its grid: try smaller ones than 1." in said
+    grid = Contender("one", "a:b", grid={"gain": [0.1, 0.3, 1.0], "kind": ["a", "b"]})
+    for gain, told in ((0.1, ["smaller ones than 0.1"]), (0.3, []), (1.0, ["larger ones than 1"])):
+        standing = SimpleNamespace(entry=Entry(grid, {"gain": gain, "kind": "a"}), name="one")
+        found = [*campaign_scores._at_the_edge(cast(Any, standing))]
+        assert [sentence.partition("try ")[2].rstrip(".") for sentence in found] == told
 
 
 def test_the_table_and_the_page_name_every_estimator(folder: Path, said: list[str]) -> None:

@@ -31,6 +31,7 @@ from lie_rigid_body.groups import (
     steady_rotation,
     unitary_casimirs,
 )
+from lie_rigid_body.mechanics import box
 
 TOP = Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0]))
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
@@ -53,6 +54,14 @@ def noisy_line() -> list[np.ndarray]:
 @pytest.mark.parametrize(
     ("build", "said"),
     [
+        (
+            lambda: mass_matrix(box(mass=2.0, edges=[0.3, 0.2, 0.1]), SO(3).generators),  # type: ignore[arg-type]
+            "second moment: mass, centre and second moment were given: give its second_moment",
+        ),
+        (
+            lambda: GroupMovingChart(TOP, 7),  # type: ignore[arg-type]
+            "start: 7 is no state: give GroupState(element, rate)",
+        ),
         (
             lambda: SO(4).hat(np.zeros(5)),
             "coordinates: shape (5,) is not (..., 6): put a component for each generator on the last axis",

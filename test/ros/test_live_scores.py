@@ -140,6 +140,10 @@ def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
                 told.publish(String(data="no scenario" * 10_000 * number))
                 told.publish(String(data="{}"))
         peer.spin_until(lambda: len(errors) == 40, "every error")
+        peer.node.destroy_publisher(estimate)
+        peer.spin_until(
+            lambda: process.heard("waiting: nobody publishes /odd any more"), "a word about the filter's end"
+        )
         process.process.send_signal(signal.SIGTERM)
         assert process.wait() == 0, process.complained
     content = json.loads("\n".join(process.said))
