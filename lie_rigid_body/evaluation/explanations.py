@@ -373,12 +373,12 @@ class Evidence:
         if left.mean() > max(unlike**2 * self.still, _counted(np.zeros(1))[0]) or not explanation.explains:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
-        if is_lead or (explanation.far and left.max() > UNEVEN**2 * left.min()):
+        tilts = [
+            angles(quaternion.exp(c)).inclination for cause, c in explanation.parts if cause.code == "world_turned"
+        ]
+        is_level = any(not LEAST_TILT < tilt < np.pi - LEAST_TILT for tilt in tilts)
+        if is_lead or is_level or (explanation.far and left.max() > UNEVEN**2 * left.min()):
             return False
-        if "world_turned" in explanation.turned:
-            tilt = angles(quaternion.exp(vector(explanation.numbers))).inclination
-            if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
-                return False
         shares = dict.fromkeys(explanation.causes, SHARE)
         if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
             shares["lag"] = LAG_SHARE
@@ -390,11 +390,12 @@ class Evidence:
     def is_small(self, explanation: Explanation) -> bool:
         """Whether one of the turns is no larger than what sensors leave, or that in a lag that leaves some error."""
         turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
-        if min(turns_rad, default=np.inf) <= max(self.left_by_sensors, FLOOR * self.fastest * self.period_s):
-            return True
-        if explanation.lag_s is None or explanation.error <= FOLLOWING * self.without(explanation, "lag").error:
-            return False
-        return abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
+        is_late = explanation.lag_s is not None and (
+            explanation.error > FOLLOWING * self.without(explanation, "lag").error
+            and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
+        )
+        least = max(self.left_by_sensors, FLOOR * self.fastest * self.period_s)
+        return is_late or min(turns_rad, default=np.inf) <= least
 
     def follows(self) -> bool:
         """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""

@@ -156,10 +156,7 @@ def honesty(
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(t_s, values, dimension, seed)
-    cause = ""
-    if verdict != "honest":
-        repairs = _repairs(attitude_xyzw, axes, factor)
-        cause = _cause(t_s, errors, covariance, scores, repairs, seed)
+    repairs = {} if verdict == "honest" else _repairs(attitude_xyzw, axes, factor)
     return Honesty(
         runs,
         dimension,
@@ -168,7 +165,7 @@ def honesty(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        cause,
+        _cause(t_s, errors, covariance, scores, repairs, seed),
         factor,
         (low / dimension, high / dimension),
     )
@@ -207,10 +204,11 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     mean, most = float(values.mean()), float(scipy.stats.f.isf(level, 1, len(values) - 1))
     best = _likelihood(values, mean)
 
-    def excess(factor: float) -> float:
-        return best - _likelihood(values, mean * factor) - most
-
-    return mean * float(scipy.optimize.brentq(excess, 1e-9, 1.0)), mean * float(scipy.optimize.brentq(excess, 1.0, 1e9))
+    low, high = (
+        scipy.optimize.brentq(lambda factor: best - _likelihood(values, mean * factor) - most, *ends)
+        for ends in ((1e-9, 1.0), (1.0, 1e9))
+    )
+    return mean * float(low), mean * float(high)
 
 
 def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:

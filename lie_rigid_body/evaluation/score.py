@@ -318,8 +318,8 @@ FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
             else None
         ),
     ),
-    ("NEES", lambda score: score.consistency and score.consistency.sentence),
-    ("remark", lambda score: score.consistency and score.consistency.remark),
+    ("NEES", lambda score: score.consistency.sentence if score.consistency else None),
+    ("remark", lambda score: score.consistency.remark if score.consistency else None),
     (
         "gyro bias",
         lambda score: (

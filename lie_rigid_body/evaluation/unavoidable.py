@@ -281,14 +281,10 @@ def _require(
 def _unobserved(world_covariance: Array) -> str:
     """Name of the directions of the world about which an error of half a radian or more would not be seen."""
     variances, axes = np.linalg.eigh(world_covariance)
-    if np.count_nonzero(variances > UNSEEN) > 1:
-        return "the attitude"
-    if variances[-1] <= UNSEEN:
-        return ""
     axis = axes[:, -1] * np.sign(axes[np.argmax(np.abs(axes[:, -1])), -1])
-    if axis[2] > VERTICAL:
-        return "a turn about the vertical"
-    return f"a turn about ({components(axis, 3)}) of the world"
+    of_world = f"a turn about ({components(axis, 3)}) of the world"
+    one = "a turn about the vertical" if axis[2] > VERTICAL else of_world
+    return ("", one, "the attitude", "the attitude")[np.count_nonzero(variances > UNSEEN)]
 
 
 def _system(
