@@ -67,15 +67,33 @@ class Parser(argparse.ArgumentParser):
     description : str
     *table : Argument
         Rows, in the order of the help.
+    either : sequence of Argument, optional
+        Rows of which one at most may be given.
+    scenario : bool, optional
+        Whether ``--scenario``, ``--params-file`` and ``-p`` are read, for `scenario`.
     epilog : str, optional
         End of the help.
     """
 
-    def __init__(self, verb: str, description: str, *table: Argument, epilog: str | None = None) -> None:
+    def __init__(
+        self,
+        verb: str,
+        description: str,
+        *table: Argument,
+        either: Sequence[Argument] = (),
+        scenario: bool = False,
+        epilog: str | None = None,
+    ) -> None:
         super().__init__(prog=program(verb), description=description, epilog=epilog, allow_abbrev=False)
         self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
-        for names, how in table:
-            self.add_argument(*names, **how)
+        groups: list[tuple[argparse._ActionsContainer, Sequence[Argument]]] = [(self, table)]
+        if either:
+            groups.append((self.add_mutually_exclusive_group(), either))
+        if scenario:
+            groups.append((self.add_argument_group("scenario", _ORDER), SCENARIO))
+        for group, rows in groups:
+            for names, how in rows:
+                group.add_argument(*names, **how)
 
     def print_help(self, file: SupportsWrite[str] | None = None) -> None:
         """Print the help on stdout, by `say`."""
@@ -271,31 +289,8 @@ def size(count: int) -> str:
     return f"{count / 1000**power:.4g} {units[power]}"
 
 
-def add_scenario_arguments(parser: Parser) -> Parser:
-    """Add ``--scenario``, ``--params-file`` and ``-p``, which `scenario` reads, to a parser."""
-    group = parser.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p")
-    group.add_argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them")
-    group.add_argument(
-        "--params-file",
-        metavar="FILE",
-        type=path,
-        action="append",
-        default=[],
-        help="a ROS 2 parameter file; may be repeated",
-    )
-    group.add_argument(
-        "-p",
-        metavar="NAME:=VALUE",
-        action="append",
-        default=[],
-        dest="assignments",
-        help="one parameter; may be repeated",
-    )
-    return parser
-
-
 def scenario(arguments: argparse.Namespace) -> Scenario:
-    """The scenario that the arguments of `add_scenario_arguments` give.
+    """The scenario that the arguments of `SCENARIO` give.
 
     Raises
     ------
@@ -312,6 +307,28 @@ def scenario(arguments: argparse.Namespace) -> Scenario:
         path = file_that_gives(error.name, given)
         raise error if path is None else InputError(f"{path}: {error}") from None
 
+
+_ORDER: Final = "later wins: defaults < --scenario < --params-file < -p"
+SCENARIO: Final = (
+    argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them"),
+    argument(
+        "--params-file",
+        metavar="FILE",
+        type=path,
+        action="append",
+        default=[],
+        help="a ROS 2 parameter file; may be repeated",
+    ),
+    argument(
+        "-p",
+        metavar="NAME:=VALUE",
+        action="append",
+        default=[],
+        dest="assignments",
+        help="one parameter; may be repeated",
+    ),
+)
+"""Options that `scenario` reads."""
 
 TOPIC: Final = argument(
     "--topic",
@@ -341,6 +358,20 @@ def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str,
         if found.setdefault(name, topic) != topic:
             raise InputError(f"--topic {text}: {name} is {found[name]} already: give {listed([name])} once")
     return found
+
+
+def verb(description: str, *table: Argument, **more: Any) -> Callable[[Callable[[argparse.Namespace], int]], Main]:
+    """Decorator of a verb's work, which is given its arguments; the parameters are those of `Parser`, and see `run`."""
+
+    def decorated(work: Callable[[argparse.Namespace], int]) -> Main:
+        @run
+        @functools.wraps(work)
+        def main(argv: Sequence[str] | None = None) -> int:
+            return work(Parser(work.__module__.rpartition(".")[2], description, *table, **more).parse_args(argv))
+
+        return main
+
+    return decorated
 
 
 def run(main: Main) -> Main:
@@ -381,7 +412,7 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
     to_the_end : bool, optional
         Whether the process ends with this status, whatever signals still come. See `Interruption.heeded`.
     """
-    with Interruption.heeded(to_the_end=to_the_end):
+    with Interruption.heeded(to_the_end=to_the_end) as interruption:
         try:
             _open_standard_streams()
             _require_memory()
@@ -396,6 +427,10 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
         except Exception as error:
             if os.environ.get(DEBUG):
                 traceback.print_exc()
+            if isinstance(error, ImportError) and interruption.requested:
+                # libraries in C take the KeyboardInterrupt amid their import for a part that is missing
+                complain(prog, "interrupted")
+                return INTERRUPTED
             complain(prog, explanation(error))
     return UNUSABLE
 

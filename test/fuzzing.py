@@ -637,8 +637,8 @@ def warmed() -> None:
     import matplotlib.figure
     import matplotlib.pyplot  # noqa: F401
 
-    from lie_rigid_body.cli import campaign, check, checking, evaluate, explain, judging, plot, record, recover  # noqa: F401
-    from lie_rigid_body.report import certificate_page, motion_figures, recording_picture, score_picture  # noqa: F401
+    from lie_rigid_body.cli import campaign, check, checking, evaluate, explain, plot, record, recover  # noqa: F401
+    from lie_rigid_body.report import certificates, figures, recording_picture, scores  # noqa: F401
 
 
 def fuzz(

@@ -31,8 +31,8 @@ ANSWERS = [
 ]
 WRITERS = [
     "record {new} --duration 0.1",
-    "plot {bag} -o {new}.png",
-    "evaluate {bag} --estimate /pose --report {new}.html",
+    pytest.param("plot {bag} -o {new}.png", marks=pytest.mark.slow),
+    pytest.param("evaluate {bag} --estimate /pose --report {new}.html", marks=pytest.mark.slow),
 ]
 
 

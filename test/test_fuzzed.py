@@ -45,6 +45,7 @@ def test_honest_files_keep_the_laws_in_each_verb(
     assert (found.status, found.broken) == (0, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted(fuzzing.KEPT.glob("*.json")), ids=lambda path: path.stem)
 def test_what_broke_a_law_keeps_it(bags: dict[str, bytes], parent: ProcessPoolExecutor, path: Path) -> None:
     assert parent.submit(fuzzing.outcome, fuzzing.read(path), bags).result().broken == ""

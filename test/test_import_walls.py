@@ -200,7 +200,7 @@ def test_a_circle_is_found() -> None:
         ("messages.layout", "from geometry_msgs.msg import PoseStamped", "ros"),
         ("messages.layout", "try:\n    import std_srvs.srv\nexcept ImportError:\n    pass", "ros"),
         ("simulation", "from rclpy.node import Node", "ros"),
-        ("evaluation.truth", "from lie_rigid_body.motion import ClosedForm", "rooms"),
+        ("evaluation.attitudes", "from lie_rigid_body.motion import ClosedForm", "rooms"),
         ("mechanics.state", "import os.path", "mathematics"),
         ("lie.so3", "from time import monotonic", "mathematics"),
         ("motion.moving_chart", "import numpy.random", "mathematics"),

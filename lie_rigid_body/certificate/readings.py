@@ -32,8 +32,8 @@ ROUNDINGS: Final = 64.0
 library, and states 1e-15 rad and 12 u off, 53 were needed at most."""
 BLOCK: Final = 8192
 """Readings that are replayed at once."""
-MOST_WALKED: Final = 200_000_000
-"""Readings of a bag that are left out though a bias walks through them: its steps are drawn all the same, in 12 s."""
+MOST_DRAWN: Final = 200_000_000
+"""Normal deviates that are drawn for the readings of a bag that are left out, as biases walk through them: in 5 s."""
 _LONGEST_GAP: Final = 256
 """Readings that are replayed between two that are recorded; more are left out."""
 _PIECES_KEPT: Final = 4
@@ -118,7 +118,7 @@ class Replays:
     """The replays of a bag, for each sensor that of the segment which was asked for last, and what they may cost."""
 
     def __init__(self) -> None:
-        self._left, self._last = MOST_WALKED, dict[str, Replay]()
+        self._left, self._last = MOST_DRAWN, dict[str, Replay]()
 
     def of(self, segment: Segment, name: str, duration: float) -> Replay:
         """The replay of a sensor in a segment; see `Replay` for the parameters."""
@@ -128,7 +128,7 @@ class Replays:
         return known
 
     def allow(self, count: int) -> bool:
-        """Leave out so many more readings through which a bias walks, unless they are too many."""
+        """Draw so many more deviates for readings that are left out, unless they are too many."""
         if count > self._left:
             return False
         self._left -= count
@@ -165,7 +165,7 @@ class Replay:
                 return known
         if first < self._measurement.next:
             self._measurement = self._begun()
-        if self._measurement.walks and not self._replays.allow(first - self._measurement.next):
+        if not self._replays.allow(self._measurement.walk_deviates * (first - self._measurement.next)):
             return None
         near = numbers[: np.searchsorted(numbers, first + BLOCK)]
         gaps = np.flatnonzero(np.diff(near) > _LONGEST_GAP)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from lie_rigid_body import console
 
-PASSES: Final = 3
-"""Largest number of times that a bag is read: to open it, to find its segments, and to take its samples."""
 
+def progress_bar(bags: Iterable[str | Path], passes: int = 3) -> Any:
+    """Progress bar of the bytes to be read of bags in so many passes, as a context; its ``update`` takes those read.
 
-def progress_bar(bags: Iterable[str | Path], passes: int = PASSES) -> Any:
-    """Progress bar of the bytes to be read of bags in so many passes, as a context; its ``update`` takes those read."""
+    A bag is read three times at most: to open it, to find its segments, and to take its samples.
+    """
     return console.progress(total=passes * sum(map(size, bags)), unit="B", unit_scale=True, delay=0.5)
 
 

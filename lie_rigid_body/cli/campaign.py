@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Final
 
@@ -14,11 +13,43 @@ from lie_rigid_body.wording import shown
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+def _workers(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to 9999")
+    return int(text)
+
+
+@console.verb(
+    "Record and certify many runs with parameters drawn at random.",
+    console.argument(
+        "campaign", metavar="CAMPAIGN.yaml", type=console.path, help="what varies, and how many runs there are"
+    ),
+    console.argument(
+        "--out",
+        metavar="DIR",
+        type=console.path,
+        required=True,
+        help="folder of the table and the bags; resumed if begun",
+    ),
+    console.argument("--no-bags", action="store_true", help="keep the table only"),
+    console.argument(
+        "--report",
+        metavar="OUT.html",
+        type=console.path,
+        help="write the runs and the sizes of their residuals as one page (needs plotly)",
+    ),
+    console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
+    either=(
+        console.argument(
+            "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
+        ),
+        console.argument(
+            "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"
+        ),
+    ),
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = _parser().parse_args(argv)
-    console.require_suffix("--report", given.report, ".html")
     needed = _NEEDED if given.scheduler else (*_NEEDED, "cryptography")
     missing = [name for name in needed if not find_spec(name)]
     if missing:
@@ -27,42 +58,3 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.cli.campaign_runs import run_campaign
 
     return run_campaign(given)
-
-
-def _parser() -> console.Parser:
-    parser = console.Parser(
-        "campaign",
-        "Record and certify many runs with parameters drawn at random.",
-        console.argument(
-            "campaign", metavar="CAMPAIGN.yaml", type=console.path, help="what varies, and how many runs there are"
-        ),
-        console.argument(
-            "--out",
-            metavar="DIR",
-            type=console.path,
-            required=True,
-            help="folder of the table and the bags; resumed if begun",
-        ),
-        console.argument("--no-bags", action="store_true", help="keep the table only"),
-        console.argument(
-            "--report",
-            metavar="OUT.html",
-            type=console.path,
-            help="write the runs and the sizes of their residuals as one page (needs plotly)",
-        ),
-        console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
-    )
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
-    )
-    where.add_argument(
-        "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"
-    )
-    return parser
-
-
-def _workers(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to 9999")
-    return int(text)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from statistics import median
 from typing import Any, Final
@@ -21,15 +20,16 @@ from lie_rigid_body.campaign.cluster import (
     is_open,
     require_address,
 )
-from lie_rigid_body.campaign.comparison import Comparison, compare
+from lie_rigid_body.campaign.comparison import compare
 from lie_rigid_body.campaign.definition import SCORES_TABLE
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.judging import ERROR, SCORES
+from lie_rigid_body.campaign.run import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import campaign_scores, html_page
+from lie_rigid_body.report.drawing import require_page
 from lie_rigid_body.report.overview import Line, page
 from lie_rigid_body.runs.estimators import MENDED
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
@@ -42,8 +42,7 @@ _LONGEST_REASON: Final = 70
 
 def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
-    if given.report is not None:
-        html_page.require_room(given.report, [given.campaign], overwrite=given.force)
+    require_page(given, [given.campaign], with_figures=True)
     campaign = Campaign.from_file(given.campaign)
     if not Journal.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
@@ -83,13 +82,12 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
 def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
     """Forget finished runs that lack their bags, where bags are wanted, so that they are done again, and say so."""
     finished = len(journal)
-    if wanted:
-        if lacking := _forget_without_bags(journal):
-            console.say(
-                f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
-                f"or one of another size: {listed(lacking)}"
-            )
-    elif kept := sum(row.bag is not None for row in journal.rows()):
+    if wanted and (lacking := _forget_without_bags(journal)):
+        console.say(
+            f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
+            f"or one of another size: {listed(lacking)}"
+        )
+    if not wanted and (kept := sum(row.bag is not None for row in journal.rows())):
         console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
 
 
@@ -114,7 +112,6 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
             "tls:// keeps others out",
             "warning",
         )
-    runs = (run for run in range(campaign.runs) if run not in journal)
     with (
         console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
         client_of(given.workers, given.scheduler) as client,
@@ -122,7 +119,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
         rows = finished(
             client,
             campaign,
-            runs,
+            (run for run in range(campaign.runs) if run not in journal),
             journal.folder,
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
@@ -136,10 +133,9 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
                     journal.require_intact()
                 else:
                     journal.add(row)
-                    if len(errors) < MOST_FAILURES:
-                        errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
-                        if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
-                            _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
+                    errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
+                    if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
+                        _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
                 bar.update()
         except SchedulerGoneError as error:
             if len(journal) + len(failed) < campaign.runs:
@@ -166,16 +162,12 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     runs : str
         What the runs are called.
     """
-    failed: dict[str, str] = dict.fromkeys(campaign.contenders, "")
-    for of_run in errors:
-        for entry, error in zip(campaign.entries, of_run, strict=True):
-            name = entry.contender.name
-            if error is None:
-                failed.pop(name, None)
-            elif name in failed:
-                failed[name] = failed[name] or error
-    if failed:
-        reason = shortened(failed[min(failed)].removesuffix(f": {MENDED}"), _LONGEST_REASON)
+    names = [entry.contender.name for entry in campaign.entries]
+    told = [each for of_run in errors for each in zip(names, of_run, strict=True)]
+    scored = {name for name, error in told if error is None}
+    if failed := [name for name in campaign.contenders if name not in scored]:
+        first = next(error for name, error in told if name == min(failed) and error is not None)
+        reason = shortened(first.removesuffix(f": {MENDED}"), _LONGEST_REASON)
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
         raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 
@@ -203,62 +195,48 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
             f"{len(lacking)} of {counted(campaign.runs, 'bag')} were deleted or changed meanwhile ({listed(lacking)}): "
             f"keep others away, also the estimator; {RESUMED}"
         )
-    from pyarrow.parquet import read_table
-
     path = journal.write_table()
-    with path.open("rb") as file:  # the name need not be Unicode
-        table = read_table(file).to_pydict()
-    runs = table["run"]
-    broken = [run for run, certified in zip(runs, table["certified"], strict=True) if not certified]
-    lines = [
-        f"{counted(len(runs), 'run')}, {len(runs) - len(broken)} certified, attitudes within "
-        f"{max(0.0, *table['attitude_accuracy_rad']):.2g} rad, in {printable(str(path))}"
+    lines: list[Line] = []
+    varied: dict[int, Mapping[str, Any]] = {}
+    errors: list[list[str | None]] = []
+    totals: list[float] = []
+    for row in journal.rows():
+        cells = (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary))
+        residuals = {} if given.report is None else row.residuals  # those of a million runs would take gigabytes
+        lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, residuals))
+        varied[row.run] = row.parameters
+        scores = [judgement["scores"] for judgement in row.judgements]
+        errors.append([of_entry[ERROR] for of_entry in scores])
+        totals += [of_entry[SCORES[0]] or 0.0 for of_entry in scores if of_entry[ERROR] is None]
+    broken = [line.cells[0] for line in lines if not line.certified]
+    told = [
+        f"{counted(len(lines), 'run')}, {len(lines) - len(broken)} certified, attitudes within "
+        f"{max(0.0, *(line.accuracy for line in lines)):.2g} rad, in {printable(str(path))}"
     ]
     if broken:
-        lines.append(f"not certified: {', '.join(map(str, broken[:10]))}{', ...' if len(broken) > 10 else ''}")
-    comparison = None
+        told.append(f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}")
+    first: tuple[str, ...] = ()
     if campaign.estimator is not None:
-        lines += _of_one(table)
+        middle = f", median {median(totals):.3g}° rms" if totals else ""
+        reasons = (f"; run {run} is not: {error}" for run, (error,) in enumerate(errors) if error is not None)
+        told.append(f"{len(totals)} scored{middle}{next(reasons, '')}")
     elif campaign.estimators:
-        comparison = compare(campaign, journal.rows)
-        lines += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
+        comparison = compare(campaign, journal.rows())
+        told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
+        first = tuple(campaign_scores.sections(campaign, comparison, varied)) if given.report else ()
     functions = sorted({one.function for one in campaign.contenders.values() if one.function})
     what = "it" if campaign.estimator is not None else "one"
-    lines += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
+    told += [f"what is wrong with {what}: {console.program('diagnose')} {name}" for name in functions[:1]]
     if given.report is not None:
-        _write_page(campaign, journal, comparison, given)
-        lines.append(f"wrote {printable(given.report)}")
-    console.say("\n".join(lines), done=f"{path} is written")
+        more = [html_page.details("Campaign", campaign.to_json())]
+        content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, more, first=first)
+        write_file(given.report, content, overwrite=given.force)
+        told.append(f"wrote {printable(given.report)}")
+    console.say("\n".join(told), done=f"{path} is written")
     if broken:
         return console.BROKEN
-    if campaign.contenders:
-        errors = ([judgement["scores"][ERROR] for judgement in row.judgements] for row in journal.rows())
-        _require_scores(campaign, errors, "any run")
+    _require_scores(campaign, errors, "any run")
     return console.SUCCESS
-
-
-def _of_one(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
-    """What is said of the only estimator."""
-    errors = {run: error for run, error in zip(table["run"], table[ERROR], strict=True) if error is not None}
-    totals = sorted(
-        total or 0.0 for run, total in zip(table["run"], table[SCORES[0]], strict=True) if run not in errors
-    )
-    middle = f", median {median(totals):.3g}° rms" if totals else ""
-    unscored = "".join(f"; run {run} is not: {error}" for run, error in islice(errors.items(), 1))
-    yield f"{len(totals)} scored{middle}{unscored}"
-
-
-def _write_page(campaign: Campaign, journal: Journal, comparison: Comparison | None, given: argparse.Namespace) -> None:
-    """Write the page of all runs: estimators that are compared, what was drawn for each run, and its residuals."""
-    lines, varied = [], {}
-    for row in journal.rows():
-        varied[row.run] = row.parameters
-        cells = (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary))
-        lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, row.residuals))
-    first = () if comparison is None else campaign_scores.sections(campaign, comparison, varied)
-    declared = html_page.details("Campaign", campaign.to_json())
-    content = page(f"Campaign {given.campaign}", "runs", ("run", *campaign.vary), lines, [declared], first=tuple(first))
-    write_file(given.report, content, overwrite=given.force)
 
 
 def _cell(value: Value | Sequence[float]) -> str:

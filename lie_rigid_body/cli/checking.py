@@ -1,103 +1,108 @@
-"""The work of ``check``: the certificate of one bag, or the verdicts on many."""
+"""The work of ``check``: the certificate of one bag, or the verdicts on many, found by parallel processes."""
 
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Mapping, Sequence
+import multiprocessing
+import os
+import signal
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from functools import partial
+from multiprocessing.connection import wait as wait_for
 from pathlib import Path
-
-import numpy as np
+from typing import Final
 
 from lie_rigid_body import console
-from lie_rigid_body.certificate import Certificate, certify
+from lie_rigid_body.bounded_input import real
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.certification import passes
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
-from lie_rigid_body.cli.judging import judge_all, judge_bodies
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.interruption import ENDING, Interruption
+from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.bodies import topic_types
 from lie_rigid_body.recording.samples import thinned_segments
-from lie_rigid_body.report import certificate_text, html_page, overview
-from lie_rigid_body.report.certificate_page import page
-from lie_rigid_body.report.drawing import answer
+from lie_rigid_body.report import certificates, overview
+from lie_rigid_body.report.drawing import answer, require_page
+from lie_rigid_body.report.overview import Verdict
+from lie_rigid_body.system import cores
 from lie_rigid_body.wording import listed
 
-
-def check(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:
-    """Certify what the arguments name, and return the exit status.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-    inertia : list of float or None
-        To be used in place of the declared one, kg m².
-    topics : mapping of str to str
-        Topics that are called otherwise, by their relative names.
-    """
-    if given.report is not None:
-        files = (file for bag in given.bags for file in files_of(bag))
-        html_page.require_room(given.report, files, overwrite=given.force)
-    if len(given.bags) == 1 and not is_folder_of_bags(given.bags[0]):
-        return _check_one(given, inertia, topics)
-    _refuse_proof(given)
-    return _answer(given, judge_all(bags_of(given.bags), inertia, topics))
+_KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
 
 
-def is_folder_of_bags(name: str) -> bool:
-    """Whether an argument is a folder that is not one bag itself."""
-    return Path(name).is_dir() and not is_one_bag(Path(name))
-
-
-def bags_of(names: Sequence[str]) -> list[str]:
-    """Bags that the arguments name, each once; folders of bags are searched."""
-    found: dict[Path, str] = {}
-    for name in names:
-        for bag in bags_in(Path(name)) if is_folder_of_bags(name) else [name]:
-            found.setdefault(Path(bag).resolve(), str(bag))
-    return list(found.values())
-
-
-def _check_one(given: argparse.Namespace, inertia: list[float] | None, topics: Mapping[str, str]) -> int:
-    """Certify each body of the only bag."""
+def check(given: argparse.Namespace) -> int:
+    """Certify what the arguments name, and return the exit status."""
+    topics = console.topic_names(given.topic, topic_types())
+    inertia = None if given.inertia is None else _inertia(given.inertia)
+    require_page(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
+    if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):
+        _refuse_proof(given)
+        return _answer(given, judge_all(_bags_of(given.bags), inertia, topics))
     if given.prove is not None:
         require_count(given.prove)
     name, residuals = given.bags[0], None if given.report is None else ResidualsOverTime()
     with progress_bar(given.bags) as bar:
         bodies = Bag.all_of(name, bar.update, topics)
-        whole = [body for body in bodies.values() if isinstance(body, Bag)]
-        if len(bodies) > 1:
+        first, *others = bodies.values()
+        if others or isinstance(first, BagError):
             _refuse_proof(given)
-            bar.total = size(name) * (1 + sum(passes(body) for body in whole))
+            bar.total = size(name) * (1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag)))
             verdicts = judge_bodies(name, bodies, inertia)
         else:
-            bar.total = size(name) * (1 + passes(whole[0], residuals) + 2 * (residuals is not None))
-            certificate = certify(whole[0], inertia, residuals)
+            bar.total = size(name) * (1 + passes(first, residuals) + 2 * (residuals is not None))
+            certificate = certify(first, inertia, residuals)
             has_samples = residuals is not None and certificate.segments
-            pieces = thinned_segments(whole[0], inertia) if has_samples else []
-    if len(bodies) > 1:
+            pieces = thinned_segments(first, inertia) if has_samples else []
+    if others or isinstance(first, BagError):
         return _answer(given, verdicts)
-    proof = None if given.prove is None else _proof(whole[0], certificate, given.prove, inertia)
-    with np.errstate(all="ignore"):  # recorded numbers may be anything
-        files = {} if residuals is None else {given.report: page(name, certificate, residuals, pieces, proof)}
-    data = certificate_text.as_json(name, certificate, proof)
-    text = json.dumps(data, indent=2) if given.json else certificate_text.as_table(name, certificate, proof)
-    answer(text, files, overwrite=given.force, named=not given.json)
+    proof = None
+    if given.prove is not None:
+        proof = Proof(tuple(console.progress(prove(first, certificate, given.prove, inertia), unit=" samples")))
+    answer(
+        given,
+        {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
+        lambda: certificates.as_table(name, certificate, proof),
+        lambda: certificates.as_json(name, certificate, proof),
+    )
     return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
 
-def _answer(given: argparse.Namespace, verdicts: Sequence[overview.Verdict]) -> int:
-    """Answer with a table, and the largest exit status that one of the verdicts alone would have."""
-    for verdict in verdicts:
-        if verdict.reason:
-            console.complain(console.program("check"), verdict.reason)
-    has_page = given.report is not None and any(verdict.certificate for verdict in verdicts)
-    content = overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts) if has_page else b""
-    text = json.dumps(overview.as_json(verdicts), indent=2) if given.json else overview.as_table(verdicts)
-    answer(text, {given.report: content} if has_page else {}, overwrite=given.force, named=not given.json)
-    return max(verdict.status for verdict in verdicts)
+def _inertia(text: str) -> list[float]:
+    try:
+        numbers = [real(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
+    if len(numbers) not in (3, 6):
+        raise InputError(f"--inertia {text}: {len(numbers)} numbers: give 3 principal moments or 6 tensor entries")
+    try:
+        RigidBody(numbers)
+    except ParameterError as error:
+        raise InputError(f"--inertia {text}: {error}") from None
+    return numbers
+
+
+def _is_folder_of_bags(name: str) -> bool:
+    """Whether an argument is a folder that is not one bag itself."""
+    return Path(name).is_dir() and not is_one_bag(Path(name))
+
+
+def _bags_of(names: Sequence[str]) -> list[str]:
+    """Bags that the arguments name, each once; folders of bags are searched."""
+    found: dict[Path, str] = {}
+    for name in names:
+        for bag in bags_in(Path(name)) if _is_folder_of_bags(name) else [name]:
+            found.setdefault(Path(bag).resolve(), str(bag))
+    return list(found.values())
 
 
 def _refuse_proof(given: argparse.Namespace) -> None:
@@ -107,5 +112,107 @@ def _refuse_proof(given: argparse.Namespace) -> None:
         )
 
 
-def _proof(bag: Bag, certificate: Certificate, count: int, inertia: list[float] | None) -> Proof:
-    return Proof(tuple(console.progress(prove(bag, certificate, count, inertia), unit=" samples")))
+def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
+    """Answer with a table, and the largest exit status that one of the verdicts alone would have."""
+    for verdict in verdicts:
+        if verdict.reason:
+            console.complain(console.program("check"), verdict.reason)
+    path = given.report if any(verdict.certificate for verdict in verdicts) else None
+    answer(
+        given,
+        {path: lambda: overview.page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
+        lambda: overview.as_table(verdicts),
+        lambda: overview.as_json(verdicts),
+    )
+    return max(verdict.status for verdict in verdicts)
+
+
+def judge_all(
+    bags: Sequence[str], inertia: Sequence[float] | None = None, topics: Mapping[str, str] | None = None
+) -> list[Verdict]:
+    """Judge bags by as many processes as there are cores; the verdicts come in the order of the bags.
+
+    Parameters
+    ----------
+    bags : sequence of str
+    inertia : sequence of float, optional
+        To be used in place of the declared one, kg m².
+    topics : mapping of str to str, optional
+        Topics that are called otherwise, by their relative names.
+    """
+    one = partial(judge, inertia, topics or {})
+    with Interruption.current().noted() as interruption:
+        found = _by_processes(one, bags, cores(), interruption)
+        for i, verdicts in enumerate(found):
+            if verdicts is None:  # a process that died took others with it: each again, in a process of its own
+                (again,) = _by_processes(one, [bags[i]], 1, interruption)
+                found[i] = again or [Verdict(bags[i], None, None, f"{bags[i]}: {_KILLED}")]
+    return [verdict for verdicts in found for verdict in verdicts or []]
+
+
+def judge(inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str) -> list[Verdict]:
+    """Judge all bodies of a bag; whatever is wrong with the bag is its verdict."""
+    try:
+        return judge_bodies(bag, Bag.all_of(bag, lambda count: None, topics), inertia)
+    except Exception as error:
+        return [_unusable(bag, None, error)]
+
+
+def judge_bodies(
+    bag: str, bodies: Mapping[str, Bag | BagError], inertia: Sequence[float] | None = None
+) -> list[Verdict]:
+    """Judge the bodies of a bag, as `Bag.all_of` finds them; what is wrong with one is its verdict."""
+    return [_of_body(bag, name if len(bodies) > 1 else None, found, inertia) for name, found in bodies.items()]
+
+
+def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequence[float] | None) -> Verdict:
+    try:
+        if isinstance(found, BagError):
+            raise found
+        return Verdict(bag, body, certify(found, inertia))
+    except Exception as error:
+        return _unusable(bag, body, error)
+
+
+def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
+    if os.environ.get(console.DEBUG):
+        traceback.print_exc()
+    reason = console.explanation(error)
+    return Verdict(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
+
+
+def _by_processes(
+    one: Callable[[str], list[Verdict]], bags: Sequence[str], most: int, interruption: Interruption
+) -> list[list[Verdict] | None]:
+    """Verdicts on each bag by so many processes at most; None for a bag whose process died."""
+    context = multiprocessing.get_context()
+    with _pool(ProcessPoolExecutor(min(most, len(bags)), context, _begin)) as pool:
+        futures = [pool.submit(one, bag) for bag in bags]
+        with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
+            for _ in console.progress(as_completed(futures), total=len(bags), unit=" bags"):
+                pass
+        return [None if isinstance(future.exception(), BrokenProcessPool) else future.result() for future in futures]
+
+
+@contextmanager
+def _pool(pool: ProcessPoolExecutor) -> Iterator[ProcessPoolExecutor]:
+    """A context after which the processes of a pool have ended, at once if it is left by an exception."""
+    others = set(multiprocessing.active_children())
+    try:
+        yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _begin() -> None:
+    """Begin a process that leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    threading.Thread(target=lambda: (wait_for([parent.sentinel]), os._exit(1)), daemon=True).start()

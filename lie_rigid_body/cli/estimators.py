@@ -9,7 +9,7 @@ from lie_rigid_body.console import argument
 from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:
-    from lie_rigid_body.runs.command import CommandEstimator
+    from lie_rigid_body.runs.estimators import CommandEstimator
 
 ESTIMATOR: Final = (
     argument(
@@ -33,8 +33,8 @@ ESTIMATOR: Final = (
 """Arguments that `given_estimator` reads."""
 
 
-def given_estimator(given: argparse.Namespace) -> CommandEstimator | str | None:
-    """The estimator of the arguments, if there is one.
+def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | str | None]:
+    """The words by which the estimator is given, and what they name; nothing where none is.
 
     Raises
     ------
@@ -48,16 +48,9 @@ def given_estimator(given: argparse.Namespace) -> CommandEstimator | str | None:
     if given.node is not None:
         from lie_rigid_body.runs.node import NodeEstimator
 
-        return NodeEstimator(given.node, given.timeout)
+        return given.node, NodeEstimator(given.node, given.timeout)
     if given.command is not None:
-        from lie_rigid_body.runs.command import CommandEstimator
+        from lie_rigid_body.runs.estimators import CommandEstimator
 
-        return CommandEstimator(given.command, given.timeout)
-    found: str | None = given.estimator
-    return found
-
-
-def name_of(given: argparse.Namespace) -> str:
-    """The words by which the estimator was given."""
-    name: str = given.node or given.command or given.estimator
-    return name
+        return given.command, CommandEstimator(given.command, given.timeout)
+    return given.estimator or "", given.estimator

@@ -1,54 +1,310 @@
-"""``explain``: what the mathematics says about a scenario, before it is run."""
+"""``explain``: what the mathematics says about a scenario, before it is run: text for people and JSON for programs."""
 
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Sequence
+import math
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.parameters import Value, Vector
+
+if TYPE_CHECKING:
+    from lie_rigid_body.motion.description import Description
+    from lie_rigid_body.scenario import Scenario
+
+_WIDTH: Final = 98
+"""Width of a line of sentences, characters."""
+
+_TOPS: Final = {
+    "asymmetric": (
+        "An asymmetric top: its three principal moments differ.",
+        ("smallest", "intermediate", "largest"),
+    ),
+    "oblate": (
+        "An oblate symmetric top, like a disc: its two smaller moments are equal.",
+        ("equal", "equal", "axis of symmetry"),
+    ),
+    "prolate": (
+        "A prolate symmetric top, like a rod: its two larger moments are equal.",
+        ("axis of symmetry", "equal", "equal"),
+    ),
+    "spherical": (
+        "A spherical top: its three moments are equal, and every axis is a principal one.",
+        ("equal", "equal", "equal"),
+    ),
+}
+"""Kinds of bodies: a sentence, and the principal axes in words, in ascending order of their moments."""
+_FLAT: Final = "It is flat: the largest moment is the sum of the others, as if all mass lay in one plane."
+_REGIMES: Final = {
+    "rest": "The body is at rest, and stays so in any attitude.",
+    "steady": "A steady rotation about {axis}. {stability}",
+    "separatrix": "Exactly on the separatrix, between circling axis 1 and circling axis 3: the body rate tends to "
+    "axis 2 (intermediate) and never returns. The least disturbance makes it a periodic motion.",
+    "circling": "In the body, the body rate and the momentum circle {axis}, {path}.",
+}
+_SPINS: Final = {
+    "stable": (
+        "It is stable: a small disturbance stays small.",
+        "a small disturbance circles the axis, once in {wobble}",
+    ),
+    "unstable": (
+        "It is unstable: the least disturbance grows until the body turns over, again and again.",
+        "a small disturbance grows as exp({spin.growth_rate_1_s:.6g} t), tenfold in {tenfold}",
+    ),
+    "neutral": (
+        "It is neutral: a small disturbance makes another motion, which drifts away steadily if at all.",
+        "a small disturbance makes it drift steadily",
+    ),
+    "spherical": ("", "a disturbed spin is steady too"),
+}
+"""Stabilities of spins: a sentence on the motion, and what becomes of a spin that is disturbed."""
+_MOTION: Final = (
+    ("any", "kinetic energy", "{d.kinetic_energy_j:.6g} J"),
+    ("any", "angular momentum", "{d.angular_momentum_kg_m2_s:.6g} kg m²/s"),
+    ("any", "  in the world frame", "{momentum} kg m²/s"),
+    ("steady", "one turn", "{d.steady.turn_s:.6g} s"),
+    ("circling", "distance from the separatrix", "1 - m = {c.separatrix_distance:.6g}"),
+    ("separatrix", "period of the body rate", "infinite"),
+    ("separatrix", "turn about the momentum", "tends to {c.precession_rate_rad_s:.6g} rad/s"),
+    ("last flip", "Dzhanibekov flips", "one, {c.flips.first_s:.6g} s after the start"),
+    ("no flip", "Dzhanibekov flips", "none any more"),
+    ("periodic", "period of the body rate", "{c.period_s:.6g} s"),
+    ("symmetric", "  circling {axis}", "at {d.symmetric_top.body_precession_rate_rad_s:.6g} rad/s"),
+    ("periodic", "mean precession", "{c.precession_rate_rad_s:.6g} rad/s: {axis} circles the momentum once in {turn}"),
+    ("nutating", "  tilt of {axis}", "swings between {lowest} and {highest} (angle to the momentum)"),
+    ("regular", "  tilt of {axis}", "{lowest}, always: no nutation (angle to the momentum)"),
+    (
+        "periodic",
+        "  advance per period",
+        "{c.advance_per_period_rad:.6g} rad, {turns:.6g} turns about the momentum",
+    ),
+    ("symmetric", "  tilt of the body rate", "{to_axis} from {axis}, {to_momentum} from the momentum, always"),
+    (
+        "sudden",
+        "Dzhanibekov flips",
+        "every {c.flips.interval_s:.6g} s, the first {c.flips.first_s:.6g} s after the start",
+    ),
+    ("sudden", "  between flips", "the momentum comes within {nearest} of axis 2"),
+    (
+        "slow",
+        "axis 2 turns over",
+        "every {c.flips.interval_s:.6g} s, the first {c.flips.first_s:.6g} s after the start",
+    ),
+    ("slow", "  not suddenly", "the momentum comes within {nearest} of axis 2, and does not linger there"),
+)
+"""Quantities of motions: the case in which each is told, its name and its value."""
+_WHY: Final = {
+    "time": "No torque does work on the body: the Lagrangian does not depend on time.",
+    "space": "Space has no preferred direction: a motion turned as a whole, about any fixed axis, is again a motion. "
+    "Seen from the body the momentum moves, but keeps its size.",
+    "sphere": "The inertia is the same about every axis, so turning the body within itself changes nothing.",
+    "axis": "The inertia stays as it is when the body is turned within itself about this axis.",
+    "no axis": "No symmetry conserves a component of the momentum in the body: about every axis, turning the body "
+    "within itself changes the inertia.",
+}
+"""Symmetries by which something is conserved, or nothing is."""
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+@console.verb(
+    "Tell what the mathematics says about a scenario, without running it.",
+    console.argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
+    console.argument("--json", action="store_true", help="print it for programs; infinite and absent numbers are null"),
+    scenario=True,
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = _parser().parse_args(argv)
-
-    from lie_rigid_body.cli import explanation_text
     from lie_rigid_body.motion.description import describe
+    from lie_rigid_body.report.drawing import answer
+    from lie_rigid_body.scenario.parameter_file import scenario_files
 
     if given.name is not None and given.scenario is not None:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
-    given.scenario = given.scenario or given.name
+    name = given.scenario = given.scenario or given.name
     scenario = console.scenario(given)
     description = describe(scenario.body(), scenario.start())
-    if given.json:
-        facts = explanation_text.as_json(scenario, description)
-        console.say(json.dumps(facts, indent=2, allow_nan=False))
-    else:
-        console.say(explanation_text.as_text(scenario, description, _title(given)))
+    is_whole = name and not (given.params_file or given.assignments)  # files and assignments make another of it
+    title = f"{name}: {describe_file(scenario_files()[name])}" if is_whole else ""
+    answer(given, {}, lambda: _as_text(scenario, description, title), lambda: _as_json(scenario, description))
     return console.SUCCESS
 
 
-def _title(given: argparse.Namespace) -> str:
-    """Scenario name and summary; empty if files or assignments override it."""
-    if given.scenario is None or given.params_file or given.assignments:
-        return ""
+def _as_text(scenario: Scenario, description: Description, title: str = "") -> str:
+    """Lines of the description for a terminal.
 
-    from lie_rigid_body.scenario.parameter_file import scenario_files
+    Parameters
+    ----------
+    scenario : Scenario
+    description : Description
+        Of its motion.
+    title : str, optional
+        The first line.
 
-    return f"{given.scenario}: {describe_file(scenario_files()[given.scenario])}"
+    Returns
+    -------
+    str
+        Without a final newline.
+    """
+    spins = "1 rad/s" if description.regime == "rest" else "this angular momentum"
+    sections = {
+        "Body, with its principal axes in the body frame": _body_lines(description),
+        "Motion": [*_wrapped(_regime(description)), *_columns(_motion_rows(description))],
+        f"Spinning about each principal axis with {spins}": _columns(_spin_rows(description)),
+        "Conserved": _conservation_lines(description),
+    }
+    if scenario.has_sensors:
+        sections[f"Sensors, of the grade {scenario.sensor_grade}"] = _columns(_sensor_rows(scenario))
+    inertia, rate = _vector(scenario.inertia), _vector(scenario.initial_body_rate)
+    lines = [*filter(None, [title]), f"inertia {inertia} kg m², initial body rate {rate} rad/s"]
+    for heading, content in sections.items():
+        lines += ["", heading, *(f"  {line}" for line in content)]
+    return "\n".join(lines)
 
 
-def _parser() -> console.Parser:
-    parser = console.Parser(
-        "explain",
-        "Tell what the mathematics says about a scenario, without running it.",
-        console.argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
-        console.argument(
-            "--json", action="store_true", help="print it for programs; infinite and absent numbers are null"
-        ),
-    )
-    return console.add_scenario_arguments(parser)
+def _as_json(scenario: Scenario, description: Description) -> dict[str, object]:
+    """Data of the description for JSON; a number that there is not is infinite or NaN."""
+    return {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)}
+
+
+def _body_lines(description: Description) -> list[str]:
+    axes = [
+        (_axis_name(description, i), f"{axis.moment_kg_m2:.6g} kg m²", f"along {_vector(axis.direction)}")
+        for i, axis in enumerate(description.axes)
+    ]
+    return [_TOPS[description.kind][0], *([_FLAT] if description.flat else []), *_columns(axes)]
+
+
+def _regime(description: Description) -> str:
+    """Regime of the motion, in sentences."""
+    if steady := description.steady:
+        first, *others = steady.principal
+        axis = f"{_vector(steady.axis)} in the body" if others else _axis_name(description, first)
+        return _REGIMES["steady"].format(axis=axis, stability=_SPINS[description.axes[first].spin.verdict][0])
+    axis = _axis_name(description, _circled(description))
+    path = "on a circle, at a constant rate" if "symmetry" in axis else "on a closed curve"
+    return _REGIMES.get(description.regime, _REGIMES["circling"]).format(axis=axis, path=path)
+
+
+def _circled(description: Description) -> int:
+    """Index of the principal axis that the momentum circles in the body, if it does."""
+    return 0 if description.regime == "about_smallest" else 2
+
+
+def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
+    """Quantities of the motion by name: the rows of `_MOTION` that its cases have."""
+    cases = {"any", "steady" if description.steady else "circling" if description.circulation else "rest"}
+    values: dict[str, object] = {"momentum": _vector(description.world_momentum_kg_m2_s)}
+    if circulation := description.circulation:
+        lowest, highest = _degrees(circulation.tilt_min_rad), _degrees(circulation.tilt_max_rad)
+        values |= {
+            "axis": f"axis {_circled(description) + 1}",
+            "turn": _period(circulation.precession_rate_rad_s),
+            "turns": circulation.advance_per_period_rad / math.tau,
+            "lowest": lowest,
+            "highest": highest,
+        }
+        endless = description.regime == "separatrix"
+        cases |= {"separatrix"} if endless else {"periodic", "regular" if lowest == highest else "nutating"}
+        if flips := circulation.flips:
+            values["nearest"] = _degrees(flips.nearest_angle_rad)
+            returns = "sudden" if flips.sudden else "slow"
+            cases.add(returns if not endless else "last flip" if math.isfinite(flips.first_s) else "no flip")
+        if top := description.symmetric_top:
+            cases.add("symmetric")
+            values |= {"to_axis": _degrees(top.rate_to_axis_rad), "to_momentum": _degrees(top.rate_to_momentum_rad)}
+    for case, name, value in _MOTION:
+        if case in cases:
+            yield name.format(**values), value.format(d=description, c=circulation, **values)
+
+
+def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
+    """Spins about the principal axes, and what becomes of each when it is disturbed."""
+    for i, axis in enumerate(description.axes, 1):
+        spin = axis.spin
+        tenfold = f"{math.log(10.0) / spin.growth_rate_1_s:.6g} s" if spin.growth_rate_1_s else "no finite time"
+        _, sentence = _SPINS["spherical" if description.kind == "spherical" else spin.verdict]
+        disturbed = sentence.format(spin=spin, tenfold=tenfold, wobble=_period(spin.wobble_rate_rad_s))
+        yield f"axis {i}", f"{spin.spin_rate_rad_s:.6g} rad/s", spin.verdict, disturbed
+
+
+def _conserved(description: Description) -> list[dict[str, Any]]:
+    """Quantities that the symmetries of the motion conserve, each with its values, their unit, and the reason."""
+    body, along = "angular momentum in the body", description.conserved_body_momenta
+    found: dict[str, tuple[tuple[float, ...], str, str]] = {
+        "kinetic energy": ((description.kinetic_energy_j,), "J", "time"),
+        "angular momentum in the world, all components": (description.world_momentum_kg_m2_s, "kg m²/s", "space"),
+    }
+    if along:
+        is_sphere = description.kind == "spherical"
+        name = f"{body}, all components" if is_sphere else f"{body} along {_vector(along[0].direction)}"
+        values = tuple(component.momentum_kg_m2_s for component in along)
+        found[name] = (values, "kg m²/s", "sphere" if is_sphere else "axis")
+    return [
+        {"quantity": name, "values": values, "unit": unit, "why": _WHY[symmetry]}
+        for name, (values, unit, symmetry) in found.items()
+    ]
+
+
+def _conservation_lines(description: Description) -> Iterator[str]:
+    """Conserved quantities, each with the reason below it."""
+    for fact in _conserved(description):
+        values = fact["values"]
+        yield f"{fact['quantity']}: {f'{values[0]:.6g}' if len(values) == 1 else _vector(values)} {fact['unit']}"
+        yield from _wrapped(fact["why"], indent="  ")
+    if not description.conserved_body_momenta:
+        yield from _wrapped(_WHY["no axis"])
+
+
+def _sensor_rows(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
+    from lie_rigid_body.sensors import GRADE, SENSORS
+
+    off = {name for sensor in SENSORS.values() if sensor.name not in scenario.sensors.on for name in sensor.names}
+    for name, value in scenario.sensor_parameters:
+        if name != GRADE and value != SENSORS.parameters[name].default and name not in off:
+            yield name, _value(value)
+
+
+def _value(value: Value) -> str:
+    """A parameter as it is written, its numbers to six digits: enough to recognise them elsewhere."""
+    if isinstance(value, bool | str):
+        return str(value).lower() if isinstance(value, bool) else value
+    return _vector(cast(Vector, value)) if isinstance(value, tuple) else f"{value:.6g}"
+
+
+def _degrees(angle_rad: float) -> str:
+    """An angle in degrees, to three digits."""
+    return f"{math.degrees(angle_rad):.3g}°"
+
+
+def _period(rate_rad_s: float) -> str:
+    """The time of one turn at an angular rate."""
+    return f"{math.tau / rate_rad_s:.6g} s" if rate_rad_s else "no finite time"
+
+
+def _vector(values: Sequence[float]) -> str:
+    """Numbers in brackets."""
+    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
+
+
+def _axis_name(description: Description, index: int) -> str:
+    """A principal axis by its number and in words."""
+    return f"axis {index + 1} ({_TOPS[description.kind][1][index]})"
+
+
+def _wrapped(sentences: str, indent: str = "") -> list[str]:
+    """Sentences broken into lines for a terminal."""
+    return textwrap.wrap(sentences, _WIDTH, initial_indent=indent, subsequent_indent=indent)
+
+
+def _columns(rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    """Rows of cells as lines of aligned columns."""
+    table = list(rows)
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    for row in table:
+        yield "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

@@ -2,74 +2,65 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator, name_of
+from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
+from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+@console.verb(
+    "Run an attitude filter over the cases of the league, or print its table.",
+    *ESTIMATOR,
+    console.argument(
+        "--with",
+        metavar="ROWS.json",
+        dest="others",
+        type=console.path,
+        action="append",
+        default=[],
+        help="rows of other filters, as --json writes them; may be repeated",
+    ),
+    console.argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
+    console.argument("--report", metavar="OUT.html", type=console.path, help="write the table as one page"),
+    console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
+    console.argument("--workers", metavar="N", type=int, help="processes; one per core if absent"),
+    console.argument(
+        "--timeout",
+        metavar="SECONDS",
+        type=float,
+        default=TIMEOUT_S,
+        help="longest time of a case (default: %(default)g)",
+    ),
+    epilog="Exit status: 0, or 2 when the filter gives no estimate.",
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = _parser().parse_args(argv)
-    console.require_suffix("--report", given.report, ".html")
-
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
-    from lie_rigid_body.recording.output_file import require_room
-    from lie_rigid_body.report.drawing import answer
-    from lie_rigid_body.report.league import as_text, page
-    from lie_rigid_body.runs.workers import source_of
+    from lie_rigid_body.report.drawing import answer, require_page
+    from lie_rigid_body.report.league import lines, page
+    from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
-    if given.report is not None:
-        require_room(given.report, given.others, overwrite=given.force)
+    require_page(given, given.others)
     own = [row for path in given.others for row in rows_of(path)]
-    estimate = given_estimator(given)
+    name, estimate = given_estimator(given)
     if estimate is not None:
         source = source_of(estimate)
         assert source is not None  # it is no function
         source.load()
-        workers, name = given.workers or cores(), name_of(given)
         with console.progress(total=len(CASES), desc="league", unit=" cases") as bar:
-            row = play(name, source, workers=workers, timeout_s=given.timeout, progress=bar.update)
-        own.insert(0, row)
+            own.insert(
+                0, play(name, source, workers=given.workers or cores(), timeout_s=given.timeout, progress=bar.update)
+            )
     table = reference().with_rows(own)
-    rows = [row.to_json() for row in (own[:1] if estimate else table.rows)]
-    json_text = json.dumps({"edition": EDITION, "rows": rows}, indent=2, ensure_ascii=False)
-    files = {} if given.report is None else {given.report: page(table, own)}
-    answer(json_text if given.json else as_text(table, own), files, overwrite=given.force, named=not given.json)
-    return console.SUCCESS
-
-
-def _parser() -> console.Parser:
-    from lie_rigid_body.diagnosis.examination import TIMEOUT_S
-
-    return console.Parser(
-        "league",
-        "Run an attitude filter over the cases of the league, or print its table.",
-        *ESTIMATOR,
-        console.argument(
-            "--with",
-            metavar="ROWS.json",
-            dest="others",
-            type=console.path,
-            action="append",
-            default=[],
-            help="rows of other filters, as --json writes them; may be repeated",
-        ),
-        console.argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
-        console.argument("--report", metavar="OUT.html", type=console.path, help="write the table as one page"),
-        console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
-        console.argument("--workers", metavar="N", type=int, help="processes; one per core if absent"),
-        console.argument(
-            "--timeout",
-            metavar="SECONDS",
-            type=float,
-            default=TIMEOUT_S,
-            help="longest time of a case (default: %(default)g)",
-        ),
-        epilog="Exit status: 0, or 2 when the filter gives no estimate.",
+    rows = own[:1] if estimate else table.rows
+    answer(
+        given,
+        {given.report: lambda: page(table, own)},
+        lambda: "\n".join(lines(table, own)),
+        lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
     )
+    return console.SUCCESS

@@ -2,61 +2,48 @@
 
 from __future__ import annotations
 
+import argparse
 import os
-from collections.abc import Sequence
 from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
-from lie_rigid_body.recording.output_file import require_room, write_file
-from lie_rigid_body.wording import printable
+from lie_rigid_body.recording.output_file import require_room
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+@console.verb(
+    "Draw body rate, drifts and polhode of a bag into one PNG.",
+    console.argument(
+        "bag", metavar="BAG", type=console.path, help="an MCAP file, or a folder that 'ros2 bag record' made"
+    ),
+    console.TOPIC,
+    console.argument(
+        "-o",
+        "--out",
+        metavar="OUT.png",
+        type=console.path,
+        help="by default BAG's name with .png",
+    ),
+    console.argument("--force", action="store_true", help="replace OUT.png if it exists"),
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = _parser().parse_args(argv)
-    if given.out is None:
-        given.out = str(Path(given.bag).with_suffix(".png"))
-    console.require_suffix("-o", given.out, ".png")
+    out = given.out or str(Path(given.bag).with_suffix(".png"))
+    console.require_suffix("-o", out, ".png")
 
     from lie_rigid_body.recording.bag_files import files_of
     from lie_rigid_body.recording.bodies import topic_types
 
     topics = console.topic_names(given.topic, topic_types())
-    require_room(given.out, files_of(given.bag), overwrite=given.force)
-
-    import numpy as np
+    require_room(out, files_of(given.bag), overwrite=given.force)
 
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.recording.samples import thinned_segments
-    from lie_rigid_body.report.drawing import png
+    from lie_rigid_body.report.drawing import answer, png
     from lie_rigid_body.report.recording_picture import draw
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
-    with np.errstate(all="ignore"):  # recorded numbers may be anything
-        picture = png(draw(pieces))
-    write_file(given.out, picture, overwrite=given.force)
-    console.say(f"wrote {printable(given.out)}", done=f"{given.out} is written")
+    answer(given, {out: lambda: png(draw(pieces))})
     return console.SUCCESS
-
-
-def _parser() -> console.Parser:
-    return console.Parser(
-        "plot",
-        "Draw body rate, drifts and polhode of a bag into one PNG.",
-        console.argument(
-            "bag", metavar="BAG", type=console.path, help="an MCAP file, or a folder that 'ros2 bag record' made"
-        ),
-        console.TOPIC,
-        console.argument(
-            "-o",
-            "--out",
-            metavar="OUT.png",
-            type=console.path,
-            help="by default BAG's name with .png",
-        ),
-        console.argument("--force", action="store_true", help="replace OUT.png if it exists"),
-    )

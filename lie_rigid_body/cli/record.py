@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import shutil
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.wording import counted, printable
-
-if TYPE_CHECKING:
-    from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.simulation import Simulation
 
 _COMPRESSIONS: Final = {"zstd": ("zstd", 105, 145), "lz4": ("lz4", 130, 160), "none": ("", 260, 750)}
 """Compressions by their names for users: the name in MCAP files, and how many bytes a sample and a reading take.
@@ -28,10 +24,27 @@ _LARGEST_CHUNK: Final = 16 * 1024**2
 """Largest number of bytes of a chunk, uncompressed."""
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+@console.verb(
+    "Write a bag of a scenario, without ROS.",
+    console.argument("out", metavar="OUT.mcap", type=console.path, help="the file to write"),
+    console.argument(
+        "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
+    ),
+    console.argument(
+        "--compression", choices=_COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
+    ),
+    console.argument(
+        "--chunk-size",
+        metavar="BYTES",
+        default=str(512 * 1024),
+        help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
+    ),
+    console.argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole"),
+    console.argument("--quiet", action="store_true", help="print errors only"),
+    scenario=True,
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = _parser().parse_args(argv)
     duration = exact_duration(given.duration, "--duration", "--duration 60", is_text=True)
     chunk_size = _chunk_size(given.chunk_size)
 
@@ -45,52 +58,40 @@ def main(argv: Sequence[str] | None = None) -> int:
     scenario = console.scenario(given)
     if scenario.without_effect and not given.quiet:
         console.complain(console.program("record"), scenario.without_effect, "warning")
-    simulation = Simulation(scenario)
-    count = simulation.clock.count_before(duration)
-    last_ns = simulation.clock.last_ns_before(duration)
-    out = Path(given.out)
+    simulation, out = Simulation(scenario), Path(given.out)
+    clock = simulation.clock
+    count, last_ns = clock.count_before(duration), clock.last_ns_before(duration)
     simulation.require_stamps(last_ns)  # before a file is made
     compression, per_sample, per_reading = _COMPRESSIONS[given.compression]
     readings = sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
     _require_room(out, count, count * per_sample + readings * per_reading)
     with Interruption.current().noted() as interruption:
-        with BagWriter(
-            out,
-            stamped_twist=scenario.stamped_twist,
-            overwrite=given.force,
-            compression=compression,
-            chunk_size=chunk_size,
-        ) as bag:
-            bar = console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=given.quiet)
-            with bar, suppress(KeyboardInterrupt):
-                for written in write_run(bag, simulation, last_ns, interruption.allowed):
-                    bar.update(written)
-        return _report(bag, simulation, count, interruption, quiet=given.quiet)
-
-
-def _parser() -> console.Parser:
-    parser = console.Parser(
-        "record",
-        "Write a bag of a scenario, without ROS.",
-        console.argument("out", metavar="OUT.mcap", type=console.path, help="the file to write"),
-        console.argument(
-            "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
-        ),
-        console.argument(
-            "--compression", choices=_COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
-        ),
-        console.argument(
-            "--chunk-size",
-            metavar="BYTES",
-            default=str(512 * 1024),
-            help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
-        ),
-        console.argument(
-            "--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole"
-        ),
-        console.argument("--quiet", action="store_true", help="print errors only"),
-    )
-    return console.add_scenario_arguments(parser)
+        with (
+            BagWriter(
+                out,
+                stamped_twist=scenario.stamped_twist,
+                overwrite=given.force,
+                compression=compression,
+                chunk_size=chunk_size,
+            ) as bag,
+            console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=given.quiet) as bar,
+            suppress(KeyboardInterrupt),
+        ):
+            for written in write_run(bag, simulation, last_ns, interruption.allowed):
+                bar.update(written)
+        done, size = bag.sample_count, console.size(os.path.getsize(bag.path))
+        if done < count and interruption.requested:
+            told = f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
+            console.complain(console.program("record"), told)
+            return console.INTERRUPTED
+        if not given.quiet:
+            first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))
+            console.say(
+                f"{counted(done, 'sample')}, stamps {first} to {last} s, in {printable(str(bag.path))} ({size})\n"
+                f"{console.how_to_certify(bag.path)}",
+                done=f"{bag.path} is written and whole",
+            )
+        return console.SUCCESS
 
 
 def _chunk_size(text: str) -> int:
@@ -112,22 +113,3 @@ def _require_room(out: Path, count: int, needed: int) -> None:
             f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
             "record a shorter time, a lower rate, or elsewhere"
         )
-
-
-def _report(bag: BagWriter, simulation: Simulation, count: int, interruption: Interruption, *, quiet: bool) -> int:
-    done = bag.sample_count
-    size = console.size(os.path.getsize(bag.path))
-    if done < count and interruption.requested:
-        console.complain(
-            console.program("record"), f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
-        )
-        return console.INTERRUPTED
-    if not quiet:
-        clock = simulation.clock
-        first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))
-        console.say(
-            f"{counted(done, 'sample')}, stamps {first} to {last} s, in {printable(str(bag.path))} ({size})\n"
-            f"{console.how_to_certify(bag.path)}",
-            done=f"{bag.path} is written and whole",
-        )
-    return console.SUCCESS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,97 +15,75 @@ if TYPE_CHECKING:
     from lie_rigid_body.recording.recovery import Recovery
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+@console.verb(
+    "Write every whole message of a bag that was cut off into a new one.",
+    console.argument(
+        "broken",
+        metavar="BROKEN",
+        type=console.path,
+        help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
+    ),
+    console.argument(
+        "-o",
+        "--out",
+        metavar="FIXED",
+        type=console.path,
+        required=True,
+        help="the file to write, or the folder to make",
+    ),
+    console.argument(
+        "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
+    ),
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    given = _parser().parse_args(argv)
-
     from lie_rigid_body.recording.recovery import Recovery, recover, recover_folder
 
     broken, out = Path(given.broken), Path(given.out)
-    if broken.is_dir():
-        found = recover_folder(broken, out)
-        wrong = [printable(str(each)) for each in found.values() if not isinstance(each, Recovery)]
-    else:
-        found, wrong = {broken: recover(broken, out, overwrite=given.force)}, []
+    is_folder = broken.is_dir()
+    found = recover_folder(broken, out) if is_folder else {broken: recover(broken, out, overwrite=given.force)}
     parts = {path: each for path, each in found.items() if isinstance(each, Recovery)}
-    wrong = [text for path, each in parts.items() if (text := _what_was_wrong(path, each))] + wrong
-    console.say(
-        "\n".join(
-            [
-                _how_much(given.out, [*parts.values()]),
-                *(wrong or [f"{printable(given.broken)} was whole"]),
-                *_what_next(given),
-            ]
-        ),
-        done=f"{given.out} is written and whole",
-    )
+    wrong = [text for path, each in parts.items() if (text := _what_was_wrong(path, each))]
+    wrong += [printable(str(each)) for each in found.values() if not isinstance(each, Recovery)]
+    lines = [
+        _how_much(out, [*parts.values()]),
+        *(wrong or [f"{printable(given.broken)} was whole"]),
+        *_what_next(given, is_folder),
+    ]
+    console.say("\n".join(lines), done=f"{given.out} is written and whole")
     return console.SUCCESS
 
 
-def _parser() -> console.Parser:
-    return console.Parser(
-        "recover",
-        "Write every whole message of a bag that was cut off into a new one.",
-        console.argument(
-            "broken",
-            metavar="BROKEN",
-            type=console.path,
-            help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
-        ),
-        console.argument(
-            "-o",
-            "--out",
-            metavar="FIXED",
-            type=console.path,
-            required=True,
-            help="the file to write, or the folder to make",
-        ),
-        console.argument(
-            "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
-        ),
-    )
-
-
-def _how_much(out: str, parts: Sequence[Recovery]) -> str:
-    path = Path(out)
-    files = [path] if path.is_file() else [*path.iterdir()]
+def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
+    files = [out] if out.is_file() else [*out.iterdir()]
     times_ns = [time for part in parts for time in part.log_times_ns]
     first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
-    messages = counted(sum(part.messages for part in parts), "message")
-    topics = counted(max(part.topics for part in parts), "topic")
-    where = f"{printable(out)} ({console.size(sum(map(os.path.getsize, files)))})"
-    return f"{messages} on {topics}, stamps {first} to {last} s, in {where}"
+    messages, topics = sum(part.messages for part in parts), max(part.topics for part in parts)
+    where = f"{printable(str(out))} ({console.size(sum(map(os.path.getsize, files)))})"
+    return f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in {where}"
 
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     """Sentence about what was wrong with a file; empty if it was whole."""
-    found = []
-    if recovery.broken_at is not None:
-        gave = counted(recovery.of_the_last, "message")
-        is_between = recovery.broken_at == broken.stat().st_size
-        where = (
-            "behind a whole record" if is_between else f"in the record at byte {recovery.broken_at}, which gave {gave}"
-        )
-        found.append(f"breaks off {where}")
-    if recovery.damaged:
-        damaged = counted(len(recovery.damaged), "damaged record")
-        found.append(f"has {damaged}, left out, the first at byte {recovery.damaged[0]}")
-    if recovery.rewritten:
-        chunks = counted(len(recovery.rewritten), "chunk")
-        found.append(f"has {chunks} of more than one compressed frame, written anew, at byte {recovery.rewritten[0]}")
+    at, damaged, rewritten, found = recovery.broken_at, recovery.damaged, recovery.rewritten, []
+    if at is not None:
+        gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
+        found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
+    if damaged:
+        found.append(f"has {counted(len(damaged), 'damaged record')}, left out, the first at byte {damaged[0]}")
+    if rewritten:
+        chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
+        found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
     return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 
-def _what_next(given: argparse.Namespace) -> list[str]:
+def _what_next(given: argparse.Namespace, is_folder: bool) -> Iterator[str]:
     from lie_rigid_body.recording.bag_files import whole_of
 
-    if os.path.isdir(given.broken):
-        return [
-            console.how_to_certify(given.out),
-            f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {console.quoted(given.out)}",
-        ]
-    whole = whole_of(Path(given.broken))
-    if whole is not None:
-        return [f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"]
-    return [console.how_to_certify(given.out)]
+    whole = None if is_folder else whole_of(Path(given.broken))
+    if whole is None:
+        yield console.how_to_certify(given.out)
+    else:
+        yield f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"
+    if is_folder:
+        yield f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {console.quoted(given.out)}"

@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+import argparse
 from pathlib import Path
 from typing import Any
 
 from lie_rigid_body import console
 
 
-@console.run
-def main(argv: Sequence[str] | None = None) -> int:
+@console.verb(
+    "List the scenarios that come with the package, for --scenario NAME.",
+    console.argument("--json", action="store_true", help="print them for programs, with all parameters"),
+)
+def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    parser = console.Parser(
-        "scenarios",
-        "List the scenarios that come with the package, for --scenario NAME.",
-        console.argument("--json", action="store_true", help="print them for programs, with all parameters"),
-    )
-    given = parser.parse_args(argv)
-
-    from lie_rigid_body.scenario.parameter_file import scenario_files
-
-    entries = [_entry(name, path) for name, path in scenario_files().items()]
-    console.say(json.dumps(entries, indent=2) if given.json else "\n".join(_paragraph(entry) for entry in entries))
-    return console.SUCCESS
-
-
-def _entry(name: str, path: Path) -> dict[str, Any]:
+    from lie_rigid_body.report.drawing import answer
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.scenario.parameter_file import read_parameter_file
+    from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 
-    scenario = Scenario.from_parameters(read_parameter_file(path))
-    return {"name": name, "description": describe(path), "file": str(path), **scenario.parameters()}
+    entries: list[dict[str, Any]] = []
+    for name, path in scenario_files().items():
+        scenario = Scenario.from_parameters(read_parameter_file(path))
+        entries.append({"name": name, "description": describe(path), "file": str(path), **scenario.parameters()})
+    answer(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
+    return console.SUCCESS
 
 
 def describe(path: Path) -> str:

@@ -17,8 +17,7 @@ from lie_rigid_body.evaluation.causes import Part, Track, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.estimators import Estimator
-from lie_rigid_body.runs.workers import called
+from lie_rigid_body.runs.estimators import Estimator, called
 from lie_rigid_body.wording import short_repr
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}

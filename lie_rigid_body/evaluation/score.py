@@ -207,7 +207,7 @@ class Score(Shown):
 
     def plot(self, title: str = "attitude estimate") -> Figure:
         """Figure of Matplotlib: the errors over time, with the limits and the best that the noise allows."""
-        figure: Figure = report("score_picture").draw(title, self)
+        figure: Figure = report("scores").draw(title, self)
         return figure
 
     def to_dataframe(self) -> DataFrame:

@@ -47,7 +47,7 @@ FEWEST_BLOCKS: Final = 5
 """Least number of blocks of a run."""
 MOST_BLOCKS: Final = 500
 """Largest number of blocks of a run: more tell hardly more of the spread."""
-_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
+_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*", re.ASCII)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from lie_rigid_body.bounded_input import LARGEST_METADATA, as_path, load_yaml, r
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
-from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted
+from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.recording.sqlite_reader import SUFFIX, read_database
@@ -28,13 +28,11 @@ SUFFIXES: Final = (".mcap", SUFFIX)
 
 _TOLERANCE_NS: Final = NS
 """A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
+_PER_MESSAGE: Final = 100
+"""Memory that a message takes beside its content, about, bytes."""
 _KEPT_AT_LEAST: Final = 64 * 2**20
 _KEPT_PER_BYTE: Final = 200
 """Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
-
-
-def unheard(count: int) -> None:
-    """Take no notice of progress."""
 
 
 class BagFiles:
@@ -70,24 +68,23 @@ class BagFiles:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
     def contents(self, wanted: Wanted) -> McapContents:
-        """Read all files, and count their messages; those that are wanted are kept in the tracks.
+        """Read all files, and count their messages; those that are wanted are kept.
 
         Raises
         ------
         BagError
             If a file is no bag, cut off or damaged, or the folder's metadata do not fit it.
         """
-        contents = McapContents()
+        contents = McapContents(wanted)
         for file in self.files:
-            read = read_database if file.suffix == SUFFIX else read_file
-            before = kept = 0
-            for position, found in read(file, contents, wanted):
-                kept += contents.keep(found)
+            kept = 0
+            for size, found in (read_database if file.suffix == SUFFIX else read_file)(file, contents):
+                contents.kept.append(found)
+                kept += sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
                 if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * file.stat().st_size):
                     what = f"messages of {kept} bytes in a file of {file.stat().st_size}"
                     raise BagError(f"{file} has {what}, more than is read: record it again")
-                self.progress(position - before)
-                before = position
+                self.progress(size)
         if self._information is not None:
             _hold_metadata(self._metadata, self._information, contents)
         return contents

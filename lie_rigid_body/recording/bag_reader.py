@@ -13,8 +13,8 @@ from typing import Any, Final
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
-from lie_rigid_body.messages.definitions import STRING, TWIST_STAMPED, has_fields_of
-from lie_rigid_body.recording.bag_files import BagFiles, unheard
+from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of
+from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
@@ -26,6 +26,7 @@ from lie_rigid_body.recording.mcap_contents import (
     TrackKey,
     nothing,
     of_types,
+    unheard,
 )
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, UNNAMED
 from lie_rigid_body.recording.topic_messages import (
@@ -189,7 +190,7 @@ class Bag(BagFacts):
     ) -> None:
         files = BagFiles(path, progress)
         contents = files.contents(of_types({*TRUE_TYPES, *SENSORS.topics.values()}) if in_memory else nothing)
-        self._take(files, contents, the_body(files.path, contents, topics), in_memory=in_memory)
+        self._take(files, contents, the_body(files.path, contents, topics))
 
     @classmethod
     def all_of(
@@ -219,7 +220,7 @@ class Bag(BagFacts):
             bags[name] = bag
         return bags
 
-    def _take(self, files: BagFiles, contents: McapContents, body: Body, *, in_memory: bool = False) -> None:
+    def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
         if body.fault:
             raise BagError(body.fault)
         self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
@@ -243,9 +244,6 @@ class Bag(BagFacts):
             sensors={name: track for name, track in body.tracks.items() if name not in TRUTH},
             name=str(files.path),
         )
-        self._kept: list[Found] | None = None
-        if in_memory:
-            self._kept = [{track.key: track.take() for track in body.tracks.values() if track.message_type != STRING}]
 
     def batches(
         self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None
@@ -279,9 +277,8 @@ class Bag(BagFacts):
     def _some(self, keys: Collection[TrackKey]) -> Iterator[Found]:
         """Messages of some tracks, as many as a batch has."""
         waiting: dict[TrackKey, list[RawMessages]] = {key: [] for key in keys}
-        parts = self._contents.read(keys, self._progress) if self._kept is None else iter(self._kept)
         count, end = 0, Found()
-        for found in itertools.chain(parts, [end]):
+        for found in itertools.chain(self._contents.read(keys, self._progress), [end]):
             for key in found.keys() & waiting.keys():
                 waiting[key].append(found[key])
                 count += len(found[key])

@@ -13,7 +13,7 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
-from lie_rigid_body.recording.bag_files import missing_beside, unheard, whole_of
+from lie_rigid_body.recording.bag_files import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, TrackKey
 from lie_rigid_body.recording.topic_messages import texts
 from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
@@ -107,7 +107,7 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> B
 
 def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tuple[int, str]]:
     """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
-    return texts(path, track.topic, (found[track.key] for found in contents.read([track.key], unheard)))
+    return texts(path, track.topic, (part[track.key] for part in contents.read([track.key]) if track.key in part))
 
 
 def telling_of_bodies(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> set[TrackKey]:
@@ -116,7 +116,7 @@ def telling_of_bodies(path: Path, contents: McapContents, tracks: Iterable[RawTr
     They are found in one pass: there may be ten thousands.
     """
     waiting, found = {track.key: track for track in tracks}, set[TrackKey]()
-    for part in contents.read(waiting.keys(), unheard):  # which are fewer from part to part
+    for part in contents.read(waiting.keys()):  # which are fewer from part to part
         for key in part.keys() & waiting.keys():
             track = waiting.pop(key)
             try:

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Container, Iterator, Sequence
+from collections.abc import Callable, Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Integers, windows
 from lie_rigid_body.wording import short_repr
 
+_NONE: Final = np.empty(0, dtype=np.int64)
 TrackKey: TypeAlias = tuple[str, str]
 """Topic and message type."""
 Wanted: TypeAlias = Callable[[str, str], bool]
-"""Whether the messages of a topic, by its name and message type, are read."""
+"""Whether the messages of a topic, by its name and message type, are kept when a bag is read first."""
 Progress: TypeAlias = Callable[[int], object]
 """Takes notice of how many bytes more were read."""
-
-_PER_MESSAGE: Final = 100
-"""Memory that a message takes beside its content, about, bytes."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +54,12 @@ class RawMessages:
         return cls(memoryview(b"".join(data for _, data in found)), sizes, times)
 
     @classmethod
-    def joined(cls, parts: Sequence[RawMessages]) -> RawMessages:
+    def joined(cls, parts: Iterable[RawMessages]) -> RawMessages:
         """Messages that follow each other as one."""
-        if len(parts) == 1:
-            return parts[0]
-        none = np.empty(0, dtype=np.int64)
-        sizes, times = ([none, *(getattr(part, name) for part in parts)] for name in ("sizes", "log_times_ns"))
-        return cls(memoryview(b"".join(part.data for part in parts)), np.concatenate(sizes), np.concatenate(times))
+        parts = list(parts)
+        sizes = np.concatenate([_NONE, *(part.sizes for part in parts)])
+        times = np.concatenate([_NONE, *(part.log_times_ns for part in parts)])
+        return cls(memoryview(b"".join(part.data for part in parts)), sizes, times)
 
     def __len__(self) -> int:
         return len(self.sizes)
@@ -83,22 +80,22 @@ class RawMessages:
 
 
 Found: TypeAlias = dict[TrackKey, RawMessages]
-"""Messages of the wanted tracks in a part of a file."""
+"""Messages of some tracks in a part of a file."""
+Parts: TypeAlias = Iterator[tuple[int, Found]]
+"""Parts of a file as they are read: how many bytes each has, and its messages."""
 
 
 @dataclass
 class RawTrack:
-    """Messages of one type on one topic, undecoded, in file order.
+    """A topic with the messages of one type on it.
 
     Attributes
     ----------
     topic, message_type, encoding : str
     definition : tuple of (str, bytes)
         Encoding and text of its schema.
-    pieces : list of RawMessages
-        Those that were kept, and not yet taken.
     count : int
-        Messages, kept or not.
+        Messages.
     published_otherwise : int
         How many of them were not published at their log time.
     """
@@ -107,7 +104,6 @@ class RawTrack:
     message_type: str
     encoding: str
     definition: tuple[str, bytes] = ("", b"")
-    pieces: list[RawMessages] = field(default_factory=list)
     count: int = 0
     published_otherwise: int = 0
 
@@ -115,11 +111,6 @@ class RawTrack:
     def key(self) -> TrackKey:
         """Topic and message type."""
         return self.topic, self.message_type
-
-    def take(self) -> RawMessages:
-        """Messages not yet taken, which the track then forgets."""
-        pieces, self.pieces = self.pieces, []
-        return RawMessages.joined(pieces)
 
 
 @dataclass(frozen=True)
@@ -134,70 +125,6 @@ class FileSpan:
     __repr__ = short_repr
 
 
-class Outline(Protocol):
-    """Places of the messages in a file that was found whole."""
-
-    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
-        """Read the messages of some tracks, part by part.
-
-        Parameters
-        ----------
-        keys : collection of TrackKey
-        progress : callable
-            Called with the number of bytes that were read since it was called last.
-
-        Raises
-        ------
-        BagError
-            If the file is not what it was when it was outlined.
-        """
-
-
-@dataclass
-class McapContents:
-    """Messages and metadata of a file, or of several that continue each other.
-
-    Attributes
-    ----------
-    library : str
-        The software that wrote the first file.
-    tracks : dict of (topic, message type) to RawTrack
-    metadata : dict of str to dict
-        Metadata records by name.
-    attachments : int
-    files : list of FileSpan
-    outlines : list of Outline
-    without_checksum : int
-        Chunks, or files without chunks, whose bytes stand under no checksum.
-    """
-
-    library: str = ""
-    tracks: dict[TrackKey, RawTrack] = field(default_factory=dict)
-    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    attachments: int = 0
-    files: list[FileSpan] = field(default_factory=list)
-    outlines: list[Outline] = field(default_factory=list)
-    without_checksum: int = 0
-
-    __repr__ = short_repr
-
-    @property
-    def message_count(self) -> int:
-        """Messages on all topics."""
-        return sum(track.count for track in self.tracks.values())
-
-    def keep(self, found: Found) -> int:
-        """Keep messages in their tracks; return about how many bytes of memory they take."""
-        for key, messages in found.items():
-            self.tracks[key].pieces.append(messages)
-        return sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
-
-    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
-        """Read the messages of some tracks again, part by part; see `Outline.read`."""
-        for outline in self.outlines:
-            yield from outline.read(keys, progress)
-
-
 def of_types(types: Container[str]) -> Wanted:
     """Want the messages of some types, whatever their topics."""
     return lambda topic, message_type: message_type in types
@@ -206,3 +133,69 @@ def of_types(types: Container[str]) -> Wanted:
 def nothing(topic: str, message_type: str) -> bool:
     """Want no messages: they are counted."""
     return False
+
+
+def unheard(count: int) -> None:
+    """Take no notice of progress."""
+
+
+@dataclass
+class McapContents:
+    """Messages and metadata of a file, or of several that continue each other.
+
+    Attributes
+    ----------
+    wanted : callable
+        Which messages are kept. See `Wanted`.
+    kept : list of Found
+        Those messages, part by part.
+    library : str
+        The software that wrote the first file.
+    tracks : dict of (topic, message type) to RawTrack
+    metadata : dict of str to dict
+        Metadata records by name.
+    attachments : int
+    files : list of FileSpan
+    again : list of callable
+        For each file, which was found whole, a function that reads the messages of some tracks in it again.
+    without_checksum : int
+        Chunks, or files without chunks, whose bytes stand under no checksum.
+    """
+
+    wanted: Wanted = nothing
+    kept: list[Found] = field(default_factory=list)
+    library: str = ""
+    tracks: dict[TrackKey, RawTrack] = field(default_factory=dict)
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+    attachments: int = 0
+    files: list[FileSpan] = field(default_factory=list)
+    again: list[Callable[[Collection[TrackKey]], Parts]] = field(default_factory=list)
+    without_checksum: int = 0
+
+    __repr__ = short_repr
+
+    def read(self, keys: Collection[TrackKey], progress: Progress = unheard) -> Iterator[Found]:
+        """Messages of some tracks, part by part, perhaps among others: those that were kept, or else read again.
+
+        Parameters
+        ----------
+        keys : collection of TrackKey
+        progress : callable, optional
+            Called with the number of bytes of each part that is read again.
+
+        Raises
+        ------
+        BagError
+            If a file is not what it was.
+        """
+        if all(self.wanted(*key) for key in keys):
+            yield from self.kept
+            return
+        for read in self.again:
+            for size, found in read(keys):
+                yield found
+                progress(size)
+
+    def messages(self, key: TrackKey) -> RawMessages:
+        """All messages of a track."""
+        return RawMessages.joined(found[key] for found in self.read([key]) if key in found)

@@ -7,38 +7,34 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from mcap.opcode import Opcode
-from mcap.records import Chunk, Footer, Header, McapRecord, Metadata, Schema
+from mcap.records import Chunk, Footer, Header, Metadata, Schema
 
 from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, inflated_unverified, most_records
-from lie_rigid_body.recording.mcap_contents import (
-    FileSpan,
-    Found,
-    McapContents,
-    Progress,
-    RawMessages,
-    RawTrack,
-    TrackKey,
-    Wanted,
-)
-from lie_rigid_body.recording.message_table import HEAD, NO_HINTS, MessageTable, Rows, find_messages
+from lie_rigid_body.recording.mcap_contents import FileSpan, Found, McapContents, Parts, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
+    HEAD,
     MAGIC,
+    NO_HINTS,
     RECORD_HEAD,
     ContradictionError,
     ExcessError,
     FileBytes,
+    MessageTable,
     Place,
+    Rows,
+    find_messages,
     parsed,
     records,
     require,
@@ -62,6 +58,8 @@ _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _NO_ROWS: Final = np.empty((0, 2), dtype="<u8")
 _NO_SCHEMA: Final = Schema(data=b"", encoding="", id=0, name="")
+_Place: TypeAlias = tuple[int, int, dict[TrackKey, list[int]]]
+"""Bytes where a part with messages begins and ends, and the channels in it by their tracks."""
 _PROFILES: Final = ("ros2", "")
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it",
@@ -70,50 +68,7 @@ _OTHER_FORMATS: Final = {
 }
 
 
-@dataclass(frozen=True)
-class McapOutline:
-    """Places of the messages in an MCAP file that was found whole.
-
-    Parameters
-    ----------
-    path : Path
-    state : tuple of int
-        Which file it was, and what it would not be any more if it changed.
-    parts : list of (int, int, tuple of TrackKey)
-        Bytes where each part with messages begins and ends, and of which tracks they are.
-    channels : dict of TrackKey to list of int
-    """
-
-    path: Path
-    state: tuple[int, ...]
-    parts: list[tuple[int, int, tuple[TrackKey, ...]]] = field(default_factory=list)
-    channels: dict[TrackKey, list[int]] = field(default_factory=dict)
-
-    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
-        """Read the messages of some tracks, part by part; see `Outline.read`."""
-        with FileBytes(self.path) as file:
-            try:
-                require(file.state() == self.state, "it is another file")
-                before = 0
-                for begin, end, there in self.parts:
-                    channels = {key: self.channels[key] for key in there if key in keys}
-                    if channels:
-                        raw = file[begin:end]
-                        _, places, data = _records_of(raw, inflated_unverified)
-                        index = dict(_index(raw, place) for place in places)  # compared when the file was outlined
-                        index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
-                        yield _by_track(data, index, channels)
-                        progress(end - before)
-                        before = end
-                require(file.state() == self.state, "it is another file")
-            except BagError:
-                raise
-            except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
-                what = f"{self.path} changed while it was read: try again when nobody writes it"
-                raise BagError(what) from error
-
-
-def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
+def read_file(path: Path, contents: McapContents) -> Parts:
     """Read a file, and count its messages.
 
     Parameters
@@ -121,23 +76,21 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
     path : Path
     contents : McapContents
         What it holds is added there.
-    wanted : callable
-        Which messages are given out. See `Wanted`.
 
     Yields
     ------
-    position : int
+    size : int
         Bytes that were read.
     found : Found
-        Messages that are wanted of the last part.
+        Those messages in them that are wanted.
 
     Raises
     ------
     BagError
         If the file cannot be read, is no MCAP file, is cut off or damaged.
     """
-    with FileBytes(path) as file:
-        reader = _FileReader(file, contents, wanted)
+    with closing(FileBytes(path)) as file:
+        reader = _FileReader(file, contents)
         try:
             yield from reader.read()
         except (BagError, ModuleNotFoundError):
@@ -146,12 +99,33 @@ def read_file(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tu
             raise BagError(f"{path} {_told(error, reader.at)}") from None
 
 
+def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], keys: Collection[TrackKey]) -> Parts:
+    """Messages of some tracks in a file that was read before, and was in some state then; see `McapContents.read`."""
+    with closing(FileBytes(path)) as file:
+        try:
+            require(file.state() == state, "it is another file")
+            for begin, end, there in places:
+                channels, found = {key: own for key, own in there.items() if key in keys}, Found()
+                if channels:
+                    raw = file[begin:end]
+                    _, indexes, data = _records_of(raw, inflated_unverified)
+                    index = dict(_index(raw, place) for place in indexes)  # compared when the file was read first
+                    index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
+                    found = _by_track(data, index, channels)
+                yield end - begin, found
+            require(file.state() == state, "it is another file")
+        except BagError:
+            raise
+        except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
+            what = f"{path} changed while it was read: try again when nobody writes it"
+            raise BagError(what) from error
+
+
 def _told(error: Exception, at: int) -> str:
     """Words for an error. No variable of a frame that it keeps may keep it, as both would stay, with all their data."""
     if isinstance(error, ContradictionError):
         return error.sentence.format(at=at, what=error)
-    what = f"{type(error).__name__}: {error}".removesuffix(": ")
-    return ContradictionError.sentence.format(at=at, what=what)
+    return ContradictionError.sentence.format(at=at, what=f"{type(error).__name__}: {error}".removesuffix(": "))
 
 
 def _records_of(raw: bytes, inflate: Callable[[Chunk], bytes]) -> tuple[Chunk | None, list[Place], bytes]:
@@ -190,25 +164,23 @@ class _FileReader:
         Byte where the record begins that is looked at.
     """
 
-    def __init__(self, file: FileBytes, contents: McapContents, wanted: Wanted) -> None:
-        self._file, self._contents, self._wanted = file, contents, wanted
+    def __init__(self, file: FileBytes, contents: McapContents) -> None:
+        self._file, self._contents, self._state = file, contents, file.state()
         self._records_left = most_records(len(self._file))
-        self._keys: dict[int, TrackKey] = {}
-        self._outline = McapOutline(file.path, file.state())
+        self._tracks: dict[int, RawTrack] = {}
+        self._places: list[_Place] = []
         self._summary = Summary()
         self._check = SummaryCheck(self._summary)
         self._crc = zlib.crc32(MAGIC)  # of the data section, then of the summary
         self._bare_chunks = 0
         self.at, self._end = 0, len(MAGIC)
 
-    def read(self) -> Iterator[tuple[int, Found]]:
+    def read(self) -> Parts:
         """Read all records; see `read_file`."""
         self._require_magic()
         opcode = 0
         for opcode, begin, end in self._parts():
-            found = self._take(opcode, begin, self._file[begin:end])
-            if found is not None:
-                yield end, found
+            yield end - begin, self._take(opcode, begin, self._file[begin:end])
         if opcode != Opcode.FOOTER or self._file[self._end : self._end + len(MAGIC) + 1] != MAGIC:
             raise self._cut_off()
 
@@ -241,15 +213,27 @@ class _FileReader:
             last = part[0] if part[0].opcode == Opcode.CHUNK else part[-1]
             yield part[0].opcode, part[0].start, last.end
 
-    def _take(self, opcode: int, begin: int, raw: bytes) -> Found | None:
-        """Take a part; return the messages of it that are wanted, or None if it is no part with messages."""
+    def _take(self, opcode: int, begin: int, raw: bytes) -> Found:
+        """Take a part; return the messages of it that are wanted. Records of unknown kinds are left to others."""
         self.at = begin
         self._verify_section(opcode, raw)
-        self._check.place(opcode, begin, begin + len(raw))
-        if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
+        has_messages = opcode in (Opcode.CHUNK, Opcode.MESSAGE)
+        record = None if has_messages else parsed(opcode, raw[RECORD_HEAD.size :])
+        self._check.place(opcode, begin, begin + len(raw), record)
+        if has_messages:
             return self._take_messages(begin, raw)
-        self._take_record(opcode, raw[RECORD_HEAD.size :])
-        return None
+        self._summary.add(record, begin, len(raw))
+        match record:
+            case Header():
+                is_known = record.profile in _PROFILES
+                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
+                self._contents.library = self._contents.library or record.library
+            case Metadata():
+                self._contents.metadata[record.name] = record.metadata
+            case Footer():
+                self._check.finish(record)
+                self._finish()
+        return {}
 
     def _verify_section(self, opcode: int, raw: bytes) -> None:
         """Compare the checksum of the section that ends here, if one does."""
@@ -263,44 +247,25 @@ class _FileReader:
         if opcode == Opcode.DATA_END and not declared:
             self._contents.without_checksum += self._bare_chunks or not self._summary.chunks
 
-    def _take_record(self, opcode: int, content: bytes) -> None:
-        """Take a record that is no part of one with messages; records of unknown kinds are left to others."""
-        record = parsed(opcode, content)
-        self._summary.add(record, self.at, RECORD_HEAD.size + len(content))
-        match record:
-            case Header():
-                is_known = record.profile in _PROFILES
-                require(is_known, f"its profile is {record.profile!r:.40}, that of a bag of ROS 2 is 'ros2'")
-                self._contents.library = self._contents.library or record.library
-            case Metadata():
-                self._contents.metadata[record.name] = record.metadata
-            case Footer():
-                self._check.finish(record)
-                self._finish()
-            case McapRecord():
-                self._check.said[opcode].append(record)
-
     def _finish(self) -> None:
         """Take the account of the whole file into that of the bag."""
         found, contents = self._summary, self._contents
         for channel in found.channels:
-            self._outline.channels.setdefault(self._key(channel), []).append(channel)
-            contents.tracks[self._key(channel)].count += found.counts[channel]
+            self._track(channel).count += found.counts[channel]
         contents.attachments += len(found.attachments)
         contents.files.append(FileSpan(self._file.path.name, found.counts.total(), found.first_ns, found.last_ns))
-        contents.outlines.append(self._outline)
+        contents.again.append(partial(_read_again, self._file.path, self._state, self._places))
 
-    def _key(self, number: int) -> TrackKey:
+    def _track(self, number: int) -> RawTrack:
         """Track of a channel."""
-        if number not in self._keys:
+        if number not in self._tracks:
             channel = self._summary.channels[number]
             schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
-            key, definition = (channel.topic, schema.name), (schema.encoding, schema.data)
-            track = self._contents.tracks.setdefault(key, RawTrack(*key, channel.message_encoding, definition))
-            alike = (track.encoding, track.definition) == (channel.message_encoding, definition)
+            own = RawTrack(channel.topic, schema.name, channel.message_encoding, (schema.encoding, schema.data))
+            track = self._tracks[number] = self._contents.tracks.setdefault(own.key, own)
+            alike = (track.encoding, track.definition) == (own.encoding, own.definition)
             require(alike, f"topic {channel.topic} has messages of two encodings or definitions")
-            self._keys[number] = key
-        return self._keys[number]
+        return self._tracks[number]
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
@@ -322,45 +287,43 @@ class _FileReader:
         table.require_times()
         self._summary.add_messages(table)
         if chunk is not None:
-            behind = begin + (places[0].start if places else len(raw))
-            self._take_chunk(chunk, table, indexes)
+            self._hold_chunk(chunk, table, indexes)
             starts = {channel: start for channel, (start, _) in indexes.items()}
-            self._summary.add_chunk(chunk, begin, starts, behind, begin + len(raw))
+            self._summary.add_chunk(chunk, begin, starts, begin + len(raw))
         return self._wanted_of(table, begin, begin + len(raw))
 
-    def _take_chunk(self, chunk: Chunk, table: MessageTable, indexes: Mapping[int, tuple[int, Rows]]) -> None:
-        said, at = (chunk.message_start_time, chunk.message_end_time), self.at
+    def _hold_chunk(self, chunk: Chunk, table: MessageTable, indexes: Mapping[int, tuple[int, Rows]]) -> None:
+        """Hold what a chunk and its indexes say against its messages."""
+        said, begin = (chunk.message_start_time, chunk.message_end_time), self.at
         require(said == table.span_ns or not table.index, f"the times of a chunk are {table.span_ns}, not {said}")
         self._records_left -= len(table.starts) + len(table.others)
         self._bare_chunks += not chunk.uncompressed_crc
-        for channel, (start, rows) in indexes.items():
-            self.at = start
+        for channel, (self.at, rows) in indexes.items():
             is_same = np.array_equal(rows, table.index.get(channel, _NO_ROWS))
             require(is_same, f"the index of channel {channel} is not that of its chunk's messages")
-        self.at = at
-        missing = table.index.keys() - indexes.keys() if indexes else ()
-        require(not missing, f"a chunk has no index of channel {min(missing, default=0)}")
+        self.at = begin
+        missing = table.index.keys() - indexes.keys()
+        require(not (indexes and missing), f"a chunk has no index of channel {min(missing, default=0)}")
 
     def _wanted_of(self, table: MessageTable, begin: int, end: int) -> Found:
         """Messages that are wanted of a part that stands between two bytes, which is noted."""
+        otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
         channels: dict[TrackKey, list[int]] = {}
         for channel in table.index:
-            channels.setdefault(self._key(channel), []).append(channel)
-        self._outline.parts.append((begin, end, tuple(channels)))
-        otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
-        for key, own in channels.items() if len(otherwise) else ():
-            self._contents.tracks[key].published_otherwise += int(np.isin(otherwise, own).sum())
-        return _by_track(table.data, table.index, {key: own for key, own in channels.items() if self._wanted(*key)})
+            track = self._track(channel)
+            track.published_otherwise += int(np.count_nonzero(otherwise == channel))
+            channels.setdefault(track.key, []).append(channel)
+        self._places.append((begin, end, channels))
+        wanted = {key: own for key, own in channels.items() if self._contents.wanted(*key)}
+        return _by_track(table.data, table.index, wanted)
 
     def _cut_off(self) -> BagError:
-        self.at = self._end
-        opcode, ends_well = self._file[self._end : self._end + 1], self._file[-len(MAGIC) :] == MAGIC
-        is_record = len(self._file) - self._end >= RECORD_HEAD.size and opcode != b"\0"
-        require(not (is_record and ends_well), "a record is longer than the file")
+        self.at, path = self._end, self._file.path
+        is_record = len(self._file) - self._end >= RECORD_HEAD.size and self._file[self._end : self._end + 1] != b"\0"
+        require(not (is_record and self._file[-len(MAGIC) :] == MAGIC), "a record is longer than the file")
         count = self._summary.counts.total()
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
-        what = f"was cut off, or is still being written: it {holds}: rescue them with {RESCUE}"
-        return BagError(f"{self._file.path} {what}")
+        return BagError(f"{path} was cut off, or is still being written: it {holds}: rescue them with {RESCUE}")
 
 
 def _by_track(data: bytes, index: Mapping[int, Rows], channels: Mapping[TrackKey, Sequence[int]]) -> Found:

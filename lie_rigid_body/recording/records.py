@@ -1,14 +1,18 @@
-"""Records of an MCAP file, found in one way in a file and in a chunk, and parsed within their bounds."""
+"""Records of an MCAP file, found in one way in a file and in a chunk, parsed within bounds; messages as a table."""
 
 from __future__ import annotations
 
 import os
 import struct
+from array import array
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from io import BytesIO
 from pathlib import Path
-from typing import Any, ClassVar, Final, NamedTuple
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
+import numpy as np
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -26,7 +30,9 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+from numpy.typing import NDArray
 
+from lie_rigid_body.arrays import Integers, windows
 from lie_rigid_body.bounded_input import (
     LARGEST_ATTACHMENT,
     LARGEST_DEFINITION,
@@ -41,6 +47,24 @@ MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode of a record and length of its content."""
+HEAD: Final = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
+"""Fields before the payload of a message record."""
+LAST_TIME: Final = 2**63 - 1
+"""Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
+_SHORTEST: Final = HEAD.itemsize - RECORD_HEAD.size
+"""Length of the content of a message without payload."""
+NO_HINTS: Final = np.empty(0, dtype=np.int64)
+Rows: TypeAlias = NDArray[np.uint64]
+"""Log time, ns, and place in the uncompressed chunk of each message, shape (N, 2), as an index has them."""
 _KINDS: Final[dict[int, type[McapRecord]]] = {
     Opcode.HEADER: Header,
     Opcode.FOOTER: Footer,
@@ -55,6 +79,13 @@ _KINDS: Final[dict[int, type[McapRecord]]] = {
     Opcode.METADATA_INDEX: MetadataIndex,
     Opcode.SUMMARY_OFFSET: SummaryOffset,
 }
+_LIMITS: Final = {
+    (Schema, "data"): LARGEST_DEFINITION,
+    (Channel, "metadata"): LARGEST_METADATA,
+    (Metadata, "metadata"): LARGEST_METADATA,
+    (Attachment, "data"): LARGEST_ATTACHMENT,
+}
+"""Largest sizes of the fields that are no names, bytes, where that of the record is not enough."""
 
 
 class ContradictionError(ValueError):
@@ -91,7 +122,7 @@ class Place(NamedTuple):
 
 
 class FileBytes:
-    """Bytes of a file, of which a slice is read when it is taken. Use it as a context, which closes the file.
+    """Bytes of a file, of which a slice is read when it is taken.
 
     Parameters
     ----------
@@ -130,10 +161,8 @@ class FileBytes:
         except OSError as error:
             raise BagError(f"{self.path} cannot be read: {reason(error)}: copy it to a better place") from None
 
-    def __enter__(self) -> FileBytes:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
+        """Close the file."""
         self._stream.close()
 
 
@@ -162,8 +191,8 @@ def parsed(opcode: int, content: bytes) -> Any:
     kind: Any = _KINDS.get(opcode)
     record = kind and kind.read(ReadDataStream(_Content(content)))
     for name, value in vars(record).items() if record else ():
-        limit = _limit(record, value)
-        if limit is not None and (size := size_of(value)) > limit:
+        limit = LONGEST_NAME if isinstance(value, str) else _LIMITS.get((kind, name), len(content))
+        if (size := size_of(value)) > limit:
             raise ExcessError(f"a {name} of {size} bytes in a {kind.__name__.lower()}")
         if isinstance(value, dict) and isinstance(record, ChunkIndex | Statistics):  # maps of numbers are read beyond
             is_same = content.startswith(record_bytes(record)[RECORD_HEAD.size :])
@@ -171,19 +200,10 @@ def parsed(opcode: int, content: bytes) -> Any:
     return record
 
 
-def _limit(record: McapRecord, value: object) -> int | None:
-    """Largest size of a field of a record, bytes; None where the record's own is enough."""
-    if isinstance(value, str):
-        return LONGEST_NAME
-    if isinstance(record, Schema | Attachment) and isinstance(value, bytes):
-        return LARGEST_DEFINITION if isinstance(record, Schema) else LARGEST_ATTACHMENT
-    return LARGEST_METADATA if isinstance(record, Channel | Metadata) and isinstance(value, dict) else None
-
-
 def size_of(value: object) -> int:
     """Size of a name, a definition or metadata: of texts the characters, 0 of a number."""
     if isinstance(value, dict):
-        return sum(len(name) + size_of(text) for name, text in value.items())
+        return sum(size_of(name) + size_of(text) for name, text in value.items())
     return len(value) if isinstance(value, str | bytes) else 0
 
 
@@ -192,5 +212,117 @@ def record_bytes(*records: McapRecord) -> bytes:
     builder = RecordBuilder()
     for record in records:
         record.write(builder)
-    data: bytes = builder.end()  # type: ignore[no-untyped-call]
-    return data
+    return bytes(builder.end())  # type: ignore[no-untyped-call]
+
+
+@dataclass(frozen=True)
+class MessageTable:
+    """Messages among some records, in their order.
+
+    Parameters
+    ----------
+    data : bytes
+        The records.
+    starts : ndarray of int64, shape (N,)
+        Where the record of each message begins.
+    others : tuple of Place
+        The records that are no messages, where they were looked for.
+    """
+
+    data: bytes
+    starts: Integers
+    others: tuple[Place, ...] = ()
+
+    @cached_property
+    def heads(self) -> NDArray[np.void]:
+        """First bytes of the messages, of type `HEAD`, shape (N,)."""
+        return np.asarray(windows(self.data, HEAD.itemsize)[self.starts].reshape(-1).view(HEAD))
+
+    @cached_property
+    def ends(self) -> Integers:
+        """Ends of the records of the messages, shape (N,); what reaches beyond the data ends somewhere there."""
+        lengths = np.minimum(self.heads["length"], len(self.data)).astype(np.int64)
+        return np.asarray(self.starts + RECORD_HEAD.size + lengths)
+
+    @property
+    def log_times(self) -> Integers:
+        """Times when the messages were logged, ns, shape (N,)."""
+        return np.asarray(self.heads["log_time"].view(np.int64))
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The earliest and the latest of them; `LAST_TIME` and 0 without messages."""
+        return int(self.log_times.min(initial=LAST_TIME)), int(self.log_times.max(initial=0))
+
+    @cached_property
+    def index(self) -> dict[int, Rows]:
+        """Rows of each channel that has messages, in their order; the channels in that of their first messages."""
+        order = np.argsort(self.heads["channel"], kind="stable")
+        rows = np.empty((len(order), 2), dtype="<u8")
+        rows[:, 0], rows[:, 1] = self.heads["log_time"][order], self.starts[order]
+        counts = np.bincount(self.heads["channel"])
+        channels = np.flatnonzero(counts)
+        parts = zip(channels.tolist(), np.split(rows, np.cumsum(counts[channels])[:-1]), strict=False)
+        return dict(sorted(parts, key=lambda part: int(part[1][0, 1])))
+
+    def require_times(self) -> None:
+        """Refuse times beyond 64 bits with a sign."""
+        for name in ("log_time", "publish_time"):
+            latest = int(self.heads[name].max(initial=0))
+            require(latest <= LAST_TIME, f"the {name} of a message is {latest} ns, beyond {LAST_TIME}")
+
+
+def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
+    """Find the messages among records, and the other records.
+
+    Parameters
+    ----------
+    data : bytes
+        Records one after the other.
+    hints : ndarray of int64
+        Bytes where messages may begin, as indexes say: of those there, no record has to be looked at one by one.
+        Wrong ones cost time only.
+    most : int
+        Largest number of records that may be found.
+
+    Returns
+    -------
+    MessageTable
+        Its data end where the whole records end.
+
+    Raises
+    ------
+    ContradictionError
+        If a message is too short to be one.
+    ExcessError
+        If there are more records.
+    """
+    hinted = _hinted(data, hints)
+    others, starts, left, end = list[Place](), array("q"), most - len(hinted.starts), len(data)
+    before, behind = np.append(0, hinted.ends), np.append(hinted.starts, end)
+    for gap in np.flatnonzero(before != behind).tolist():
+        position = int(before[gap])
+        for place in records(data, position, int(behind[gap])):
+            position, left = place.end, left - 1
+            if left < 0:
+                raise ExcessError("too many records in chunks for its size")
+            if place.opcode == Opcode.MESSAGE:
+                require(place.end - place.begin >= _SHORTEST, "a message record is too short")
+                starts.append(place.start)
+            else:
+                others.append(place)
+        if position != behind[gap] and len(hinted.starts):
+            return find_messages(data, NO_HINTS, most)
+        if position != behind[gap]:
+            end = position
+    found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]))
+    return MessageTable(data[:end], found, tuple(others))
+
+
+def _hinted(data: bytes, hints: Integers) -> MessageTable:
+    """Table of the messages to which hints point, perhaps within each other; empty if what stands there is none."""
+    table = MessageTable(data, np.sort(hints))
+    is_within = len(hints) and table.starts[0] >= 0 and table.starts[-1] <= len(data) - HEAD.itemsize
+    if is_within and ((table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= _SHORTEST)).all():
+        return table
+    return MessageTable(data, NO_HINTS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import struct
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
@@ -22,9 +22,19 @@ from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressor
-from lie_rigid_body.recording.message_table import NO_HINTS, MessageTable, find_messages
 from lie_rigid_body.recording.output_file import reason, require_other, written
-from lie_rigid_body.recording.records import MAGIC, RECORD_HEAD, FileBytes, Place, parsed, records, require
+from lie_rigid_body.recording.records import (
+    MAGIC,
+    NO_HINTS,
+    RECORD_HEAD,
+    FileBytes,
+    MessageTable,
+    Place,
+    find_messages,
+    parsed,
+    records,
+    require,
+)
 from lie_rigid_body.wording import short_repr
 
 _LOOSE_BYTES: Final = 256 * 1024
@@ -103,7 +113,7 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     BagError
         If it cannot be read, or the new one cannot be written.
     """
-    with FileBytes(broken) as file:
+    with closing(FileBytes(broken)) as file:
         header, begin = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:

@@ -4,23 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.mcap_contents import (
-    FileSpan,
-    Found,
-    McapContents,
-    Progress,
-    RawMessages,
-    RawTrack,
-    TrackKey,
-    Wanted,
-)
-from lie_rigid_body.recording.message_table import LAST_TIME
+from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Parts, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.records import LAST_TIME
 
 SUFFIX: Final = ".db3"
 """Suffix of the names of such files."""
@@ -28,28 +19,7 @@ _AT_ONCE: Final = 4096
 """Number of messages that are read together."""
 
 
-@dataclass(frozen=True)
-class DatabaseOutline:
-    """Messages of an SQLite file that was read whole; see `Outline`.
-
-    Parameters
-    ----------
-    path : Path
-    """
-
-    path: Path
-
-    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
-        """Read the messages of some tracks, some thousand at a time; see `Outline.read`."""
-        with _opened(self.path) as reader:
-            before = 0
-            for position, found in _read(self.path, reader, keys):
-                yield found
-                progress(position - before)
-                before = position
-
-
-def read_database(path: Path, contents: McapContents, wanted: Wanted) -> Iterator[tuple[int, Found]]:
+def read_database(path: Path, contents: McapContents) -> Parts:
     """Read a file, and count its messages, some thousand at a time, in the order of their log times.
 
     Parameters
@@ -57,15 +27,13 @@ def read_database(path: Path, contents: McapContents, wanted: Wanted) -> Iterato
     path : Path
     contents : McapContents
         What it holds is added there.
-    wanted : callable
-        Which messages are given out. See `Wanted`.
 
     Yields
     ------
-    position : int
+    size : int
         Bytes that were read, about.
     found : Found
-        Messages that are wanted of the last ones.
+        Those messages among the last ones that are wanted.
 
     Raises
     ------
@@ -75,15 +43,20 @@ def read_database(path: Path, contents: McapContents, wanted: Wanted) -> Iterato
     with _opened(path) as reader:
         tracks = {(track := _track(connection, contents)).key: track for connection in reader.connections}
         count, first, last = 0, LAST_TIME, 0
-        for position, found in _read(path, reader, tracks):
+        for size, found in _read(path, reader, tracks):
             for key, messages in found.items():
                 tracks[key].count += len(messages)
                 count += len(messages)
                 first, last = min(first, int(messages.log_times_ns.min())), max(last, int(messages.log_times_ns.max()))
-            yield position, {key: messages for key, messages in found.items() if wanted(*key)}
+            yield size, {key: messages for key, messages in found.items() if contents.wanted(*key)}
     contents.files.append(FileSpan(path.name, count, first, last))
-    contents.outlines.append(DatabaseOutline(path))
+    contents.again.append(partial(_read_again, path))
     contents.without_checksum += 1
+
+
+def _read_again(path: Path, keys: Collection[TrackKey]) -> Parts:
+    with _opened(path) as reader:
+        yield from _read(path, reader, keys)
 
 
 @contextmanager
@@ -110,10 +83,10 @@ def _opened(path: Path) -> Iterator[Any]:
         raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
 
 
-def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Iterator[tuple[int, Found]]:
+def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Parts:
     """Bytes that were read, about, and messages of some tracks, some thousand at a time."""
     own = [connection for connection in reader.connections if (connection.topic, connection.msgtype) in keys]
-    messages, size, count = reader.messages(own), path.stat().st_size, 0
+    messages, size = reader.messages(own), path.stat().st_size
     total = max(1, sum(connection.msgcount for connection in own))
     while own and (some := list(islice(messages, _AT_ONCE))):
         by_track: dict[TrackKey, list[tuple[int, bytes]]] = {}
@@ -122,8 +95,7 @@ def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Iterator[tuple
                 if not isinstance(value, kind):
                     raise _wrong_type(path, connection.topic, column, value)
             by_track.setdefault((connection.topic, connection.msgtype), []).append((time, data))
-        count += len(some)
-        yield size * min(count, total) // total, {key: RawMessages.of_payloads(of) for key, of in by_track.items()}
+        yield size * len(some) // total, {key: RawMessages.of_payloads(of) for key, of in by_track.items()}
 
 
 def _wrong_type(path: Path, topic: str, column: str, value: object) -> BagError:

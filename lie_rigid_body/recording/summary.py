@@ -25,8 +25,7 @@ from mcap.records import (
 )
 
 from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
-from lie_rigid_body.recording.message_table import LAST_TIME, MessageTable
-from lie_rigid_body.recording.records import ExcessError, parsed, require, size_of
+from lie_rigid_body.recording.records import LAST_TIME, ExcessError, MessageTable, parsed, require, size_of
 
 _IN_DATA: Final = frozenset(
     {
@@ -83,7 +82,7 @@ class Summary:
         self._metadata: list[MetadataIndex] = []
         self._declared = 0  # size of names, definitions and metadata, bytes
 
-    def add(self, record: McapRecord, begin: int, length: int) -> None:
+    def add(self, record: McapRecord | None, begin: int, length: int) -> None:
         """Add a record that begins at a byte and has a size, if it is of a kind of which a summary tells.
 
         Raises
@@ -140,7 +139,7 @@ class Summary:
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
 
-    def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], behind: int, end: int) -> None:
+    def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], end: int) -> None:
         """Add a chunk whose messages were added.
 
         Parameters
@@ -150,9 +149,10 @@ class Summary:
             Byte where its record begins.
         indexes : mapping of int to int
             Bytes where the indexes of its messages begin, by channel.
-        behind, end : int
-            Bytes where its record ends, and the last of its indexes.
+        end : int
+            Byte where the last of them ends, or without any its record.
         """
+        behind = min(indexes.values(), default=end)
         self.chunks.append(
             ChunkIndex(
                 message_start_time=chunk.message_start_time,
@@ -199,23 +199,18 @@ class SummaryCheck:
     ----------
     found : Summary
         Made of the records of the file as they are read.
-
-    Attributes
-    ----------
-    said : dict of int to list
-        Records of the summary of the file, by their opcodes.
     """
 
     def __init__(self, found: Summary) -> None:
         self._found = found
         self._opcodes: set[int] = set()
-        self.said = defaultdict[int, list[Any]](list)
+        self._said = defaultdict[int, list[Any]](list)
         self._groups: dict[int, tuple[int, int]] = {}
         self._begin: int | None = None  # of the summary
         self._in_data = 0, 0  # schemas and channels
 
-    def place(self, opcode: int, begin: int, end: int) -> None:
-        """Take the place of the next record of the file, with those that continue it, if any do.
+    def place(self, opcode: int, begin: int, end: int, record: McapRecord | None) -> None:
+        """Take the next record of the file and its place; for a part with messages it is that of the whole part.
 
         Raises
         ------
@@ -231,6 +226,7 @@ class SummaryCheck:
             first, before = self._groups.get(opcode, (begin, begin))
             require(before == begin, "the groups of its summary are mixed")
             self._groups[opcode] = first, end
+            self._said[opcode].append(record)
         elif opcode == Opcode.DATA_END:
             self._begin, self._in_data = end, (len(self._found.schemas), len(self._found.channels))
 
@@ -246,14 +242,14 @@ class SummaryCheck:
         found = self._found.groups()
         for opcode, what in _INDEXES.items():
             # an index may be left out as a whole: then readers scan
-            is_same = self.said[opcode] in ([], found[opcode])
+            is_same = self._said[opcode] in ([], found[opcode])
             require(is_same, f"the index of its {what} is not that of the {what} it has")
         self._hold_statistics(*found[Opcode.STATISTICS])
         self._hold_places(footer)
 
     def _hold_statistics(self, found: Any) -> None:
-        require(len(self.said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")
-        for said in self.said[Opcode.STATISTICS]:
+        require(len(self._said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")
+        for said in self._said[Opcode.STATISTICS]:
             # some writers leave out those that no message uses, which stand in the summary alone
             allowed = dict(zip(("schema_count", "channel_count"), self._in_data, strict=True))
             if not self._found.counts:
@@ -268,7 +264,7 @@ class SummaryCheck:
         groups = {opcode: (begin, end - begin) for opcode, (begin, end) in self._groups.items()}
         end, _ = groups.pop(Opcode.FOOTER)
         offsets, _ = groups.pop(Opcode.SUMMARY_OFFSET, (end, 0))
-        said = self.said[Opcode.SUMMARY_OFFSET]
+        said = self._said[Opcode.SUMMARY_OFFSET]
         told = {
             offset.group_opcode: (offset.group_start, offset.group_length) for offset in said if offset.group_length
         }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from typing import Any, Final
 
@@ -16,7 +16,7 @@ from lie_rigid_body.campaign.comparison import Comparison, Standing
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.plotly_parts import axis, layout, line, logarithmic
+from lie_rigid_body.report.html_page import axis, drawn, figure, line, logarithmic
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.wording import counted, printable, shortened
 
@@ -33,8 +33,8 @@ _COLUMNS: Final = (
 )
 _HEAD: Final = "Medians over the runs; of errors and times 95 % of the runs are below the second number."
 _WIDTHS: Final = "{:<24} {:>15} {:>15} {:>15} {:>15} {:>6} {:>10} {:>7} {:>9}"
-_ERRORS: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg")
-_SHARES: Final = (0.5, 0.95)
+_PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
+"""Scores of which the median and a larger one are told, and their units."""
 _COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333")
 """Distinct in every kind of colour vision."""
 _WORST: Final = 3
@@ -42,46 +42,41 @@ _WORST: Final = 3
 _WIDE: Final = 30.0
 """Ratio of the largest and the smallest value above which an axis is logarithmic."""
 
+Varied = Mapping[int, Mapping[str, Any]]
+"""The parameters that vary, by the numbers of the runs."""
+
 
 def as_text(comparison: Comparison) -> str:
     """The table, and a sentence for each pair, grid, covariance and failure."""
-    lines = [_HEAD, ""]
-    lines += [_WIDTHS.format(*row).rstrip() for row in (_COLUMNS, *map(_cells, comparison.standings))]
-    lines.append("")
-    for sentence in _sentences(comparison):
-        lines += wrapped(printable(sentence))
-    return "\n".join(lines)
+    rows = [_WIDTHS.format(*row).rstrip() for row in (_COLUMNS, *map(_cells, comparison.standings))]
+    sentences = [line for sentence in _sentences(comparison) for line in wrapped(printable(sentence))]
+    return "\n".join([_HEAD, "", *rows, "", *sentences])
 
 
 def _cells(one: Standing) -> list[str]:
     unit, size = ("µs", 1e-6) if one.reading_s < 1e-3 else ("ms", 1e-3)
-    reading = "" if np.isnan(one.reading_s) else f"{one.reading_s / size:.3g} {unit}"
     bias = one.quantile("gyro_bias_rms_rad_s", 0.5)
     return [
         shortened(printable(one.name), 24),
-        *(_pair(one, column, "°") for column in _ERRORS),
-        _pair(one, "converged_s", " s"),
+        *(
+            " ".join(_number(one.quantile(column, share), unit) for share in (0.5, 0.95)).strip()
+            for column, unit in _PAIRS.items()
+        ),
         _number(one.quantile("nees_mean", 0.5)),
         "" if np.isnan(bias) else f"{bias:.2g} rad/s",
         f"{np.sum(one.failed)}/{len(one.runs)}",
-        reading,
+        _number(one.reading_s / size, f" {unit}"),
     ]
 
 
-def _pair(one: Standing, column: str, unit: str) -> str:
-    median, most = (one.quantile(column, share) for share in _SHARES)
-    return "" if np.isnan(median) else f"{_number(median)}{unit} {_number(most)}{unit}".replace(f"never{unit}", "never")
-
-
-def _number(value: float) -> str:
-    return "" if np.isnan(value) else "never" if np.isinf(value) else f"{value:.3g}"
+def _number(value: float, unit: str = "") -> str:
+    return "" if np.isnan(value) else "never" if np.isinf(value) else f"{value:.3g}{unit}"
 
 
 def _sentences(comparison: Comparison) -> Iterator[str]:
     for first, second, difference in comparison.differences:
-        left_out = (
-            f"; {counted(difference.left_out, 'run')} left out, in which one failed" if difference.left_out else ""
-        )
+        runs = counted(difference.left_out, "run")
+        left_out = f"; {runs} left out, in which one failed" if difference.left_out else ""
         yield f"{difference.sentence(first.name, second.name)}{left_out}."
     for one in comparison.standings:
         if one.points:
@@ -89,30 +84,21 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
             yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
-        for what, verdict in (("", one.covariance), (" (gyro bias)", one.gyro_bias)):
-            if verdict is not None:
-                yield f"{one.name}{what}: {verdict.message}."
+        verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
+        yield from (f"{one.name}{what}: {verdict.message}." for what, verdict in verdicts.items() if verdict)
     if best := comparison.best:
-        of = [(one.name, float(one.scores["total_rms_deg"][one.runs == best.run][0])) for one in comparison.standings]
-        errors = ", ".join(f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of)
         left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
-        yield f"{left}; in it errs {errors}."
+        of = {one.name: float(one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings}
+        errors = (f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of.items())
+        yield f"{left}; in it errs {', '.join(errors)}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
     elif comparison.has_covariances and not any(one.covariance for one in comparison.standings):
         yield f"Nothing is said of the covariances: {FEWEST_RUNS} runs that have one are needed, outside of grids."
 
 
-def sections(campaign: Campaign, comparison: Comparison, varied: Mapping[int, Mapping[str, Any]]) -> Iterator[str]:
-    """HTML of the estimators.
-
-    Parameters
-    ----------
-    campaign : Campaign
-    comparison : Comparison
-    varied : dict of int to dict
-        The parameters that vary, by the numbers of the runs.
-    """
+def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iterator[str]:
+    """HTML of the estimators."""
     yield "<h2>Estimators</h2>"
     yield from map(html_page.paragraph, _sentences(comparison))
     yield html_page.table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings])
@@ -127,30 +113,28 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Mapping[int, Ma
     yield html_page.listing("Worst runs", commands)
 
 
-def _figures(
-    comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Mapping[int, Mapping[str, Any]]
-) -> Iterator[str]:
+def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Varied) -> Iterator[str]:
     curves = [trace for one, colour in shown if len(one.curve_deg) for trace in _band(comparison.t_s, one, colour)]
     if curves:
-        errors = np.concatenate([np.array(trace["y"], dtype=float) for trace in curves])
-        axes = {"xaxis": axis("time, s"), "yaxis": _scale("total error, °", errors)}
-        caption = "Median over the runs; between the thin lines are 90 % of the runs."
-        yield html_page.figure("Error over time", {"data": curves, "layout": layout(**axes)}, caption)
-    for one, colour in shown:
-        if one.points:
-            yield _grid(one, colour)
+        errors = np.concatenate([trace["y"] for trace in curves])
+        content = drawn(curves, xaxis=axis("time, s"), yaxis=_scale("total error, °", errors))
+        yield figure("Error over time", content, "Median over the runs; between the thin lines are 90 % of the runs.")
+    yield from (_grid(one, colour) for one, colour in shown if one.points)
     for name in next(iter(varied.values()), {}):
         values = {run: parameters[name] for run, parameters in varied.items()}
-        if name != "sensor_seed" and all(type(value) in (int, float) for value in values.values()):
+        if name != "sensor_seed" and _are_numbers(values.values()):
             yield _over(name, values, shown)
+
+
+def _are_numbers(values: Iterable[object]) -> bool:
+    return all(type(value) in (int, float) for value in values)
 
 
 def _band(t_s: Array, one: Standing, colour: str) -> Iterator[dict[str, Any]]:
     """Lines of the median and of the 5th and 95th percentile of the error."""
     known = ~np.isnan(one.curve_deg).all(axis=0)
     for share, width in ((0.05, 0.6), (0.95, 0.6), (0.5, 2.2)):
-        found = np.nanquantile(one.curve_deg[:, known], share, axis=0)
-        points = np.column_stack([t_s[known], found])
+        points = np.column_stack([t_s[known], np.nanquantile(one.curve_deg[:, known], share, axis=0)])
         yield line(points, one.name, colour, width, legendgroup=one.name, showlegend=share == 0.5)
 
 
@@ -165,26 +149,29 @@ def _scale(title: str, values: Array) -> dict[str, Any]:
 def _grid(one: Standing, colour: str) -> str:
     """Mean error of each point of a grid over its first parameter, a line for each choice of the others."""
     name, *others = one.entry.contender.grid
-    lines: dict[str, list[tuple[Any, float]]] = {}
-    for point in one.points:
+    ranked = [point.parameters[name] for point in one.points]
+    are_numbers = _are_numbers(ranked)
+    lines: dict[str, list[tuple[Any, float | None]]] = {}
+    for point, value in zip(one.points, ranked, strict=True):
         key = ", ".join(f"{other} {json.dumps(point.parameters[other])}" for other in others)
-        lines.setdefault(key, []).append((point.parameters[name], point.mean_deg))
-    traces, ranked = [], [point.parameters[name] for point in one.points]
-    are_numbers = all(type(value) in (int, float) for value in ranked)
-    for at, (key, points) in enumerate(lines.items()):
-        shade = colour if len(lines) == 1 else _COLOURS[at % len(_COLOURS)]
-        x = [value if are_numbers else json.dumps(value) for value, _ in points]
-        y = [None if np.isnan(mean) else mean for _, mean in points]
-        look = {"mode": "lines+markers" if are_numbers else "markers", "line": {"color": shade}}
-        traces.append({"type": "scatter", "x": x, "y": y, "name": key or one.name, **look})
-    means = np.array([point.mean_deg for point in one.points])
-    axes = {
-        "xaxis": _scale(name, np.array(ranked, dtype=float)) if are_numbers else axis(name, type="category"),
-        "yaxis": _scale("mean total error, °", means),
-    }
+        mean = None if np.isnan(point.mean_deg) else point.mean_deg
+        lines.setdefault(key, []).append((value if are_numbers else json.dumps(value), mean))
+    traces = [
+        {
+            "type": "scatter",
+            "x": [value for value, _ in means],
+            "y": [mean for _, mean in means],
+            "name": key or one.name,
+            "mode": "lines+markers" if are_numbers else "markers",
+            "line": {"color": colour if len(lines) == 1 else _COLOURS[at % len(_COLOURS)]},
+        }
+        for at, (key, means) in enumerate(lines.items())
+    ]
+    xaxis = _scale(name, np.array(ranked, dtype=float)) if are_numbers else axis(name, type="category")
+    yaxis = _scale("mean total error, °", np.array([point.mean_deg for point in one.points]))
     best = json.dumps(one.entry.parameters)
     caption = f"RMS of the total error on the runs of even number. The best point: {best}."
-    return html_page.figure(f"Grid of {one.name}", {"data": traces, "layout": layout(**axes)}, caption)
+    return figure(f"Grid of {one.name}", drawn(traces, xaxis=xaxis, yaxis=yaxis), caption)
 
 
 def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Standing, str]]) -> str:
@@ -195,11 +182,8 @@ def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Standing
         marker = {"color": colour, "size": 5, "opacity": 0.7}
         traces.append(line(points[~one.failed], one.name, colour, 1, mode="markers", marker=marker))
     errors = np.concatenate([one.scores["total_rms_deg"] for one, _ in shown])
-    axes = {
-        "xaxis": _scale(name, np.array([*values.values()], dtype=float)),
-        "yaxis": _scale("total error, °", errors),
-    }
-    return html_page.figure(f"Error over {name}", {"data": traces, "layout": layout(**axes)})
+    xaxis, yaxis = _scale(name, np.array([*values.values()], dtype=float)), _scale("total error, °", errors)
+    return figure(f"Error over {name}", drawn(traces, xaxis=xaxis, yaxis=yaxis))
 
 
 def _command(campaign: Campaign, run: int) -> str:

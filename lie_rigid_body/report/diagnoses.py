@@ -17,7 +17,7 @@ from lie_rigid_body.wording import counted
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_MISTAKES: Final = "{:<20} {:<18} {:>10} {:>10}  {}"
+_MISTAKES: Final = "{:<20} {:<18.18} {:>10} {:>10}  {}"
 _PROBES: Final = "{:<20} {:<8} {:>10}  "
 _SMALLEST_DEG: Final = 1e-4
 """Smallest error that is drawn, degrees."""
@@ -25,19 +25,13 @@ _COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#333333")
 """Distinct in every kind of colour vision."""
 
 
-def as_text(found: FilterDiagnosis) -> str:
-    """The sentences, the mistakes, the probes and the notes, without a final newline."""
-    return "\n".join(_lines(found))
-
-
-def _lines(found: FilterDiagnosis) -> Iterator[str]:
+def lines(found: FilterDiagnosis) -> Iterator[str]:
+    """Lines of the sentences, the mistakes, the probes and the notes for a terminal."""
     for sentence in found.sentences:
         yield from wrapped(sentence)
     if found.mistakes:
         yield from ("", _MISTAKES.format("mistake", "repair", "before", "after", "does as well"))
-    for m in found.mistakes:
-        numbers = degrees(m.rms_deg_before), degrees(m.rms_deg_after)
-        yield _MISTAKES.format(m.code, m.repair[:18], *numbers, ", ".join(m.or_else)).rstrip()
+        yield from (_MISTAKES.format(*cells).rstrip() for cells in _cells(found))
     if found.probes:
         yield from ("", _PROBES.format("probe", "", "value").rstrip())
     for p in found.probes:
@@ -50,50 +44,40 @@ def _lines(found: FilterDiagnosis) -> Iterator[str]:
     yield f"{counted(found.filter_runs, 'run')} of the filter."
 
 
+def _cells(found: FilterDiagnosis) -> list[tuple[str, ...]]:
+    """Code, repair, error before and after, and what does as well of each mistake."""
+    return [
+        (m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else))
+        for m in found.mistakes
+    ]
+
+
 def page(name: str, found: FilterDiagnosis) -> bytes:
-    """The page.
-
-    Parameters
-    ----------
-    name : str
-        What the filter is called.
-    found : FilterDiagnosis
-
-    Returns
-    -------
-    bytes
-        HTML.
-    """
-    return html_page.document(f"Diagnosis of {name}", _parts(found), with_figures=False)
-
-
-def _parts(found: FilterDiagnosis) -> Iterator[str]:
-    yield from (html_page.badge(sentence, passed=found.passed) for sentence in found.sentences)
-    if found.errors:
-        yield html_page.picture(lambda width: _draw(found, width))
-    if found.mistakes:
-        yield "<h2>Mistakes</h2>"
-        yield mistakes(found)
-    entries = (
+    """The page of the filter that is called so, as HTML."""
+    probes = [
         f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escape(p.message)}"
         for p in sorted(found.probes, key=lambda probe: probe.passed)
-    )
-    yield html_page.listing("Probes", entries)
-    yield html_page.listing("Notes", (f"<code>{note.code}</code> {escape(note.message)}" for note in found.notes))
-    yield from map(html_page.paragraph, found.remarks)
-    yield html_page.paragraph(
-        f"{found.filter_runs} runs of the filter, with perfect sensors but where a probe says otherwise. Nothing is "
-        f"looked for below {found.floor_deg:.2g}°, a tenth of the turn between two readings."
-    )
+    ]
+    notes = [f"<code>{note.code}</code> {escape(note.message)}" for note in found.notes]
+    parts = [
+        *(html_page.badge(sentence, passed=found.passed) for sentence in found.sentences),
+        html_page.picture(lambda width: _draw(found, width)) if found.errors else "",
+        f"<h2>Mistakes</h2>{mistakes(found)}" if found.mistakes else "",
+        html_page.listing("Probes", probes),
+        html_page.listing("Notes", notes),
+        *map(html_page.paragraph, found.remarks),
+        html_page.paragraph(
+            f"{found.filter_runs} runs of the filter, with perfect sensors but where a probe says otherwise. Nothing "
+            f"is looked for below {found.floor_deg:.2g}°, a tenth of the turn between two readings."
+        ),
+    ]
+    return html_page.document(f"Diagnosis of {name}", filter(None, parts))
 
 
 def mistakes(found: FilterDiagnosis) -> str:
     """Table of the mistakes as HTML."""
-    rows = [
-        ((m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else)), True)
-        for m in found.mistakes
-    ]
-    return html_page.table(("mistake", "repair", "error before", "error after", "does as well"), rows)
+    headings = ("mistake", "repair", "error before", "error after", "does as well")
+    return html_page.table(headings, [(cells, True) for cells in _cells(found)])
 
 
 def _draw(found: FilterDiagnosis, width: float) -> Figure:

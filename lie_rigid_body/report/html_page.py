@@ -7,13 +7,12 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
-from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from lie_rigid_body import __version__
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording import output_file
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.simulation import Segment
 
@@ -22,6 +21,13 @@ if TYPE_CHECKING:
 
 Figure = Mapping[str, Any]
 """A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
+
+_GRID: Final = "#E4E7EB"
+_FRAME: Final = "#8A97A8"
+_MARKS: Final = 6
+"""Largest number of decades that are labelled."""
+_FEW: Final = 50
+"""Number of points up to which each is marked on a line of time."""
 
 _STYLE: Final = """
 :root { color-scheme: light dark; --ink: #222; --paper: white; --line: #ddd; }
@@ -108,19 +114,7 @@ function project(plot, {times, duration, pictures}) {
 """
 
 
-def require_room(path: str, inputs: Iterable[str | Path], *, overwrite: bool) -> None:
-    """Refuse a page that could not be written after the work for it, or is an input, or where plotly is not installed.
-
-    Raises
-    ------
-    InputError, BagError
-    """
-    if not find_spec("plotly"):
-        raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
-    output_file.require_room(path, inputs, overwrite=overwrite)
-
-
-def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
+def document(title: str, parts: Iterable[str], *, with_figures: bool = False) -> bytes:
     """Make a page.
 
     Parameters
@@ -128,7 +122,7 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
     title : str
     parts : iterable of str
         HTML, of which all text from outside is escaped.
-    with_figures : bool
+    with_figures : bool, optional
         Whether some are by `figure`: then plotly.js is in the page.
 
     Returns
@@ -140,8 +134,9 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
     if with_figures:
         from plotly.offline import get_plotlyjs
 
-        scripts = [get_plotlyjs(), _DRAW]
-    allowed = " ".join(f"'sha256-{_sha256(script)}'" for script in scripts) or "'none'"
+        scripts += [get_plotlyjs(), _DRAW]
+    hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
+    allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
     text = "\n".join(
         [
@@ -160,10 +155,6 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool) -> bytes:
     return text.encode("utf-8", "backslashreplace")  # a file's name need not be Unicode
 
 
-def _sha256(script: str) -> str:
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-
-
 def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") -> str:
     """Make a figure that plotly.js draws.
 
@@ -179,21 +170,80 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
     from plotly.io import to_json
 
     data = str(to_json(content, validate=False)).replace("<", "\\u003c")
-    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
-    return (
-        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>'
-        f"{_controls(content['film']) if 'film' in content else ''}"
-        f'<script type="application/json">{data}</script>{below}</figure>'
-    )
-
-
-def _controls(film: Mapping[str, Any]) -> str:
-    times = film["times"]
-    return (
+    times = content.get("film", {}).get("times")
+    controls = times and (
         '<div class="controls"><button type="button">▶ play</button>'
         f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
         f"<output>{escape(times[0])}</output></div>"
     )
+    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    return (
+        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>{controls or ""}'
+        f'<script type="application/json">{data}</script>{below}</figure>'
+    )
+
+
+def drawn(traces: Sequence[Mapping[str, Any]], **layout: Any) -> dict[str, Any]:
+    """Figure of plotly.js: room for the axes and for a legend above them, and no more."""
+    look = {
+        "font": {"family": "sans-serif", "size": 12, "color": "#222"},
+        "margin": {"l": 10, "r": 24, "t": 28, "b": 10},
+        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "bottom"},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+    }
+    return {"data": traces, "layout": {**look, **layout}}
+
+
+def axis(title: str, **more: Any) -> dict[str, Any]:
+    """Axis of a plane figure."""
+    return {
+        "title": {"text": title, "standoff": 6},
+        "gridcolor": _GRID,
+        "zeroline": False,
+        "showline": True,
+        "linecolor": _FRAME,
+        "ticks": "outside",
+        "tickcolor": _FRAME,
+        "automargin": True,
+        "ticklabeloverflow": "allow",  # where all were hidden, plotly.js would put the title at infinity
+        **more,
+    }
+
+
+def logarithmic(title: str, values: Array) -> dict[str, Any]:
+    """Axis of powers of ten, of whole decades around positive values."""
+    found = np.log10(values[np.isfinite(values) & (values > 0.0)])
+    low, high = int(np.floor(found.min())), int(np.ceil(found.max() + 1e-9))
+    marks = {"dtick": -(-(high - low) // _MARKS), "exponentformat": "power"}
+    return axis(title, type="log", range=[low, high], **marks)
+
+
+def line(points: Array, name: str, colour: str, width: float, **more: Any) -> dict[str, Any]:
+    """Line through points of shape (N, 2) or (N, 3), in a plane or in space."""
+    kind = "scatter3d" if points.shape[-1] == 3 else "scatter"
+    look = {"mode": "lines", "line": {"color": colour, "width": width}}
+    return {"type": kind, "name": name, **look, **coordinates(points), **more}
+
+
+def over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:
+    """Line of values over time, with a mark at each where there are few."""
+    marks = {"mode": "lines+markers" if len(t) <= _FEW else "lines", "marker": {"color": colour, "size": 5}}
+    return line(np.stack([t, values], axis=-1), name, colour, 1.2, **{"cliponaxis": False, **marks, **more})
+
+
+def mark(point: Array, name: str, **look: Any) -> dict[str, Any]:
+    """Mark at a point of shape (2,) or (3,)."""
+    return line(point[np.newaxis], name, "black", 1, mode="markers", marker=look)
+
+
+def coordinates(points: Array) -> dict[str, Any]:
+    """Components of points of shape (..., 2) or (..., 3) by the names of the axes.
+
+    They have six digits, which take less room in a page and are as many as a screen needs.
+    """
+    short = np.array([float(f"{value:.6g}") for value in points.ravel()]).reshape(points.shape)
+    return dict(zip("xyz", np.moveaxis(short, -1, 0), strict=False))
 
 
 def picture(draw: Callable[[float], MatplotlibFigure]) -> str:
@@ -220,19 +270,18 @@ def paragraph(text: str) -> str:
 def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
     """Table of plain text; each row comes with whether it passed."""
     head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
-    lines = [
+    body = "".join(
         f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
         for cells, passed in rows
-    ]
-    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
+    )
+    return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
     """List of HTML under a heading; if there is no item, a sentence or nothing."""
     entries = "".join(f"<li>{item}</li>" for item in items)
-    if entries:
-        return f"<h2>{heading}</h2><ul>{entries}</ul>"
-    return f"<h2>{heading}</h2><p>{empty}</p>" if empty else ""
+    content = f"<ul>{entries}</ul>" if entries else empty and f"<p>{empty}</p>"
+    return content and f"<h2>{heading}</h2>{content}"
 
 
 def scenario(segment: Segment) -> str:

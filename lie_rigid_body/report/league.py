@@ -9,42 +9,36 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.evaluation.score import wrapped
-from lie_rigid_body.league import CASES, GRADES, FilterRow, LeagueTable, standing
+from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
 
-HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
-_COLUMNS: Final = "{:<42} {:>4} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}"
-_LONGEST_NAME: Final = 42
+_HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
+_COLUMNS: Final = "{:<42.42} {:>4} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}"
 _OWN: Final = "> "
 """Mark of one's own rows."""
 
 
-def as_text(table: LeagueTable, own: Sequence[FilterRow]) -> str:
-    """The table with marks at one's own rows, and a paragraph for each of these."""
-    return "\n".join(_lines(table, own))
-
-
-def _lines(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
-    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {table.edition}."
-    yield _COLUMNS.format(*HEADINGS).rstrip()
+def lines(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
+    """Lines of the table for a terminal, with marks at one's own rows, and a paragraph for each of these."""
+    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {EDITION}."
+    yield _COLUMNS.format(*_HEADINGS).rstrip()
     for row in table.rows:
-        name, *others = cells(table, row)
-        yield _COLUMNS.format((_OWN * (row in own) + name)[:_LONGEST_NAME], *others)
-    yield _COLUMNS.format(table.best_possible.name, "", *numbers(table.best_possible))
+        name, *others = _cells(table, row)
+        yield _COLUMNS.format(_OWN * (row in own) + name, *others)
+    yield _COLUMNS.format(*_cells(table, table.best_possible))
     for row in own:
-        yield ""
-        yield from wrapped(standing(table, row))
+        yield from ("", *wrapped(standing(table, row)))
 
 
-def cells(table: LeagueTable, row: FilterRow) -> list[str]:
-    """Name, rank and errors of a row, for every table; a star marks filters that see later readings."""
-    return [row.name + " *" * row.sees_future, f"{table.rank(row)}", *numbers(row)]
+def _cells(table: LeagueTable, row: FilterRow) -> list[str]:
+    """Name, rank and errors: the typical ones of each grade and with faults, and the overall one.
 
-
-def numbers(row: FilterRow) -> list[str]:
-    """Errors of a row: the typical ones of each grade and with faults, and the overall one."""
+    A star marks filters that see later readings; the best possible has no rank.
+    """
+    rank = f"{table.rank(row)}" if row in table.rows else ""
     typical = [row.typical_deg(grade) for grade in GRADES]
-    return [*map(angle, (*typical, row.typical_deg("mems", faults=True), row.overall_deg))]
+    errors = (*typical, row.typical_deg("mems", faults=True), row.overall_deg)
+    return [row.name + " *" * row.sees_future, rank, *map(angle, errors)]
 
 
 def angle(degrees: float) -> str:
@@ -53,42 +47,29 @@ def angle(degrees: float) -> str:
 
 
 def page(table: LeagueTable, own: Sequence[FilterRow]) -> bytes:
-    """Make the page.
-
-    Parameters
-    ----------
-    table : LeagueTable
-    own : sequence of FilterRow
-        Rows of one's own, which are marked.
-
-    Returns
-    -------
-    bytes
-        HTML.
-    """
-    return html_page.document(f"League of attitude filters {table.edition}", _parts(table, own), with_figures=False)
-
-
-def _parts(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
-    yield from (html_page.paragraph(standing(table, row)) for row in own)
-    yield "<h2>Errors</h2>"
-    yield html_page.paragraph(
-        "RMS of the total error from 30 s on, degrees: medians over the cases of a grade of sensors. Filters are "
-        "ranked by the geometric mean over the grades of real sensors. A star marks those that see later readings."
-    )
-    rows = [(cells(table, row), row not in own) for row in table.rows]
-    yield html_page.table(HEADINGS, [*rows, ([table.best_possible.name, "", *numbers(table.best_possible)], True)])
-    yield f"<h2>Every case</h2>{_heat_map(table)}"
+    """The page as HTML, on which one's own rows are marked."""
+    rows = [(_cells(table, row), row not in own) for row in (*table.rows, table.best_possible)]
+    parts = [
+        *(html_page.paragraph(standing(table, row)) for row in own),
+        "<h2>Errors</h2>",
+        html_page.paragraph(
+            "RMS of the total error from 30 s on, degrees: medians over the cases of a grade of sensors. Filters are "
+            "ranked by the geometric mean over the grades of real sensors. A star marks those that see later readings."
+        ),
+        html_page.table(_HEADINGS, rows),
+        f"<h2>Every case</h2>{_heat_map(table)}",
+    ]
+    return html_page.document(f"League of attitude filters {EDITION}", parts)
 
 
 def _heat_map(table: LeagueTable) -> str:
     """A table of all errors, each cell in a shade of its size."""
     head = "".join(f'<th class="case"><span>{case}</span></th>' for case in CASES)
-    lines = []
+    rows = []
     for row in table.rows:
-        errors = [row.results[str(case)].total_deg for case in CASES]
-        lines.append(f"<tr><td>{escape(row.name)}</td>{''.join(map(_shaded, errors))}</tr>")
-    body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(lines)}</tbody>"
+        cells = "".join(_shaded(row.results[str(case)].total_deg) for case in CASES)
+        rows.append(f"<tr><td>{escape(row.name)}</td>{cells}</tr>")
+    body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
     return f'<div class="table heat"><table>{body}</table></div>'
 
 

@@ -2,53 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from functools import singledispatch
 from html import escape
 
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.score import verdict
-from lie_rigid_body.report import certificate_text, diagnoses, html_page, scores
+from lie_rigid_body.report import certificates, diagnoses, html_page, scores
 from lie_rigid_body.runs import Run
 
 
-@singledispatch
-def html(result: object) -> str:
+def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
     """HTML of a result that tells what a person wants to know first, without a picture."""
-    raise NotImplementedError
+    match result:
+        case Score():
+            found = [f"{finding.code}: {finding.message}" for finding in result.findings]
+            sentences, parts = [*verdict(result), scores.summary(result), *found], scores.tables(result)
+        case Certificate():
+            sentences, parts = (
+                [certificates.verdict(result)],
+                [certificates.law_table((law, None) for law in result.laws)],
+            )
+        case FilterDiagnosis():
+            probes = [((p.code, "passed" if p.passed else "FAILED", p.message), p.passed) for p in result.probes]
+            sentences, parts = (
+                result.sentences,
+                [diagnoses.mistakes(result), html_page.table(("probe", "", ""), probes)],
+            )
+        case Run(t_s=t_s):
+            span = f"{t_s[-1] - t_s[0]:.6g} s from {t_s[0]:.13g} s on" if len(t_s) else "nothing"
+            sentences, parts = [f"Run of {span}"], [_arrays(result)]
+    first, *others = map(escape, sentences)
+    return "".join([f"<p><strong>{first}</strong></p>", *(f"<p>{text}</p>" for text in others), *parts])
 
 
-@html.register
-def _(score: Score) -> str:
-    found = [f"{finding.code}: {finding.message}" for finding in score.findings]
-    return _shown([*verdict(score), scores.summary(score), *found], scores.tables(score))
-
-
-@html.register
-def _(certificate: Certificate) -> str:
-    rows = [(certificate_text.law_cells(law, None), law.holds) for law in certificate.laws]
-    return _shown([certificate_text.verdict(certificate)], [html_page.table(certificate_text.HEADINGS, rows)])
-
-
-@html.register
-def _(found: FilterDiagnosis) -> str:
-    probes = [((p.code, "passed" if p.passed else "FAILED", p.message), p.passed) for p in found.probes]
-    return _shown(found.sentences, [diagnoses.mistakes(found), html_page.table(("probe", "", ""), probes)])
-
-
-@html.register
-def _(run: Run) -> str:
+def _arrays(run: Run) -> str:
+    """Table of the arrays of a run."""
     rows = [("truth", str(len(run.t_ns)), "t_ns, attitude_xyzw, body_rate")] if run.truth else []
     for name, readings in run.sensors.items():
         told = [array for array, values in vars(readings).items() if values is not None]
         rows.append((name, str(len(readings.t_ns)), ", ".join(told)))
-    span = f"{run.t_s[-1] - run.t_s[0]:.6g} s from {run.t_s[0]:.13g} s on" if len(run.t_ns) else "nothing"
-    return _shown([f"Run of {span}"], [html_page.table(("", "samples", "arrays"), [(row, True) for row in rows])])
-
-
-def _shown(sentences: Sequence[str], parts: Iterable[str]) -> str:
-    """Sentences, the first in bold, above parts."""
-    first, *others = (escape(sentence) for sentence in sentences)
-    return "".join([f"<p><strong>{first}</strong></p>", *(f"<p>{text}</p>" for text in others), *parts])
+    return html_page.table(("", "samples", "arrays"), [(row, True) for row in rows])

@@ -12,9 +12,8 @@ from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.report import html_page, residual_figures
-from lie_rigid_body.report.certificate_text import as_json as certificate_json
-from lie_rigid_body.report.certificate_text import of_limit, wrapped
+from lie_rigid_body.report import certificates, figures, html_page
+from lie_rigid_body.report.certificates import of_limit, wrapped
 from lie_rigid_body.wording import counted, printable, short_repr, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
@@ -73,21 +72,18 @@ def as_table(verdicts: Sequence[Verdict]) -> str:
 
 
 def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
-    """JSON-serialisable data: numbers of the verdicts, and for each bag or body what it has alone."""
+    """Data for JSON: numbers of the verdicts, and for each bag or body what it has alone."""
     counts = Counter(verdict.status for verdict in verdicts)
     return {
         "passed": all(verdict.status == console.SUCCESS for verdict in verdicts),
-        "certified": counts[console.SUCCESS],
-        "broken": counts[console.BROKEN],
-        "unusable": counts[console.UNUSABLE],
-        "bags": [_json(verdict) for verdict in verdicts],
+        **{name.lower(): counts[status] for status, name in _VERDICTS.items()},
+        "bags": [
+            {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}
+            if verdict.certificate is None
+            else certificates.as_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
+            for verdict in verdicts
+        ],
     }
-
-
-def _json(verdict: Verdict) -> dict[str, object]:
-    if verdict.certificate is None:
-        return {"bag": verdict.bag, "body": verdict.body, "passed": None, "error": verdict.reason}
-    return certificate_json(verdict.bag, verdict.certificate) | {"body": verdict.body}
 
 
 def _row(verdict: Verdict) -> str:
@@ -105,15 +101,18 @@ def _worst_law(certificate: Certificate) -> LawResult:
 
 
 def _summary(verdicts: Sequence[Verdict]) -> str:
-    counts = Counter(verdict.status for verdict in verdicts)
     number = counted(len(verdicts), "bag") if kind_of(verdicts) == "bags" else f"{len(verdicts)} bodies"
-    if counts[console.SUCCESS] < len(verdicts):
-        return (
-            f"NOT CERTIFIED: of {number} {counts[console.SUCCESS]} are certified, "
-            f"{counts[console.BROKEN]} broken, {counts[console.UNUSABLE]} unusable."
-        )
-    worst = max(verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate is not None)
-    return f"CERTIFIED: {'all ' * (len(verdicts) > 1)}{number}, attitude within {worst:.2g} rad of the exact motion."
+    right = [
+        verdict.certificate.attitude_accuracy for verdict in verdicts if verdict.certificate and not verdict.status
+    ]
+    if len(right) == len(verdicts):
+        every = "all " * (len(verdicts) > 1)
+        return f"CERTIFIED: {every}{number}, attitude within {max(right):.2g} rad of the exact motion."
+    counts = Counter(verdict.status for verdict in verdicts)
+    return (
+        f"NOT CERTIFIED: of {number} {len(right)} are certified, "
+        f"{counts[console.BROKEN]} broken, {counts[console.UNUSABLE]} unusable."
+    )
 
 
 def kind_of(verdicts: Sequence[Verdict]) -> str:
@@ -125,8 +124,7 @@ def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """Lines about what is broken worst in each bag, of not too many."""
     broken = [(v.name, v.certificate) for v in verdicts if v.certificate is not None and not v.certificate.passed]
     for name, certificate in broken[:_MOST_TOLD]:
-        others = len(certificate.messages) - 1
-        more = f" ({others} more)" if others else ""
+        more = f" ({len(certificate.messages) - 1} more)" if len(certificate.messages) > 1 else ""
         yield wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
@@ -138,12 +136,16 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     for verdict in verdicts:
         for text in verdict.certificate.uncovered if verdict.certificate else ():
             found.setdefault(_NUMBERS.sub("", text), []).append((verdict, text))
-    count, lines = len({verdict.bag for verdict in verdicts}), []
+    lines, count = [], len({verdict.bag for verdict in verdicts})
     for what, places in found.items():
-        texts, bags = {text for _, text in places}, {verdict.bag for verdict, _ in places}
-        first = places[0][0].name if len(places) == 1 else places[0][0].bag
-        where = shortened(printable(first)) if len(bags) == 1 else f"{len(bags)} of {count} bags"
-        lines.append(f"{texts.pop() if len(texts) == 1 else what} ({where})")
+        (first, text), *others = places
+        bags = {verdict.bag for verdict, _ in places}
+        where = (
+            f"{len(bags)} of {count} bags"
+            if len(bags) > 1
+            else shortened(printable(first.bag if others else first.name))
+        )
+        lines.append(f"{text if all(other == text for _, other in others) else what} ({where})")
     more = len(lines) - _MOST_TOLD
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
@@ -171,10 +173,8 @@ class Line:
     @property
     def worst(self) -> tuple[str, str]:
         """Law that came nearest to its limit, or went farthest beyond, and its residual as a share of the limit."""
-        if not self.residuals:
-            return "", ""
-        name, (worst, limit) = max(self.residuals.items(), key=lambda item: _share(*item[1]))
-        return name, of_limit(worst, limit)
+        name, (worst, limit) = max(self.residuals.items(), key=lambda law: _share(*law[1]), default=("", (0.0, 0.0)))
+        return name, of_limit(worst, limit) if name else ""
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -208,15 +208,16 @@ def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
         HTML.
     """
     judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
-    unusable = [verdict.reason for verdict in verdicts if verdict.certificate is None]
     broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
     if len(broken) > MOST_MESSAGES:
         broken[MOST_MESSAGES:] = [f"and {len(broken) - MOST_MESSAGES} more"]
-    more = [
-        html_page.listing("Broken laws", map(escape, broken)),
-        html_page.listing("Not certified, besides what is not of any bag", map(escape, uncovered(verdicts))),
-        html_page.listing("Not judged", map(escape, unusable)),
-    ]
+    unusable = [verdict.reason for verdict in verdicts if verdict.certificate is None]
+    told = {
+        "Broken laws": broken,
+        "Not certified, besides what is not of any bag": uncovered(verdicts),
+        "Not judged": unusable,
+    }
+    more = [html_page.listing(heading, map(escape, sentences)) for heading, sentences in told.items()]
     lines = [Line((name,), each.passed, each.attitude_accuracy, each.residuals) for name, each in judged]
     return page(title, kind_of(verdicts), ("bag",), lines, more, len(unusable))
 
@@ -253,17 +254,12 @@ def page(
     bytes
         HTML.
     """
-    count = len(lines) + unusable
-    accuracies = [line.accuracy for line in lines if line.certified]
-    certified = len(accuracies)
-    whose = "Attitudes" if certified == count else f"The attitudes of the {what} that are certified"
+    count, accuracies = len(lines) + unusable, [line.accuracy for line in lines if line.certified]
+    whose = "Attitudes" if len(accuracies) == count else f"The attitudes of the {what} that are certified"
+    within = f"{whose} are within {max(accuracies, default=0.0):.2g} rad of the exact motion."
     parts = [
-        html_page.badge(f"{certified} of {count} {what} CERTIFIED", passed=certified == count),
-        *(
-            [html_page.paragraph(f"{whose} are within {max(accuracies):.2g} rad of the exact motion.")]
-            if accuracies
-            else []
-        ),
+        html_page.badge(f"{len(accuracies)} of {count} {what} CERTIFIED", passed=len(accuracies) == count),
+        *([html_page.paragraph(within)] if accuracies else []),
         *first,
         *_distributions(what, lines),
         *more,
@@ -273,9 +269,11 @@ def page(
 
 
 def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:
-    names = dict.fromkeys(name for line in lines for name in line.residuals)
-    laws = [(name, [line.residuals[name] for line in lines if name in line.residuals]) for name in names]
-    if panels := list(residual_figures.distributions(laws, what)):
+    laws: dict[str, list[Sequence[float]]] = {}
+    for line in lines:
+        for name, pair in line.residuals.items():
+            laws.setdefault(name, []).append(pair)
+    if panels := list(figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"
         yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
         yield html_page.grid(panels)
@@ -287,6 +285,6 @@ def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterato
         shown = {id(line) for line in sorted(lines, key=lambda line: line.rank)[:MOST_LINES]}
         yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
         lines = [line for line in lines if id(line) in shown]
-    yield html_page.table(
-        (*headings[:1], "", *headings[1:], "worst law", "of limit", "attitude, rad"), [line.row for line in lines]
-    )
+    own, *others = headings
+    head = (own, "", *others, "worst law", "of limit", "attitude, rad")
+    yield html_page.table(head, [line.row for line in lines])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -84,16 +84,15 @@ def curve_style(count: int, width: float) -> dict[str, Any]:
     return {"lw": 0.5 * width, "alpha": 0.6} if count > MANY_SAMPLES else {"lw": width}
 
 
+@np.errstate(invalid="ignore", over="ignore")  # recorded numbers may be anything
 def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Booleans]:
     """States at some places of a segment, of unit quaternions, and which places have one that can be drawn.
 
     Left out are attitudes that are zero or not finite, and rates far beyond those of the motion.
     """
     attitude, rate = piece.states.attitude_xyzw[places], piece.states.body_rate[places]
-    with np.errstate(invalid="ignore", over="ignore"):  # recorded numbers may be anything
-        norms = np.linalg.norm(attitude, axis=1)
-        sane = np.isfinite(norms) & (norms > 0.0)
-        sane &= (np.abs(rate) <= _FAR * piece.segment.scenario.rate_bound()).all(axis=1)
+    norms, largest = np.linalg.norm(attitude, axis=1), np.abs(rate).max(axis=1)
+    sane = np.isfinite(norms) & (norms > 0.0) & (largest <= _FAR * piece.segment.scenario.rate_bound())
     return State.trusted(attitude[sane] / norms[sane, np.newaxis], rate[sane]), np.asarray(sane)
 
 
@@ -106,23 +105,20 @@ def path(piece: RecordedSegment, most: int) -> State:
     return states[:most]
 
 
-class View(NamedTuple):
-    """Direction from which something is seen in space: elevation and azimuth, degrees."""
+View: TypeAlias = tuple[float, float]
+"""Direction from which something is seen in space: elevation and azimuth, degrees."""
 
-    elevation: float
-    azimuth: float
 
-    @property
-    def axes(self) -> tuple[Array, Array, Array]:
-        """Unit vectors towards the eye, to the right and up."""
-        e, a = np.radians(self)
-        eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-        right = np.array([-np.sin(a), np.cos(a), 0.0])
-        return eye, right, np.cross(eye, right)
+def screen(view: View) -> tuple[Array, Array, Array]:
+    """Unit vectors towards the eye, to the right and up."""
+    e, a = np.radians(view)
+    eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return eye, right, np.cross(eye, right)
 
 
 VIEWS: Final = tuple(
-    View(elevation, quarter + azimuth)
+    (elevation, quarter + azimuth)
     for elevation in (24.0, 45.0, -24.0)
     for quarter in (0.0, 90.0, 180.0, 270.0)
     for azimuth in (35.0, 20.0, 55.0, 70.0)
@@ -171,7 +167,7 @@ class Ellipsoid:
 
     def faces(self, points: Array, view: View) -> Booleans:
         """Whether the surface at each of its points, shape (N, 3), faces the eye."""
-        return np.asarray((points / self.radii**2) @ view.axes[0] >= 0.0)
+        return np.asarray((points / self.radii**2) @ screen(view)[0] >= 0.0)
 
     def best_view(self) -> View:
         """View from which most of the polhode is in front, and widest."""
@@ -179,10 +175,10 @@ class Ellipsoid:
 
         def merit(view: View) -> tuple[float, float]:
             in_front = float(np.mean(self.faces(points, view)))
-            seen = (points / self.radii.max()) @ np.stack(view.axes[1:], axis=-1)
+            seen = (points / self.radii.max()) @ np.stack(screen(view)[1:], axis=-1)
             # the lesser of the two widths of the curve on the screen: 0 if it is seen as a chord
             width = float(np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)[-1]) / len(seen) ** 0.5
-            usual = 1.0 if view.elevation > 0.0 else _FROM_BELOW
+            usual = 1.0 if view[0] > 0.0 else _FROM_BELOW
             return round(usual * in_front * width, 9), usual * in_front
 
         return max(VIEWS, key=merit)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.report.drawing import drawable
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
@@ -23,27 +26,24 @@ from lie_rigid_body.report.recorded_motion import (
     RED,
     SURFACE,
     Ellipsoid,
-    View,
     curve_style,
     reset_times,
     times,
 )
 from lie_rigid_body.wording import counted
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, SubFigure
-    from mpl_toolkits.mplot3d.axes3d import Axes3D
-
 INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
 
+_LARGEST: Final = 1e300
+"""Largest number that is drawn: the length of an axis is a number as well."""
 _SHORT_NUMBER: Final = 3
 """Number of characters of a number that keeps clear of its axis at the usual distance."""
 _TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0
 """Distances of numbers and label from an axis, and half of a digit's width, points."""
 
 
+@np.errstate(all="ignore")  # recorded numbers may be anything
 def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     """Draw a recording.
 
@@ -61,24 +61,27 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     BagError
         If none is left.
     """
-    from matplotlib.figure import Figure
-
     pieces = [piece for piece in pieces if len(piece.samples)]
     if not pieces:
         raise BagError("no sample has both a pose and a twist of the same stamp: record both topics together")
     figure = Figure(figsize=(13.0, 7.6), dpi=120, layout="constrained")
     halves: Any = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), wspace=0.05)
     over_time, of_space = halves
-    curves = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
+    rate, energy, momentum = curves = over_time.subplots(3, 1, sharex=True, height_ratios=(1.35, 1.0, 1.0))
     whose = "first segment: " if len(pieces) > 1 else ""
-    _draw_rate(curves[0], pieces)
-    _draw_drifts(curves[1], curves[2], pieces)
+    _draw_rate(rate, pieces)
+    _draw_drifts(energy, momentum, pieces)
     _draw_polhode(of_space, pieces[0], whose)
+    resets = reset_times(pieces)
+    # many are short marks at the upper edge
+    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MOST_RESETS else (0.95, {"lw": 0.6})
     for axes in curves:
+        if axes is not energy:  # above the axes it hides nothing
+            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
         axes.grid(alpha=0.3, lw=0.6)
         axes.margins(x=0.0)
         axes.label_outer()
-        _mark_resets(axes, reset_times(pieces))
+        axes.vlines(resets, lowest, 1.0, transform=axes.get_xaxis_transform(), color="black", **look)
     figure.suptitle(_title(pieces, whose), fontsize=11)
     return figure
 
@@ -88,35 +91,36 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
         t = times(piece.stamps_ns, pieces)
         for name, colour, rates in zip("xyz", COLOURS, piece.states.body_rate.T, strict=True):
             label = rf"$\omega_{name}$" if piece is pieces[0] else None
-            axes.plot(t, drawable(rates), color=colour, label=label, **curve_style(piece.count, 1.4))
+            axes.plot(t, _drawable(rates), color=colour, label=label, **curve_style(piece.count, 1.4))
     axes.set_ylabel("body rate [rad/s]")
-    _add_legend(axes)
 
 
 def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]) -> None:
-    t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
-    drifts = np.concatenate([_drifts(piece) for piece in pieces])
+    """Draw relative changes of kinetic energy and world momentum since the start."""
+    t, changes = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces]), []
+    for piece in pieces:
+        body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
+        H, L = float(body.kinetic_energy(start)), body.angular_momentum(start)
+        of_energy = (body.kinetic_energy(piece.states) - H) / (H or 1.0)
+        of_momentum = (body.angular_momentum(piece.states) - L) / (float(so3.norm(L)) or 1.0)
+        changes.append(np.column_stack([of_energy, of_momentum]))
+    drifts = np.concatenate(changes)
     _draw_envelope(energy, t, drifts[:, 0], GREY)
+    for name, colour, drift in zip("xyz", COLOURS, drifts[:, 1:].T, strict=True):
+        _draw_envelope(momentum, t, drift, colour, rf"$L_{name}$")
     energy.set_ylabel("energy drift\n$(H - H_0)/H_0$")
-    for i, (name, colour) in enumerate(zip("xyz", COLOURS, strict=True), 1):
-        _draw_envelope(momentum, t, drifts[:, i], colour, rf"$L_{name}$")
     momentum.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
     momentum.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{INTERVALS}")
-    _add_legend(momentum)
 
 
-def _drifts(piece: RecordedSegment) -> Array:
-    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4)."""
-    body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
-    H, L = float(body.kinetic_energy(start)), body.angular_momentum(start)
-    energy = (body.kinetic_energy(piece.states) - H) / (H or 1.0)
-    momentum = (body.angular_momentum(piece.states) - L) / (float(so3.norm(L)) or 1.0)
-    return np.column_stack([energy, momentum])
+def _drawable(values: Array) -> Array:
+    """Numbers that an axis can have, NaN in place of those that are too large."""
+    return np.where(np.abs(values) < _LARGEST, values, np.nan)
 
 
 def _draw_envelope(axes: Axes, t: Array, values: Array, colour: str, label: str | None = None) -> None:
     """Draw the smallest and the largest value in each interval of time, as a band: others are seen through it."""
-    t, lowest, highest = map(drawable, envelope(t, values))
+    t, lowest, highest = map(_drawable, envelope(t, values))
     axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
     axes.plot(t, lowest, color=colour, lw=0.9, **(DOTS if len(t) <= FEW_SAMPLES else {}))
     axes.plot(t, highest, color=colour, lw=0.9, label=label)
@@ -141,11 +145,6 @@ def envelope(t: Array, values: Array) -> tuple[Array, Array, Array]:
     return 0.5 * (t[first] + t[last]), np.minimum.reduceat(values, first), np.maximum.reduceat(values, first)
 
 
-def _add_legend(axes: Axes) -> None:
-    """Add a legend above the axes, where it hides nothing."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
-
-
 def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None:
     axes: Axes3D = figure.add_subplot(projection="3d")
     ellipsoid = Ellipsoid.of(piece, MANY_SAMPLES)
@@ -157,9 +156,13 @@ def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None
     axes.view_init(*view)
     axes.set_proj_type("ortho")
     axes.plot_surface(*ellipsoid.surface(), color=SURFACE, alpha=0.5, linewidth=0, antialiased=False, shade=False)
-    for circle in ellipsoid.principal_circles():
-        _draw_on_surface(axes, ellipsoid, circle, view, color=CIRCLES, lw=0.7)
-    _draw_on_surface(axes, ellipsoid, ellipsoid.polhode, view, color=RED, lw=2.6)
+    on_surface = [(circle, CIRCLES, 0.7) for circle in ellipsoid.principal_circles()]
+    for points, colour, width in [*on_surface, (ellipsoid.polhode, RED, 2.6)]:
+        facing = ellipsoid.faces(points, view)
+        for visible, alpha in ((False, 0.25), (True, 1.0)):  # faint behind, as the renderer sorts no lines by depth
+            part = np.where((facing == visible)[:, np.newaxis], points, np.nan)
+            look = {"color": colour, "lw": width, "alpha": alpha, "zorder": 10 if visible else 1}
+            axes.plot(*part.T, solid_capstyle="round", **look)
     axes.plot(*ellipsoid.polhode[:1].T, marker="o", ms=6, color=RED, mec="white", zorder=20)
     _label_axes(axes, ellipsoid.radii)
     # words of the figure: axes in space do not keep to their frame, as those seen from below have labels above it
@@ -170,18 +173,8 @@ def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None
     figure.supxlabel("dot: first sample; faint: behind", fontsize=9)
 
 
-def _draw_on_surface(axes: Axes3D, ellipsoid: Ellipsoid, points: Array, view: View, **look: Any) -> None:
-    """Draw a curve on the ellipsoid, faint where it runs behind, as the renderer does not sort lines by depth."""
-    facing = ellipsoid.faces(points, view)
-    for visible, alpha in ((False, 0.25), (True, 1.0)):
-        part = np.where((facing == visible)[:, np.newaxis], points, np.nan)
-        axes.plot(*part.T, alpha=alpha, zorder=10 if visible else 1, solid_capstyle="round", **look)
-
-
 def _label_axes(axes: Axes3D, radii: Array) -> None:
     """Label the axes; of slow and fast motions in units of a power of 1000, so that numbers are short."""
-    from matplotlib.ticker import FuncFormatter, MaxNLocator
-
     reach = 1.05 * radii
     axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), zlim=(-reach[2], reach[2]))
     axes.set_box_aspect(tuple(float(r) for r in radii / radii.max()), zoom=0.88)
@@ -195,12 +188,6 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
         axis.set_tick_params(pad=_TICK_PAD + beyond)
         axis.set_label_text(f"$\\omega_{i}$ [{unit}]")
         axis.labelpad = _LABEL_PAD + 2.0 * beyond
-
-
-def _mark_resets(axes: Axes, t: Array) -> None:
-    """Mark the resets by lines through the curves; many by short marks at the upper edge."""
-    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(t) <= MOST_RESETS else (0.95, {"lw": 0.6})
-    axes.vlines(t, lowest, 1.0, transform=axes.get_xaxis_transform(), color="black", **look)
 
 
 def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:

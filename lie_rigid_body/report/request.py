@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed, printable
+from lie_rigid_body.wording import listed
 
 if TYPE_CHECKING:
     from lie_rigid_body.evaluation import Score
@@ -26,6 +25,66 @@ Without RUN it follows the estimate on a topic of ROS 2 while it runs, until Ctr
 says the score. The topics are named after --ros-args: -r estimate:=/imu/data, and where the truth is not found by
 itself -r truth:=TOPIC, a scenario or poses. Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score.
 """
+_ARGUMENTS: Final = (
+    console.argument(
+        "run",
+        metavar="RUN",
+        type=console.path,
+        nargs="?",
+        help="an MCAP file, or a folder that 'ros2 bag record' made",
+    ),
+    console.argument(
+        "--estimate",
+        metavar="TOPIC",
+        action="append",
+        help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
+        "several are compared",
+    ),
+    console.argument("--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"),
+    console.TOPIC,
+    console.argument("--json", action="store_true", help="print the score for programs"),
+    console.argument("--series", action="store_true", help="with --json: also the errors of every sample"),
+    console.argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time"),
+    console.argument(
+        "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
+    ),
+    console.argument(
+        "--out",
+        metavar="SCORED.mcap",
+        type=console.path,
+        help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
+    ),
+    console.argument(
+        "--max-rms",
+        metavar="ANGLE",
+        action="append",
+        default=[],
+        help="largest RMS of the total error, such as 1deg",
+    ),
+    console.argument(
+        "--max-after",
+        metavar="TIME:ANGLE",
+        action="append",
+        default=[],
+        help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
+    ),
+    console.argument(
+        "--covariance-axes",
+        choices=("world", "body"),
+        default="world",
+        help="what the covariance of the estimate is about (default: %(default)s)",
+    ),
+    console.argument("--force", action="store_true", help="replace outputs that exist"),
+    console.argument(
+        "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
+    ),
+    console.argument(
+        "--wait",
+        metavar="SECONDS",
+        type=float,
+        help="of topics: end when no estimate could be compared for so long",
+    ),
+)
 
 
 def is_live(argv: Sequence[str]) -> bool:
@@ -42,8 +101,9 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         If an option goes only with a bag, and there is none, or the other way round.
     """
     own, ros = console.split_ros_arguments(argv)
-    given = _parser().parse_args(own)
-    given.ros = ros
+    about = "Score and diagnose an attitude estimate against the truth."
+    parser = console.Parser("evaluate", about, *_ARGUMENTS, epilog=_EPILOG)
+    given = parser.parse_args(own, argparse.Namespace(ros=ros))
     live = given.run is None
     if ros and not live:
         raise InputError(f"--ros-args: {given.run} is read without ROS: leave it out, or leave out the bag")
@@ -52,80 +112,19 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
             remedy = f"remap the topic, --ros-args -r {remapped}:=TOPIC" if remapped and live else "leave it out"
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
-        _parser().error("the following arguments are required: --estimate")
+        parser.error("the following arguments are required: --estimate")
     if given.estimate and len(set(given.estimate)) < len(given.estimate):
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
-    if given.max_rms and len(given.max_rms) > 1:
+    if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
-    given.max_rms = given.max_rms[0] if given.max_rms else None
-    console.require_suffix("--plot", given.plot, ".png")
-    console.require_suffix("--report", given.report, ".html")
-    console.require_suffix("--out", given.out, ".mcap")
+    given.max_rms = next(iter(given.max_rms), None)
+    for option, path, suffix in (
+        ("--plot", given.plot, ".png"),
+        ("--report", given.report, ".html"),
+        ("--out", given.out, ".mcap"),
+    ):
+        console.require_suffix(option, path, suffix)
     return given
-
-
-def _parser() -> console.Parser:
-    return console.Parser(
-        "evaluate",
-        "Score and diagnose an attitude estimate against the truth.",
-        console.argument(
-            "run",
-            metavar="RUN",
-            type=console.path,
-            nargs="?",
-            help="an MCAP file, or a folder that 'ros2 bag record' made",
-        ),
-        console.argument(
-            "--estimate",
-            metavar="TOPIC",
-            action="append",
-            help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
-            "several are compared",
-        ),
-        console.argument(
-            "--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"
-        ),
-        console.TOPIC,
-        console.argument("--json", action="store_true", help="print the score for programs"),
-        console.argument("--series", action="store_true", help="with --json: also the errors of every sample"),
-        console.argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time"),
-        console.argument(
-            "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
-        ),
-        console.argument(
-            "--out",
-            metavar="SCORED.mcap",
-            type=console.path,
-            help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
-        ),
-        console.argument(
-            "--max-rms", metavar="ANGLE", action="append", help="largest RMS of the total error, such as 1deg"
-        ),
-        console.argument(
-            "--max-after",
-            metavar="TIME:ANGLE",
-            action="append",
-            default=[],
-            help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
-        ),
-        console.argument(
-            "--covariance-axes",
-            choices=("world", "body"),
-            default="world",
-            help="what the covariance of the estimate is about (default: %(default)s)",
-        ),
-        console.argument("--force", action="store_true", help="replace outputs that exist"),
-        console.argument(
-            "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
-        ),
-        console.argument(
-            "--wait",
-            metavar="SECONDS",
-            type=float,
-            help="of topics: end when no estimate could be compared for so long",
-        ),
-        epilog=_EPILOG,
-    )
 
 
 def require_room(given: argparse.Namespace) -> None:
@@ -166,35 +165,37 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     int
         The exit status.
     """
-    from lie_rigid_body.report import comparison, drawing, score_picture, scores
+    from lie_rigid_body.report import drawing, scores
 
-    files: dict[str, bytes] = {}
-    content: dict[str, object]
-    if len(scored) == 1:
-        ((read, score),) = scored
-        title = f"{source}: {read.track.topic}" if source else read.track.topic
-        if given.plot is not None:
-            files[given.plot] = drawing.png(score_picture.draw(title, score))
-        if given.report is not None:
-            files[given.report] = scores.page(title, read, score)
-        content = scores.as_json(source or None, read, score, series=given.series) if given.json else {}
-        text = scores.as_table(title, read, score)
-    else:
-        several = [comparison.Scored(*each) for each in scored]
-        if given.plot is not None:
-            files[given.plot] = drawing.png(comparison.draw(source, several))
-        if given.report is not None:
-            files[given.report] = comparison.page(source, several)
-        content = comparison.to_json(source, several, series=given.series) if given.json else {}
-        text = comparison.as_table(source, several)
+    (read, score), *others = scored
+    title = source if others else ": ".join(filter(None, (source, read.track.topic)))
+    written = [] if given.out is None else [given.out]
     if given.out is not None:
-        from lie_rigid_body.runs.scored_bag import write_scored
+        from lie_rigid_body.runs.recorded_estimate import write_scored
 
         write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
-        text += f"\nwrote {printable(given.out)}"
-    if given.json:
-        text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    drawing.answer(text, files, overwrite=given.force, named=not given.json)
+    if others:
+        drawing.answer(
+            given,
+            {
+                given.plot: lambda: drawing.png(scores.curves(title, scored)),
+                given.report: lambda: scores.page_of_several(title, scored),
+            },
+            lambda: scores.table_of_several(title, scored),
+            lambda: scores.json_of_several(source, scored, series=given.series),
+            written,
+        )
+    else:
+        drawing.answer(
+            given,
+            {
+                given.plot: lambda: drawing.png(scores.draw(title, score)),
+                given.report: lambda: scores.page(title, read, score),
+            },
+            lambda: scores.as_table(title, read, score),
+            lambda: scores.as_json(source or None, read, score, series=given.series),
+            written,
+        )
     return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
 
 
@@ -216,10 +217,10 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
         If the name ends otherwise, or the file exists or cannot be written.
     """
     from lie_rigid_body.recording.output_file import write_file
-    from lie_rigid_body.report import drawing, score_picture
+    from lie_rigid_body.report import drawing, scores
 
     console.require_suffix("path", str(path), ".png")
-    write_file(path, drawing.png(score_picture.draw(title, score)), overwrite=overwrite)
+    write_file(path, drawing.png(scores.draw(title, score)), overwrite=overwrite)
 
 
 def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:

@@ -1,26 +1,93 @@
-"""Scores: a table for people, JSON for programs, and a page that needs no other file and no network."""
+"""Scores of one estimate or of several: a table, JSON, a picture, and a page that needs no network."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
+from itertools import chain, combinations
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
+import numpy as np
+
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation import Score
+from lie_rigid_body.evaluation.attitudes import GAP
 from lie_rigid_body.evaluation.score import HEADINGS, angles, facts, findings, numbers, table, verdict, wrapped
+from lie_rigid_body.evaluation.statistics import Difference, of_run
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.score_picture import draw
+from lie_rigid_body.report.recorded_motion import COLOURS, RED, curve_style, extremes
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
-from lie_rigid_body.wording import printable
+from lie_rigid_body.wording import counted, printable, shortened
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Scored: TypeAlias = Sequence[tuple[RecordedEstimate, Score]]
+"""Estimates with their scores."""
+
+_HEADINGS: Final = ("estimate", "total", "heading", "inclination", "95 %", "converges", "lag", "NEES", "findings")
+_WIDTHS: Final = "{:<28} {:>9} {:>9} {:>11} {:>9} {:>9} {:>9} {:>7}  {}"
+_SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
+
+_BLACK, _BLUE, _ORANGE, _PINK, _GREEN = "#333333", "#0072B2", "#D55E00", "#CC79A7", "#009E73"
+"""Colours of curves, distinct in every kind of colour vision."""
+COLUMNS: Final = 2000
+"""Number of intervals of time of a long curve, so that no peak is lost."""
+_LONGEST_LINE: Final = 110
+"""Number of characters of a line of the title that the figure has room for."""
+_WIDE_SPAN: Final = 30.0
+"""Ratio of the largest error to the median above which the axis is logarithmic, and of a limit that is far beyond."""
+_DEEPEST: Final = 1e-6
+"""Least end of a logarithmic axis, as a share of the largest value."""
+_NARROW: Final = 5.0
+"""Width, inches, up to which a figure is for the screen of a phone."""
 
 
 def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
     """Lines of a score for a terminal, without a final newline."""
-    lines = [printable(title), *wrapped(extent(read, score)), ""]
-    lines += [*table(score), ""]
-    for note in read.notes:
-        lines += wrapped(note, "note: ")
-    lines += findings(score)
-    lines += [line for sentence in verdict(score) for line in wrapped(sentence)]
-    return "\n".join(lines)
+    notes = chain.from_iterable(wrapped(note, "note: ") for note in read.notes)
+    head = [printable(title), *wrapped(extent(read, score)), "", *table(score), "", *notes]
+    return "\n".join([*head, *findings(score), *_lines(verdict(score))])
+
+
+def table_of_several(title: str, scored: Scored) -> str:
+    """Lines of several scores for a terminal, without a final newline."""
+    rows = [_WIDTHS.format(*cells) for cells in (_HEADINGS, *(_cells(*each) for each in scored))]
+    return "\n".join([printable(title), "", *rows, "", *_lines(_sentences(scored))])
+
+
+def _lines(sentences: Iterable[str]) -> Iterator[str]:
+    return chain.from_iterable(map(wrapped, sentences))
+
+
+def _cells(read: RecordedEstimate, score: Score) -> list[str]:
+    """Cells of a score under `_HEADINGS`."""
+    converged, lag = score.time_to_converge_s, score.lag_s
+    return [
+        printable(read.track.topic),
+        *(f"{angle.rms:.4g}°" for angle in (score.total_deg, score.heading_deg, score.inclination_deg)),
+        f"{score.total_deg.p95:.4g}°",
+        "never" if converged is None else f"{converged:.3g} s",
+        "" if lag is None else f"{lag:+.2g} s",
+        "" if score.consistency is None else f"{score.consistency.mean:.3g}",
+        " ".join(finding.code for finding in score.findings),
+    ]
+
+
+def _sentences(scored: Scored) -> Iterator[str]:
+    """What is said of several scores: the difference of each pair, and the limits that are broken."""
+    yield from (f"{difference.sentence(*names)}." for names, difference in differences(scored))
+    for read, score in scored:
+        yield from (f"{read.track.topic}: {sentence}" for sentence in verdict(score) if not score.passed)
+
+
+def differences(scored: Scored) -> Iterator[tuple[tuple[str, str], Difference]]:
+    """Differences of the RMS of the total error, degrees, of every pair at the stamps that both have, by the topics."""
+    for (first, left), (second, right) in combinations(scored, 2):
+        _, of_left, of_right = np.intersect1d(left.stamps_ns, right.stamps_ns, return_indices=True)
+        errors = np.degrees(left.error.total[of_left]), np.degrees(right.error.total[of_right])
+        yield (first.track.topic, second.track.topic), of_run(*errors)
 
 
 def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bool) -> dict[str, object]:
@@ -29,16 +96,35 @@ def as_json(bag: str | None, read: RecordedEstimate, score: Score, *, series: bo
         "bag": bag,
         "topic": read.track.topic,
         "type": read.track.message_type,
-        "truth": read.source,
+        "truth": read.motion.source,
         **score.to_dict(series=series),
         "notes": list(read.notes),
+    }
+
+
+def json_of_several(bag: str, scored: Scored, *, series: bool) -> dict[str, object]:
+    """Data of several scores and of the differences of each pair, for JSON; an interval may be infinite."""
+    return {
+        "estimates": [as_json(bag, *each, series=series) for each in scored],
+        "differences": [
+            {
+                "first": first,
+                "second": second,
+                "value_deg": difference.value,
+                "low_deg": difference.low,
+                "high_deg": difference.high,
+                "sentence": difference.sentence("the first", "the second"),
+            }
+            for (first, second), difference in differences(scored)
+        ],
+        "passed": all(score.passed for _, score in scored),
     }
 
 
 def extent(read: RecordedEstimate | None, score: Score) -> str:
     """Sentence that says what was compared with what; without an estimate that was read for one in arrays."""
     kind = "attitudes" if read is None else read.track.message_type.replace("/msg/", "/")
-    source = "" if read is None else f" ({read.source})"
+    source = "" if read is None else f" ({read.motion.source})"
     first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds
     left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""
     return (
@@ -65,7 +151,7 @@ def tables(score: Score) -> list[str]:
 
 
 def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
-    """Make the page.
+    """Make the page of a score.
 
     Parameters
     ----------
@@ -83,12 +169,165 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
         *(html_page.badge(sentence, passed=score.passed) for sentence in verdict(score)),
         html_page.paragraph(summary(score)),
         html_page.picture(lambda width: draw("", score, width)),
-        html_page.listing("Findings", (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), "None."),
+        _findings("Findings", score, "None."),
         html_page.listing("Notes", map(escape, read.notes if read else ())),
         "<h2>Errors</h2>",
         *tables(score),
         html_page.paragraph(f"{extent(read, score)}."),
-        *map(html_page.scenario, read.segments if read else ()),
-        html_page.paragraph("Errors as defined by BROAD (Data 6(7):72, 2021)."),
+        *map(html_page.scenario, read.motion.segments if read else ()),
+        html_page.paragraph(f"{_SOURCE}."),
     ]
-    return html_page.document(title, parts, with_figures=False)
+    return html_page.document(title, parts)
+
+
+def page_of_several(title: str, scored: Scored) -> bytes:
+    """Make the page of several scores."""
+    parts = [
+        *map(html_page.paragraph, _sentences(scored)),
+        html_page.picture(lambda width: curves("", scored, width)),
+        *(_findings(escape(read.track.topic), score, "No findings.") for read, score in scored),
+        "<h2>Errors</h2>",
+        html_page.table(_HEADINGS, [(_cells(*each), each[1].passed) for each in scored]),
+        html_page.paragraph(f"{_SOURCE}; RMS and 95 % of the total error, degrees."),
+    ]
+    return html_page.document(title, parts)
+
+
+def _findings(heading: str, score: Score, none: str) -> str:
+    return html_page.listing(heading, (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), none)
+
+
+def draw(title: str, score: Score, width: float = 10.0) -> Figure:
+    """Figure of a score: the errors over time, with the limits, the NEES with its bounds, and the gyro's bias.
+
+    Parameters
+    ----------
+    title : str
+        It may hold anything; without one nothing is above the panels.
+    score : Score
+    width : float, optional
+        Width, inches; a narrow one is for the screen of a phone.
+    """
+    columns = 5 if width > _NARROW else 2
+    panels = [(_draw_total, "error [deg]", columns), (_draw_parts, "error [deg]", columns)]
+    panels += [(_draw_nees, "NEES", columns)] if score.consistency else []
+    panels += [(_draw_bias, "gyro bias [rad/s]", 3)] if score.gyro_bias else []
+    height = 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels)
+    rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
+    return _figure([title, rms], (width, height), panels, score)
+
+
+def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
+    """Figure of the total errors of several estimates, under their topics; see `draw`."""
+    columns = 2 if width > _NARROW else 1
+    size = (width, 3.4 + 0.25 * len(scored) / columns)
+    return _figure([title], size, [(_draw_several, "total error [deg]", columns)], scored, "left")
+
+
+def _figure(
+    titles: Sequence[str],
+    size: tuple[float, float],
+    panels: Sequence[tuple[Callable[[Axes, Any], None], str, int]],
+    content: Any,
+    side: str = "right",
+) -> Figure:
+    """Panels of some content one above the other: what draws each, the label of its axis, and columns of its legend."""
+    from lie_rigid_body.report.picture import Picture
+
+    figure, place = Picture(figsize=size, dpi=120, layout="constrained"), float(side == "right")
+    for (draw_panel, label, columns), axes in zip(
+        panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
+    ):
+        draw_panel(axes, content)
+        axes.margins(x=0.0)
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.3, lw=0.6)
+        axes.legend(loc=f"lower {side}", bbox_to_anchor=(place, 1.0), ncols=columns, frameon=False, borderaxespad=0.1)
+    axes.set_xlabel("time since the first estimate [s]")
+    if titles[0]:
+        # the names of a file and a topic may hold anything, and ``$`` is no formula
+        above = "\n".join(shortened(printable(title), _LONGEST_LINE) for title in titles)
+        figure.suptitle(above, fontsize=11, parse_math=False)
+    return figure
+
+
+def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width: float = 1.1, style: str = "-") -> None:
+    """Plot some thousand points of a curve, the smallest and the largest of their neighbours, and none in a gap."""
+    steps = np.diff(t_s)
+    behind = np.flatnonzero(steps > GAP * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.int64)
+    kept = np.union1d(extremes(t_s, values, COLUMNS), behind)
+    points = [np.insert(array[kept], np.searchsorted(kept, behind), np.nan) for array in (t_s, values)]
+    axes.plot(*points, color=colour, ls=style, label=label, **curve_style(len(values), width))
+
+
+def _draw_several(axes: Axes, scored: Scored) -> None:
+    """Draw the total error of each estimate."""
+    first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
+    for number, (read, score) in enumerate(scored):
+        label = f"{shortened(printable(read.track.topic), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
+        _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), label, f"C{number % 10}", 1.0)
+    _scale(axes, [np.degrees(score.error.total) for _, score in scored])
+
+
+def _draw_total(axes: Axes, score: Score) -> None:
+    """Draw the total error, the best by noise and the limits, on a logarithmic axis where one of these is shown."""
+    total, end = np.degrees(score.error.total), float(score.t_s[-1])
+    axes.set_xlim(0.0, end or 1.0)
+    drawn = [total]
+    _plot(axes, score.t_s, total, "total", _BLACK)
+    if score.best is not None and not score.best.unobserved:
+        drawn.append(score.best.filtered_deg)
+        _plot(axes, score.t_s, score.best.filtered_deg, "best by noise", _PINK)
+    rms = score.limits.max_rms_deg
+    limits = [] if rms is None else [(0.0, rms, ":", f"limit {rms:g}° rms")]
+    limits += [(start, limit, "-", f"limit {limit:g}° from {start:g} s") for start, limit in score.limits.max_after]
+    low, high = _scale(axes, drawn, [limit for _, limit, _, _ in limits])
+    for start, limit, style, name in limits:
+        where = ", far above" if limit > high else ", far below" if limit < low else ""
+        axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=f"{name}{where}")
+    if score.time_to_converge_s:
+        axes.axvline(score.time_to_converge_s, color=_GREEN, lw=1.0, ls="--", label="converged")
+
+
+def _draw_parts(axes: Axes, score: Score) -> None:
+    """Draw the heading and the inclination error."""
+    heading, inclination = np.degrees(score.error.heading), np.degrees(score.error.inclination)
+    _plot(axes, score.t_s, heading, "heading", _BLUE)
+    _plot(axes, score.t_s, inclination, "inclination", _ORANGE)
+    _scale(axes, [np.maximum(heading, inclination)])
+
+
+def _draw_nees(axes: Axes, score: Score) -> None:
+    if found := score.consistency:
+        _plot(axes, score.t_s, found.nees, "NEES", _BLACK, 0.9)
+        axes.axhspan(*found.bounds, color=_GREEN, alpha=0.2, lw=0.0, label=f"{found.probability:.0%} bounds")
+        axes.set_yscale("log")
+
+
+def _draw_bias(axes: Axes, score: Score) -> None:
+    """Draw the estimated biases of the gyro, each beside the true one."""
+    if bias := score.gyro_bias:
+        t_s = (bias.stamps_ns - score.stamps_ns[0]) / 1e9
+        for name, colour, estimate, truth in zip("xyz", COLOURS, bias.estimate.T, bias.truth.T, strict=True):
+            _plot(axes, t_s, estimate, f"estimated {name}", colour)
+            _plot(axes, t_s, truth, f"true {name}", colour, style="--")
+
+
+def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) -> tuple[float, float]:
+    """Choose the scale and the range of an axis of errors, and return its ends.
+
+    Several curves, or one and limits, may be of any sizes: they have a logarithmic axis. The range is that of the
+    curves, so that no limit flattens them: the legend alone tells of one that is far beyond.
+    """
+    top = max(float(curve.max()) for curve in curves)
+    positive = [curve[curve > 0.0] for curve in curves if (curve > 0.0).any()]
+    wide = top > _WIDE_SPAN * float(np.median(curves[0])) > 0.0
+    if not positive or not (wide or limits or len(curves) > 1):
+        high = 1.05 * top or 1.0
+        axes.set_ylim(0.0, high)
+        return 0.0, high
+    bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), _DEEPEST * top)
+    near = [limit for limit in limits if bottom / _WIDE_SPAN <= limit <= _WIDE_SPAN * top]
+    low, high = min([bottom, *near]) / 1.5, max([top, *near]) * 1.5
+    axes.set(yscale="log", ylim=(low, high))
+    return low, high

@@ -22,6 +22,7 @@ from typing import BinaryIO, Final
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.runs.node import Answered, Play
+from lie_rigid_body.runs.workers import questions, send
 from lie_rigid_body.system import lock
 from lie_rigid_body.wording import printable
 
@@ -35,14 +36,10 @@ _LONGEST_WORDS: Final = 100
 
 def main() -> None:
     """Play what is asked for on standard input."""
-    asked, reply = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1):
-        os.dup2(nowhere, stream)
+    asked, replies = questions()
     play = pickle.load(asked)
     Thread(target=_end_with, args=(asked,), daemon=True).start()
-    pickle.dump(_played(play), reply)
-    reply.flush()
+    send(replies, _played(play))
 
 
 def _end_with(asked: BinaryIO) -> None:
@@ -60,7 +57,7 @@ def _played(play: Play) -> Answered | str:
                 os.environ.update(
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
-                with _started(play.command, words) as require_alive:
+                with _started(play.node.command, words) as require_alive:
                     from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
 
                     try:

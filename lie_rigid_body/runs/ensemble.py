@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from itertools import count, islice
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Final, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
-from lie_rigid_body.motion import Motion
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, require_memory
 from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.simulation import Simulation, motions_of
-from lie_rigid_body.simulation.loop import Motions
-from lie_rigid_body.simulation.segment import SampleClock
+from lie_rigid_body.simulation import SampleClock, Simulation, motions_of
+from lie_rigid_body.simulation.loop import Latest
 from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300
@@ -110,7 +109,7 @@ def simulate(
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
     parameters = {**_start(start), **parameters}
-    given, chosen = _given(scenario, parameters), list[dict[str, object]]([{}])
+    given, chosen = {**_parameters(scenario), **parameters}, list[dict[str, object]]([{}])
     if seeds is not None:
         if "sensor_seed" in parameters:
             raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")
@@ -121,9 +120,14 @@ def simulate(
     if first.without_effect:
         warnings.warn(first.without_effect, stacklevel=2)
     _require_memory(first, length, len(chosen), memory_limit)
-    motions = motions_of if seeds is None else _shared()
-    runs = tuple(_run(one, length, motions) for one in [first, *scenarios])
-    return runs[0] if seeds is None else runs
+    motions = partial(motions_of, clocks=defaultdict(Latest))
+    simulations = [Simulation(one, motions=motions) for one in (first, *scenarios)]
+    end_ns = simulations[0].clock.last_ns_before(length)
+    runs = []
+    while simulations:
+        simulation = simulations.pop(0)  # of which nothing is kept but its run
+        runs.append(Run.of(simulation.take_until(end_ns, sys.maxsize), simulation.segment))
+    return runs[0] if seeds is None else tuple(runs)
 
 
 def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> Scenario:
@@ -133,7 +137,7 @@ def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str,
     ------
     InputError
     """
-    return Scenario.from_parameters(_given(scenario, parameters))
+    return Scenario.from_parameters({**_parameters(scenario), **parameters})
 
 
 def _start(start: State | None) -> dict[str, object]:
@@ -143,10 +147,6 @@ def _start(start: State | None) -> dict[str, object]:
     if not isinstance(start, State) or start.body_rate.shape != (3,):
         raise InputError(f"start {shown(start)} is no State of one instant: give State(attitude_xyzw, body_rate)")
     return {"initial_attitude_xyzw": start.attitude_xyzw.tolist(), "initial_body_rate": start.body_rate.tolist()}
-
-
-def _given(scenario: str | Path | Scenario | RigidBody | None, parameters: Mapping[str, object]) -> dict[str, object]:
-    return {**_parameters(scenario), **parameters}
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:
@@ -174,12 +174,6 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
     require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
 
 
-def _run(scenario: Scenario, duration: Fraction, motions: Motions) -> Run:
-    simulation = Simulation(scenario, motions=motions)
-    taken = simulation.take_until(simulation.clock.last_ns_before(duration), sys.maxsize)
-    return Run.of(taken, simulation.segment)
-
-
 def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str, object]:
     if isinstance(scenario, RigidBody):
         if scenario.batch_shape:
@@ -194,47 +188,3 @@ def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str,
     if scenario is None or isinstance(scenario, str):
         return gather(scenario, [], [])
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
-
-
-def _shared() -> Motions:
-    """The motions of one start for many simulations, which ask for the times of the same clocks."""
-    kept = list[_Remembered]()
-
-    def motions(scenario: Scenario) -> Callable[[], Motion]:
-        make, turns = motions_of(scenario), count()
-
-        def motion() -> Motion:
-            turn = next(turns)
-            if turn == len(kept):
-                kept.append(_Remembered(make()))
-            return kept[turn]
-
-        return motion
-
-    return motions
-
-
-class _Remembered:
-    """A motion whose states at the times of one clock are computed once, whoever asks, for as many as anyone has.
-
-    How many a simulation takes depends on the seed where readings are late by chance. A motion has the same bits
-    however the times are divided into calls.
-    """
-
-    def __init__(self, motion: Motion) -> None:
-        self._motion, self._times = motion, np.empty(0, dtype=np.int64)
-        self._states = motion.at(self._times)
-
-    def at(self, t_ns: ArrayLike) -> State:
-        """The states at times, ns, that follow each other on the clock, from one on that is known, or the next."""
-        times = np.asarray(t_ns, dtype=np.int64)
-        later = times[np.searchsorted(times, self._times[-1:].max(initial=-1), side="right") :]
-        if len(later):
-            known, new = self._states, self._motion.at(later)
-            self._times = np.append(self._times, later)
-            self._states = State.trusted(
-                np.concatenate([known.attitude_xyzw, new.attitude_xyzw]),
-                np.concatenate([known.body_rate, new.body_rate]),
-            )
-        first = int(np.searchsorted(self._times, times[0])) if len(times) else 0
-        return self._states[first : first + len(times)]  # a view: the runs share the truth

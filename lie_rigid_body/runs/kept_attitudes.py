@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
-from itertools import chain
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import in_order, period_ns
 from lie_rigid_body.lie import quaternion
@@ -50,51 +50,6 @@ _SENTENCES: Final = {
 """What the reader of a score is told of each kind of attitudes that are left out."""
 
 
-class Duration:
-    """Time, by stamps, in which attitudes count: from the first one on, for as long as was asked for.
-
-    Parameters
-    ----------
-    length_s : float or None
-        None for attitudes that count whenever they are stamped.
-
-    Raises
-    ------
-    InputError
-        If it is not a time.
-
-    Attributes
-    ----------
-    first_ns : int or None
-        Stamp of the first attitude.
-    complete : bool
-        Whether an attitude came that is stamped at the end, or later.
-    """
-
-    def __init__(self, length_s: float | None) -> None:
-        self._length_ns = None if length_s is None else round(exact_duration(length_s, "duration", "60.0") * NS)
-        self.first_ns: int | None = None
-        self.complete = self._has_begun = False
-
-    @property
-    def due_ns(self) -> int | None:
-        """Stamp of the end, ns; None without a length, or before the first attitude."""
-        return None if self._length_ns is None or self.first_ns is None else self.first_ns + self._length_ns
-
-    def begin(self, stamps: Integers, truth_ns: int) -> None:
-        """Begin with the first stamp that is not long before the truth; until that comes, with the first of all."""
-        known = stamps[stamps >= truth_ns - LENIENCE_NS]
-        if len(stamps) and not self._has_begun and (len(known) or self.first_ns is None):
-            self.first_ns, self._has_begun = int((known if len(known) else stamps)[0]), len(known) > 0
-
-    def holds(self, stamps: Integers) -> Booleans:
-        """Whether each stamp is not behind the end."""
-        if self.due_ns is None:
-            return np.ones(len(stamps), dtype=np.bool_)
-        self.complete |= bool(np.any(stamps >= self.due_ns))
-        return np.asarray(stamps <= self.due_ns)
-
-
 class KeptAttitudes:
     """Attitudes that can be used, in order of time, of which evenly so many are kept that memory does not grow.
 
@@ -106,41 +61,56 @@ class KeptAttitudes:
     most : int, optional
         Largest number that are kept.
     duration_s : float, optional
-        Length of the `Duration`, s.
+        Time, s, by stamps, in which attitudes count, from the first one on; by default whenever they are stamped.
+
+    Raises
+    ------
+    InputError
+        If it is not a time.
 
     Attributes
     ----------
     count : int
         Number of attitudes that count.
+    first_ns : int or None
+        Stamp of the first attitude.
     last_ns : int or None
         Stamp of the last attitude whose stamp is believed, ns, usable or not.
+    complete : bool
+        Whether an attitude came that is stamped at the end of the duration, or later.
     stride : int
         One in so many is kept.
-    duration : Duration
-    frames : dict of tuple of str to int
+    frames : Counter of tuple of str
         Numbers of attitudes by their frame and child frame.
     followed : tuple of str or None
         Frame and child frame of those that count, once that is known.
     """
 
     def __init__(self, most: int = MOST_KEPT, duration_s: float | None = None) -> None:
+        self._most = most
+        self._length_ns = None if duration_s is None else round(exact_duration(duration_s, "duration", "60.0") * NS)
         self.count, self.stride = 0, 1
-        self.duration, self._most = Duration(duration_s), most
+        self.complete = self._has_begun = False
+        self.first_ns: int | None = None
         self.last_ns: int | None = None
-        self._left_out: dict[str, tuple[int, int]] = {}
-        self._blocks: list[AttitudeTrack] = []
-        self._waiting: AttitudeTrack | None = None
-        self._last: AttitudeTrack | None = None
-        self._period_ns = 0
-        self.frames: dict[Frames, int] = {}
         self.followed: Frames | None = None
-        self._undecided: dict[Frames, list[AttitudeTrack]] = {}
+        self.frames = Counter[Frames]()
+        self._undecided: list[tuple[Frames, AttitudeTrack]] = []
+        self._left_out: dict[str, tuple[int, int]] = {}
+        self._waiting: list[AttitudeTrack] = []
+        self._blocks: list[AttitudeTrack] = []
+        self._last: list[AttitudeTrack] = []
+        self._period_ns = 0
+
+    @property
+    def due_ns(self) -> int | None:
+        """Stamp of the end of the duration, ns; None without one, or before the first attitude."""
+        return None if self._length_ns is None or self.first_ns is None else self.first_ns + self._length_ns
 
     @property
     def span_s(self) -> float:
         """Time from the first attitude to the last, by their stamps, s."""
-        first_ns = self.duration.first_ns
-        return 0.0 if first_ns is None or self.last_ns is None else (self.last_ns - first_ns) / NS
+        return 0.0 if self.first_ns is None or self.last_ns is None else (self.last_ns - self.first_ns) / NS
 
     def number_of(self, *kinds: str) -> int:
         """Number of attitudes of some kinds that were left out."""
@@ -164,17 +134,17 @@ class KeptAttitudes:
         """
         for frames, track in found.items():
             if frames in self.frames or len(self.frames) < MOST_FRAMES or frames == wanted:
-                self.frames[frames] = self.frames.get(frames, 0) + len(track)
-                self._undecided.setdefault(frames, []).append(track)
+                self.frames[frames] += len(track)
+                self._undecided.append((frames, track))
         agreed = (frames for frames, count in self.frames.items() if count >= AGREEING)
         self.followed = wanted or self.followed or next(agreed, None)
         if self.followed is None:
             return []
-        chosen, others = self._undecided.pop(self.followed, []), self._undecided
-        self._undecided = {}
-        for track in chain.from_iterable(others.values() if wanted is None else ()):
-            self.leave_out(OF_OTHERS, track.stamps_ns)
-        return [track for track in chosen if len(track)]
+        decided, self._undecided = self._undecided, []
+        for frames, track in decided if wanted is None else ():
+            if frames != self.followed:
+                self.leave_out(OF_OTHERS, track.stamps_ns)
+        return [track for frames, track in decided if frames == self.followed and len(track)]
 
     def add(self, track: AttitudeTrack, truth_ns: int = 0) -> AttitudeTrack:
         """Take attitudes, and return what counts of them and of those that waited.
@@ -185,22 +155,23 @@ class KeptAttitudes:
         truth_ns : int, optional
             Begin of the truth, ns.
         """
-        return self._counted(self._believed(track), truth_ns)
+        leaps = np.flatnonzero(np.abs(np.diff(track.stamps_ns)) > LENIENCE_NS) + 1
+        pieces = [track[rows] for rows in np.split(np.arange(len(track)), leaps) if len(rows)]
+        return self._counted(AttitudeTrack.joined([track[:0], *map(self._believed, pieces)]), truth_ns)
 
     def end(self, truth_ns: int = 0) -> None:
         """Take what waits if nothing else has come, and else leave it out."""
         if self.followed is None and self.frames:
             for track in self.of_one_body({}, max(self.frames, key=lambda frames: self.frames[frames])):
                 self.add(track, truth_ns)
-        if self._waiting is not None and self.last_ns is None:
+        if self._waiting and self.last_ns is None:
             self._counted(self._agreeing(slow=True), truth_ns)
-        elif self._waiting is not None:
-            self.leave_out(STRAY, self._waiting.stamps_ns)
+        for track in self._waiting:
+            self.leave_out(STRAY, track.stamps_ns)
 
     def track(self) -> AttitudeTrack:
         """The attitudes that are kept, and the last; of at least one that came."""
-        last = [self._last] if self._last is not None and (self.count - 1) % self.stride else []
-        return AttitudeTrack.joined([*self._blocks, *last])
+        return AttitudeTrack.joined([*self._blocks, *(self._last if (self.count - 1) % self.stride else [])])
 
     def notes(self, name: str) -> dict[str, str]:
         """Sentences, without a full stop, for the reader of the score by the kind of attitudes that are left out.
@@ -216,24 +187,18 @@ class KeptAttitudes:
             for kind, (count, first_ns) in self._left_out.items()
         }
 
-    def _believed(self, track: AttitudeTrack) -> AttitudeTrack:
-        """The attitudes whose stamps go on from the last one, and those that leap ahead of it once they agree."""
-        leaps = np.flatnonzero(np.abs(np.diff(track.stamps_ns)) > LENIENCE_NS) + 1
-        pieces = [track[rows] for rows in np.split(np.arange(len(track)), leaps) if len(rows)]
-        return AttitudeTrack.joined([track[:0], *map(self._of_piece, pieces)])
-
-    def _of_piece(self, piece: AttitudeTrack) -> AttitudeTrack:
-        """What is believed after a piece that has no leap in it."""
-        first_ns = int(piece.stamps_ns[0])
-        ahead_ns = np.inf if self.last_ns is None else first_ns - self.last_ns
-        if ahead_ns < -LENIENCE_NS:
-            return self._ordered(piece)
-        waiting, self._waiting = piece[:0] if self._waiting is None else self._waiting, None
-        if ahead_ns <= max(LENIENCE_NS, STEPS * self._period_ns):
-            self.leave_out(STRAY, waiting.stamps_ns)  # what had leapt ahead of this did so by mistake
-            return self._ordered(piece)
-        self._waiting = AttitudeTrack.joined([waiting, piece])
-        return self._agreeing(len(waiting) + AGREEING)
+    def _believed(self, piece: AttitudeTrack) -> AttitudeTrack:
+        """What is believed after a piece that has no leap in it: that and what waited, once their stamps agree."""
+        ahead_ns = np.inf if self.last_ns is None else int(piece.stamps_ns[0]) - self.last_ns
+        if ahead_ns > max(LENIENCE_NS, STEPS * self._period_ns):
+            waiting = sum(map(len, self._waiting))
+            self._waiting.append(piece)
+            return self._agreeing(waiting + AGREEING)
+        if ahead_ns >= -LENIENCE_NS:
+            for track in self._waiting:  # what had leapt ahead of this did so by mistake
+                self.leave_out(STRAY, track.stamps_ns)
+            self._waiting = []
+        return self._ordered(piece)
 
     def _agreeing(self, most: int = LONE, *, slow: bool = False) -> AttitudeTrack:
         """Take from what waits the attitudes whose stamps agree, if there are enough; on a slow topic they are apart.
@@ -245,8 +210,7 @@ class KeptAttitudes:
         slow : bool, optional
             Whether nothing more is waited for.
         """
-        waiting = self._waiting
-        assert waiting is not None
+        waiting = AttitudeTrack.joined(self._waiting)
         head = waiting.stamps_ns[:most]
         beside = np.abs(head[:, np.newaxis] - head) <= AGREEING * LENIENCE_NS
         agree = beside[np.argmax(beside.sum(axis=1))]
@@ -254,7 +218,7 @@ class KeptAttitudes:
             if len(head) < LONE and not slow:
                 return waiting[:0]
             agree = head <= np.minimum.accumulate(head[::-1])[::-1] + LENIENCE_NS
-        self._waiting = None
+        self._waiting = []
         self.leave_out(STRAY, head[~agree])
         return self._ordered(waiting[np.r_[np.flatnonzero(agree), len(head) : len(waiting)]])
 
@@ -269,13 +233,20 @@ class KeptAttitudes:
 
     def _counted(self, track: AttitudeTrack, truth_ns: int) -> AttitudeTrack:
         """Keep the attitudes that can be used, within the duration, and return them."""
-        stamps, usable = track.stamps_ns, _usable(track.attitude_xyzw)
-        self.duration.begin(stamps[usable], truth_ns)
-        inside = self.duration.holds(stamps)
+        stamps, finite = track.stamps_ns, np.isfinite(track.attitude_xyzw).all(axis=1)
+        norms = quaternion.norm(np.where(finite[:, np.newaxis], track.attitude_xyzw, 0.0))
+        usable = finite & (norms >= SMALLEST_NORM) & np.isfinite(norms)
+        known = stamps[usable & (stamps >= truth_ns - LENIENCE_NS)]
+        if usable.any() and not self._has_begun and (len(known) or self.first_ns is None):
+            self.first_ns, self._has_begun = int((known if len(known) else stamps[usable])[0]), len(known) > 0
+        inside = np.ones(len(stamps), dtype=np.bool_)
+        if self.due_ns is not None:
+            inside = stamps <= self.due_ns
+            self.complete |= bool(np.any(stamps >= self.due_ns))
         self.leave_out(UNUSABLE, stamps[inside & ~usable])
         counted = track[inside & usable]
         self._blocks.append(counted[-self.count % self.stride :: self.stride])
-        self._last = counted[-1:] if len(counted) else self._last
+        self._last = [counted[-1:]] if len(counted) else self._last
         self.count += len(counted)
         if sum(map(len, self._blocks)) > self._most or len(self._blocks) > MOST_BLOCKS:
             kept = AttitudeTrack.joined(self._blocks)
@@ -283,10 +254,3 @@ class KeptAttitudes:
                 kept, self.stride = kept[np.arange(0, len(kept), 2)], 2 * self.stride
             self._blocks = [kept]
         return counted
-
-
-def _usable(attitude_xyzw: Array) -> Booleans:
-    """Whether each attitude is finite and not zero."""
-    finite = np.isfinite(attitude_xyzw).all(axis=1)
-    norms = quaternion.norm(np.where(finite[:, np.newaxis], attitude_xyzw, 0.0))
-    return np.asarray(finite & (norms >= SMALLEST_NORM) & np.isfinite(norms))

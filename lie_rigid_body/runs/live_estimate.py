@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 import numpy as np
@@ -20,7 +19,8 @@ from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
-from lie_rigid_body.runs.recorded_estimate import RecordedEstimate, TrueMotion, held_against
+from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
+from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
@@ -45,14 +45,18 @@ class HeardTruth:
     Attributes
     ----------
     poses : KeptAttitudes
+    recent : deque of AttitudeTrack
+        The latest poses.
+    segments : dict of int to Segment
+        By their starts, ns.
     contradictions : int
         Number of scenarios that were left out, as another one had begun at the same stamp.
     """
 
     def __init__(self, most: int) -> None:
         self.poses, self.contradictions = KeptAttitudes(most), 0
-        self._segments: dict[int, Segment] = {}
-        self._recent = deque[AttitudeTrack](maxlen=RECENT)
+        self.recent = deque[AttitudeTrack](maxlen=RECENT)
+        self.segments: dict[int, Segment] = {}
 
     def hear_scenarios(self, payloads: list[bytes]) -> None:
         """Take latched scenarios; a reset sends another.
@@ -63,7 +67,7 @@ class HeardTruth:
             If a text is no scenario: then none is taken.
         """
         for segment in [Segment.from_json(decode_string(payload)) for payload in payloads]:
-            self.contradictions += self._segments.setdefault(segment.start_ns, segment) != segment
+            self.contradictions += self.segments.setdefault(segment.start_ns, segment) != segment
 
     def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
         """Take messages of poses.
@@ -73,34 +77,26 @@ class HeardTruth:
         BagError
             If one cannot be read: then none is taken.
         """
-        for track in self.poses.of_one_body(attitudes_of(topic, message_type, payloads)):
-            self._recent.append(self.poses.add(track))
+        self.recent += map(self.poses.add, self.poses.of_one_body(attitudes_of(topic, message_type, payloads)))
 
     @property
     def is_known(self) -> bool:
         """Whether a scenario or a pose was heard."""
-        return bool(self._segments) or self.poses.count > 0
+        return bool(self.segments) or self.poses.count > 0
 
     @property
     def begin_ns(self) -> int:
         """Start of the first scenario, or without one the stamp of the first pose, ns."""
-        return min(self._segments, default=self.poses.duration.first_ns or 0)
+        return min(self.segments, default=self.poses.first_ns or 0)
 
-    @property
-    def frames(self) -> Frames | None:
-        """Names of the world's and the body's frame, if a scenario tells them."""
-        return TrueMotion(tuple(self._segments.values()), None).frames
-
-    def between(self, first_ns: int, last_ns: int, *, recent: bool = False, poses: bool = True) -> TrueMotion:
-        """The motion that is told from one stamp to another, ns, by the latest poses, all that are kept, or none."""
-        heard = list(self._recent) if recent else [self.poses.track()] if poses and self.poses.count else []
-        known = AttitudeTrack.joined(heard) if heard else None
-        if known is not None and len(known):
-            first_ns, last_ns = min(first_ns, int(known.stamps_ns[0])), max(last_ns, int(known.stamps_ns[-1]))
-        starts = sorted(self._segments)
-        begin, end = np.searchsorted(starts, [first_ns, last_ns], side="right")
-        segments = tuple(self._segments[start] for start in starts[max(begin - 1, 0) : max(end, 1)])
-        return TrueMotion(segments, known if known is not None and len(known) else None)
+    def between(self, first_ns: int, last_ns: int, poses: Iterable[AttitudeTrack]) -> TrueMotion:
+        """The motion that is told from one stamp to another, ns, and by poses."""
+        tracks = [track for track in poses if len(track)]
+        known = AttitudeTrack.joined(tracks) if tracks else None
+        times = [first_ns, last_ns, *([] if known is None else known.stamps_ns[[0, -1]].tolist())]
+        starts = sorted(self.segments)
+        begin, end = np.searchsorted(starts, [min(times), max(times)], side="right")
+        return TrueMotion(tuple(self.segments[start] for start in starts[max(begin - 1, 0) : max(end, 1)]), known)
 
 
 class LiveEstimate:
@@ -143,13 +139,8 @@ class LiveEstimate:
         self._topic, self._message_type = topic, message_type
         self.messages = self._given_up = 0
         self.estimate = KeptAttitudes(most, duration_s)
-        self._unread = deque[dict[Frames, AttitudeTrack]]()
+        self._unread = deque[Mapping[Frames, AttitudeTrack]]()
         self._waiting: list[AttitudeTrack] = []
-
-    @property
-    def complete(self) -> bool:
-        """Whether an estimate came that is stamped at the end of the duration, or later."""
-        return self.estimate.duration.complete
 
     def hear_estimates(self, payloads: list[bytes]) -> None:
         """Take messages of the estimate; those that wait for a truth are no more than `MOST_WAITING`.
@@ -177,27 +168,22 @@ class LiveEstimate:
         if not self.truth.is_known:
             return None
         ready, self._waiting = self._waiting, []
-        wanted = self.truth.frames if self._message_type == TF_MESSAGE else None
+        wanted = self.truth.between(0, 0, ()).frames if self._message_type == TF_MESSAGE else None
         while self._unread:
             for read in self.estimate.of_one_body(self._unread.popleft(), wanted):
-                new = self.estimate.add(read, self.truth.begin_ns)
-                self._waiting += [new] if len(new) else []
-        if not ready:
+                self._waiting.append(self.estimate.add(read, self.truth.begin_ns))
+        track = AttitudeTrack.joined(ready) if ready else None
+        if track is None or not len(track):
             return None
-        track = AttitudeTrack.joined(ready)
-        stamps = track.stamps_ns
-        true = self.truth.between(int(stamps[0]), int(stamps[-1]), recent=True)
-        truth = self._truth_of(true, stamps, self.estimate.duration.first_ns)
-        known = truth.covers(stamps)
-        late = stamps > truth.last_ns  # whose truth may yet come
-        if late.any():
-            self._waiting.insert(0, track[late][-MOST_WAITING:])
-        if not known.any():
+        _, truth = self._true(track.stamps_ns, self.truth.recent, self.estimate.first_ns)
+        late = track.stamps_ns > truth.last_ns  # whose truth may yet come
+        self._waiting.insert(0, track[late][-MOST_WAITING:])
+        track = track[truth.covers(track.stamps_ns)]
+        if not len(track):
             return None
-        stamps = stamps[known]
-        error = attitude_error(track.attitude_xyzw[known], truth.at(stamps))
-        self.tally.add(stamps, error)
-        return stamps, error
+        error = attitude_error(track.attitude_xyzw, truth.at(track.stamps_ns))
+        self.tally.add(track.stamps_ns, error)
+        return track.stamps_ns, error
 
     def score(self, most: int | None = None) -> tuple[RecordedEstimate, Score]:
         """Score all that was heard.
@@ -218,41 +204,32 @@ class LiveEstimate:
         InputError
             If there is no estimate, or no truth, or they do not go together.
         """
+        kept, poses = self.estimate, self.truth.poses
         if most is None:
             self.judge()
             self.judge()
-            self.estimate.end(self.truth.begin_ns)
-            self.truth.poses.end()
-        read = self._held_against_truth(most)
-        due_ns = self.estimate.duration.due_ns
-        due_ns = read.truth.last_ns if due_ns is None else due_ns
-        score = read.score(self._limits, self._covariance_axes, due_ns, bounded=most is None)
-        if self.tally.count and (self.estimate.stride > 1 or most is not None):
-            score = self.tally.exact(score, self.estimate.count + read.left_out, due_ns)
-        return read, score
-
-    def _held_against_truth(self, most: int | None) -> RecordedEstimate:
+            kept.end(self.truth.begin_ns)
+            poses.end()
         if not self.truth.is_known:
             raise InputError(f"nothing tells the truth of {self._topic}: neither a scenario nor a pose came")
-        if fault := self._fault(usable=self.estimate.count > 0):
+        if fault := self._fault():
             raise InputError(fault)
-        track = self.estimate.track() if most is None else self._settled(most)
-        times = int(track.stamps_ns[0]), int(track.stamps_ns[-1])
-        true = self.truth.between(*times, poses=most is None or self.truth.frames is None)
-        start = self.estimate.duration.first_ns if most is None else times[0]
-        read = held_against(track, true, self._truth_of(true, track.stamps_ns, start))
-        left_out = self.estimate.number_of(STRAY, DISORDERED)
-        return replace(read, notes=(*read.notes, *self._notes()), left_out=left_out)
+        track, start_ns = kept.track(), kept.first_ns
+        if most is not None:
+            track = _settled(track, most)
+            start_ns = int(track.stamps_ns[0])
+        by_poses = poses.count and (most is None or not self.truth.segments)
+        motion, truth = self._true(track.stamps_ns, [poses.track()] if by_poses else [], start_ns)
+        notes = (*motion.notes_on(track), *self._notes())
+        read = RecordedEstimate(track, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
+        due_ns = truth.last_ns if kept.due_ns is None else kept.due_ns
+        score = read.score(self._limits, self._covariance_axes, due_ns, bounded=most is None)
+        if self.tally.count and (kept.stride > 1 or most is not None):
+            score = self.tally.exact(score, kept.count + read.left_out, due_ns)
+        return read, score
 
-    def _settled(self, most: int) -> AttitudeTrack:
-        """Evenly spread estimates of the second half of the time, of a given number."""
-        track = self.estimate.track()
-        stamps = track.stamps_ns
-        settled = np.flatnonzero(stamps >= (stamps[0] + stamps[-1]) // 2)
-        return track[settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]]
-
-    def _fault(self, *, usable: bool) -> str:
-        """Reason why an estimate, of which attitudes are usable or not, cannot be compared; empty if there is none."""
+    def _fault(self) -> str:
+        """Reason why the estimate cannot be compared; empty if there is none."""
         frames, followed = self.estimate.frames, self.estimate.followed
         pairs = listed([" to ".join(filter(None, pair)) for pair in frames])
         if self._message_type == TF_MESSAGE and frames and not frames.get(followed or ("", "")):
@@ -262,13 +239,14 @@ class LiveEstimate:
             return f"topic {self._topic} {NO_ORIENTATION}"
         if self.estimate.number_of(OF_OTHERS) > OTHERS_SHARE * self.estimate.count:
             return f"topic {self._topic} is of the frames {pairs}: let one node publish one body"
-        return "" if usable else f"topic {self._topic}: {'; '.join(self.estimate.notes('estimates').values())}"
+        told = "; ".join(self.estimate.notes("estimates").values())
+        return "" if self.estimate.count else f"topic {self._topic}: {told}"
 
     def why_not_compared(self) -> str:
         """Reason why no message of the estimate has an error, though the truth is known."""
         last_ns, pose_ns = self.estimate.last_ns, self.truth.poses.last_ns
         end = "on" if pose_ns is None else f"to {pose_ns / NS:.13g} s"
-        return self._fault(usable=self.estimate.count > 0) or (
+        return self._fault() or (
             f"no attitude of {self._topic} is stamped within the truth, from {self.truth.begin_ns / NS:.13g} s "
             f"{end}; the last is at {(last_ns or 0) / NS:.13g} s: is it of the same clock and run?"
         )
@@ -296,23 +274,30 @@ class LiveEstimate:
                 "are not seen."
             )
 
-    def _truth_of(self, true: TrueMotion, stamps: Integers, start_ns: int | None) -> Truth:
-        """The truth from a stamp on: that of a scenario is known also where no pose was heard yet."""
-        end, due_ns = int(stamps[-1]), self.estimate.duration.due_ns
-        truth = true.until(end)
-        if true.segments:
-            truth.first_ns = true.segments[0].start_ns
+    def _true(self, stamps: Integers, poses: Iterable[AttitudeTrack], start_ns: int | None) -> tuple[TrueMotion, Truth]:
+        """The motion told for some stamps, and the truth from a stamp on: a scenario's also where no pose came yet."""
+        end, due_ns = int(stamps[-1]), self.estimate.due_ns
+        motion = self.truth.between(int(stamps[0]), end, poses)
+        truth = motion.until(end)
+        if motion.segments:
+            truth.first_ns = motion.segments[0].start_ns
         if start_ns is not None and truth.first_ns < start_ns <= truth.last_ns:
             truth.first_ns = start_ns
         if due_ns is not None:
             truth.last_ns = min(truth.last_ns, max(due_ns, truth.first_ns))
-        if true.segments and truth.last_ns < end <= truth.last_ns + LENIENCE_NS:
+        if motion.segments and truth.last_ns < end <= truth.last_ns + LENIENCE_NS:
             truth.last_ns = end
         elif end <= truth.last_ns <= end + LENIENCE_NS:  # what is on its way through the filter is no gap
             truth.last_ns = min(truth.last_ns, end + int(GAP * period_ns(stamps)))
-        return truth
+        return motion, truth
 
 
-def _size(found: dict[Frames, AttitudeTrack]) -> int:
+def _size(found: Mapping[Frames, AttitudeTrack]) -> int:
     """Number of the attitudes of all frames."""
     return sum(map(len, found.values()))
+
+
+def _settled(track: AttitudeTrack, most: int) -> AttitudeTrack:
+    """Evenly spread estimates of the second half of the time, of a given number."""
+    settled = np.flatnonzero(track.stamps_ns >= (track.stamps_ns[0] + track.stamps_ns[-1]) // 2)
+    return track[settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]]

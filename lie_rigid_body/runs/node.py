@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import pickle
-import subprocess
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from threading import Timer
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.encoding import ReadingEncoder
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.command import CommandEstimator, kill_all
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimators import CommandEstimator
 from lie_rigid_body.runs.run import Run
+from lie_rigid_body.runs.workers import Interpreter
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SensorSamples
 from lie_rigid_body.wording import listed, shown
@@ -48,9 +45,7 @@ class Reading(NamedTuple):
 class Play(NamedTuple):
     """What a player is to do: start a command, play it the readings, and return what it publishes on a topic."""
 
-    command: str
-    topic: str
-    timeout_s: float
+    node: NodeEstimator
     readings: tuple[Reading, ...]
 
 
@@ -87,7 +82,7 @@ class NodeEstimator(CommandEstimator):
             If it cannot be started, ends, hears no IMU, publishes no attitude of the body, or leaves a reading without
             an answer.
         """
-        answered = self._played(Play(self.command, self.topic, self.timeout_s, readings_of(run)))
+        answered = self._played(Play(self, readings_of(run)))
         try:
             found = attitudes_of(*answered)
         except BagError as error:
@@ -103,33 +98,18 @@ class NodeEstimator(CommandEstimator):
         return f"node {shown(self.command)}"
 
     def _played(self, play: Play) -> Answered:
-        process = subprocess.Popen(
-            [sys.executable, "-m", PLAYER],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,  # so that it can be ended with the node, which it starts
-        )
-        timer = Timer(self.timeout_s + _GRACE_S, kill_all, [process])
-        timer.start()
+        player = Interpreter("-m", PLAYER)
         try:
-            assert process.stdin
-            assert process.stdout
-            pickle.dump(play, process.stdin)
-            process.stdin.flush()
-            reply: Any = pickle.load(process.stdout)
-        except (EOFError, OSError, pickle.UnpicklingError):
+            reply: Answered | str = player.ask(play, self.timeout_s + _GRACE_S)
+        except (EOFError, TimeoutError):
             raise InputError(
                 f"{self._name} did not end within {self.timeout_s:g} s: give it more, or play it less"
             ) from None
         finally:
-            timer.cancel()
-            kill_all(process)
-            process.communicate()
+            player.end()
         if isinstance(reply, str):
             raise InputError(f"{self._name} {reply}")
-        answered: Answered = reply
-        return answered
+        return reply
 
     def _of_body(self, topic: str, found: Mapping[Frames, AttitudeTrack], frames: Frames) -> AttitudeTrack:
         """The attitudes of the body's frames; without frames of two of the only ones that there are."""
@@ -161,12 +141,9 @@ def readings_of(run: Run) -> tuple[Reading, ...]:
 
 def _readings(run: Run) -> Iterator[Reading]:
     for name, model in run.scenario.sensors.on.items():
-        arrays = run.sensors.get(SENSORS[name].key)
-        if arrays is None:
-            continue
-        encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
-        stamps, arrival = arrays.t_ns + _BEGIN_NS, arrays.arrival_ns + _BEGIN_NS
-        told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
-        none_lost: Integers = np.zeros(len(stamps), dtype=np.int64)
-        payloads = encoder.encode(SensorSamples(arrival, stamps, none_lost.astype(np.bool_), told))
-        yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)
+        if arrays := run.sensors.get(SENSORS[name].key):
+            encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
+            stamps, arrival = arrays.t_ns + _BEGIN_NS, arrays.arrival_ns + _BEGIN_NS
+            told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
+            payloads = encoder.encode(SensorSamples(arrival, stamps, np.zeros(len(stamps), dtype=np.bool_), told))
+            yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)

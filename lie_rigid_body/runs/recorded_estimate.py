@@ -1,26 +1,24 @@
-"""An attitude estimate in a bag, and the truth that it is held against."""
+"""An attitude estimate in a bag, the truth that it is held against, and both with their errors in another bag."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.evaluation import Limits, SampledTruth, Score, Truth, evaluate
+from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
-from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
+from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import read_scenarios
+from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
@@ -31,13 +29,13 @@ from lie_rigid_body.recording.topic_messages import (
     require_cdr,
     topic_messages,
 )
-from lie_rigid_body.runs.estimate import BIAS
+from lie_rigid_body.runs.estimate import BIAS, Estimate
 from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
-from lie_rigid_body.runs.run import Run
-from lie_rigid_body.runs.truth import ScenarioTruth
+from lie_rigid_body.runs.run import OWN_TOPICS, Run
+from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed, short_repr, shown
+from lie_rigid_body.wording import listed, short_repr
 
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
@@ -50,34 +48,32 @@ class RecordedEstimate:
     Attributes
     ----------
     track : AttitudeTrack
+    motion : TrueMotion
+        What tells the truth.
     truth : Truth
-    source : str
-        What the truth is made of: ``poses and scenario``, ``scenario`` or ``poses``.
-    segments : tuple of Segment
-        The scenarios that the truth's bag declares; empty if it declares none.
-    covariance : ndarray, shape (N, 3, 3), or None
-        The estimator's own, if it gives one at every sample that can be used.
+        The truth that it tells.
     notes : tuple of str
         What a reader of the score should know, one sentence each.
     left_out : int
         Further estimates that there were: out of order.
-    pose_topic : str or None
-        Topic of the true poses.
     gyro_bias : BiasEstimate or None
         Estimated biases of the gyro, where there is a topic of them.
     """
 
     track: AttitudeTrack
+    motion: TrueMotion
     truth: Truth
-    source: str
-    segments: tuple[Segment, ...]
-    covariance: Array | None
-    notes: tuple[str, ...]
+    notes: tuple[str, ...] = ()
     left_out: int = 0
-    pose_topic: str | None = None
     gyro_bias: BiasEstimate | None = None
 
     __repr__ = short_repr
+
+    @property
+    def covariance(self) -> Array | None:
+        """The estimator's own, shape (N, 3, 3), rad², if it gives one at every sample that can be used."""
+        P = self.track.covariance
+        return P if P is not None and covariance_fault(P) == "" else None
 
     def score(self, limits: Limits, covariance_axes: str, due_ns: int | None = None, *, bounded: bool = True) -> Score:
         """Hold the estimate against the truth; see `evaluate`.
@@ -99,8 +95,8 @@ class RecordedEstimate:
             limits=limits,
             covariance=self.covariance,
             covariance_axes=covariance_axes,
-            bound=bound_of(self.segments, self.truth, self.track.stamps_ns) if bounded else None,
-            sensors=left_by_errors_of(self.segments),
+            bound=bound_of(self.motion.segments, self.truth, self.track.stamps_ns) if bounded else None,
+            sensors=left_by_errors_of(self.motion.segments),
             left_out=self.left_out,
             due_ns=self.truth.last_ns if due_ns is None else due_ns,
         )
@@ -111,7 +107,7 @@ def recorded_estimate(
     bag: str | Path,
     topic: str,
     truth_bag: str | Path | None = None,
-    topics: Mapping[str, str] = MappingProxyType({}),
+    topics: Mapping[str, str] = NO_TOPICS,
     progress: Callable[[int], object] = lambda count: None,
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
@@ -148,29 +144,31 @@ def recorded_estimate(
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))
     if truth_bag is None:
-        true = _true_motion(path, contents, topic, topics, near=topic)
+        motion = _true_motion(path, contents, topic, topics, near=topic)
     else:
-        truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
-        true = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
-    track, kept = read_attitudes(path, contents, topic, true.frames), KeptAttitudes(sys.maxsize)
+        of_truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
+        motion = _true_motion(Path(truth_bag), of_truth, "", topics, near=topic)
+    track = read_attitudes(path, contents, topic, motion.frames)
+    kept = KeptAttitudes(len(track))
     kept.add(track)
     kept.end()
     if kept.number_of(UNUSABLE):
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()
-    read = held_against(ordered, true, true.until(int(ordered.stamps_ns[-1])))
-    notes = (*read.notes, *(f"{told}." for told in kept.notes("estimates").values()))
-    read = replace(read, notes=notes, left_out=kept.number_of(STRAY, DISORDERED))
+    notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))
+    truth = motion.until(int(ordered.stamps_ns[-1]))
+    read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
     biases = contents.tracks.get((f"{topic}{BIAS}", VECTOR3_STAMPED))
-    return read if biases is None or not biases.count else _with_bias(read, path, biases, truth_bag or path)
+    return read if biases is None or not biases.count else _with_bias(read, path, contents, biases, truth_bag or path)
 
 
-def _with_bias(read: RecordedEstimate, path: Path, biases: RawTrack, truth_bag: str | Path) -> RecordedEstimate:
+def _with_bias(
+    read: RecordedEstimate, path: Path, contents: McapContents, biases: RawTrack, truth_bag: str | Path
+) -> RecordedEstimate:
     """An estimate with biases of the gyro beside the true ones, or with a note why these are not known."""
-    found = topic_messages(path, biases.key, biases.take())
+    found = topic_messages(path, biases.key, contents.messages(biases.key))
     try:
-        run = Run.from_bag(truth_bag, topics={} if read.pose_topic is None else {POSE: read.pose_topic})
-        truth = run.gyro_bias_at(found.stamps_ns)
+        truth = _run_of(read, truth_bag).gyro_bias_at(found.stamps_ns)
     except (BagError, InputError) as error:
         return replace(read, notes=(*read.notes, f"The biases on {biases.topic} have no score: {error}."))
     return replace(read, gyro_bias=BiasEstimate(found.stamps_ns, found.values, truth))
@@ -184,45 +182,6 @@ def _estimate_or_truth(*topics: str) -> Wanted:
         return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS) and name.removesuffix(BIAS) in topics)
 
     return wanted
-
-
-@dataclass(frozen=True)
-class TrueMotion:
-    """True motion as it is told: by scenarios, poses, or both.
-
-    Parameters
-    ----------
-    segments : tuple of Segment
-        In the order of their starts; empty if no scenario is known.
-    poses : AttitudeTrack or None
-    """
-
-    segments: tuple[Segment, ...]
-    poses: AttitudeTrack | None
-
-    __repr__ = short_repr
-
-    @property
-    def frames(self) -> tuple[str, str] | None:
-        """Names of the world's and the body's frame, if a scenario tells them."""
-        scenario = self.segments[0].scenario if self.segments else None
-        return None if scenario is None else (scenario.world_frame, scenario.body_frame)
-
-    @property
-    def source(self) -> str:
-        """Names of what it is made of."""
-        return " and ".join([*(["poses"] if self.poses is not None else []), *(["scenario"] if self.segments else [])])
-
-    def until(self, last_ns: int) -> Truth:
-        """The truth as a function of time; without poses it is asked until the given stamp at most."""
-        if self.poses is None:
-            start = self.segments[0].start_ns
-            return ScenarioTruth(self.segments, start, max(last_ns, start))
-        stamps, first = np.unique(self.poses.stamps_ns, return_index=True)
-        attitude = self.poses.attitude_xyzw[first]
-        if not self.segments:
-            return SampledTruth(stamps, attitude)
-        return ScenarioTruth.of_samples(self.segments, stamps, attitude)
 
 
 def _true_motion(
@@ -256,50 +215,6 @@ def _true_motion(
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
 
 
-def held_against(track: AttitudeTrack, true: TrueMotion, truth: Truth) -> RecordedEstimate:
-    """An estimate and its truth, with what a reader of the score should know of them."""
-    covariance = track.covariance
-    usable = covariance is not None and covariance_fault(covariance) == ""
-    notes = tuple(_notes(track, true))
-    return RecordedEstimate(
-        track,
-        truth,
-        true.source,
-        true.segments,
-        covariance if usable else None,
-        notes,
-        pose_topic=None if true.poses is None else true.poses.topic,
-    )
-
-
-def _notes(track: AttitudeTrack, true: TrueMotion) -> Iterator[str]:
-    if true.poses is None:
-        start, first = true.segments[0].start_ns, int(track.stamps_ns[0])
-        yield (
-            f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
-            f"{(first - start) / 1e9:.9g} s after that."
-        )
-    # an Imu is stamped with the frame of the sensor (REP-145)
-    world = true.frames[0] if true.frames else true.poses.frame if true.poses is not None else ""
-    ours = {world}
-    if track.message_type == IMU and true.segments:
-        parameters = true.segments[0].scenario.parameters()
-        ours |= {true.segments[0].scenario.body_frame, str(parameters.get("imu_frame", "imu_link"))}
-    if track.frame not in ours and not (track.message_type == IMU and not true.segments):
-        yield (
-            f"The frame of the estimate is {shown(track.frame)}, that of the truth {shown(world)}: they are taken for "
-            "the same. Is it the right topic?"
-        )
-    if true.frames and track.child_frame and track.child_frame != true.frames[1]:
-        yield (
-            f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(true.frames[1])}: they "
-            "are taken for the same. Is it the right body?"
-        )
-    fault = "" if track.covariance is None else covariance_fault(track.covariance)
-    if fault:
-        yield f"There is no NEES: {fault}."
-
-
 def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_topic: str) -> RawTrack | None:
     """The track of a type that `nearest` finds."""
     found = {t.topic: t for t in tracks if t.message_type == kind}
@@ -322,8 +237,8 @@ def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | No
     """
     found = [topic for topic in topics if topic.rpartition("/")[2] == ending]
     if len(found) > 1:
-        # that of the scenario is a private topic of the node, that of the poses is not
-        spaces = {topic: namespace(topic) if ending == "scenario" else topic.rpartition("/")[0] for topic in found}
+        beside = {topic: pose_beside(topic) if ending == SCENARIO else topic for topic in found}
+        spaces = {topic: pose.rpartition("/")[0] for topic, pose in beside.items()}
         near = [topic for topic, space in spaces.items() if space and estimate_topic.startswith(f"{space}/")]
         found = near if len(near) == 1 else found
     if len(found) > 1:
@@ -331,11 +246,55 @@ def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | No
     return found[0] if found else None
 
 
-def namespace(private_topic: str) -> str:
-    """The namespace of the node that publishes a private topic, such as that of the scenario."""
-    return private_topic.rsplit("/", 2)[0]
-
-
 def pose_beside(scenario_topic: str) -> str:
-    """The topic of the poses of the node that publishes a scenario."""
-    return f"{namespace(scenario_topic)}/pose"
+    """The topic of the poses of the node that publishes a scenario, on a private topic."""
+    return f"{scenario_topic.rsplit('/', 2)[0]}/{POSE}"
+
+
+def _run_of(read: RecordedEstimate, truth_bag: str | Path) -> Run:
+    """The run that an estimate is held against, of the bag of the truth."""
+    poses = read.motion.poses
+    return Run.from_bag(truth_bag, topics={} if poses is None else {POSE: poses.topic})
+
+
+def write_scored(
+    path: str | Path,
+    truth: str | Path,
+    scored: Sequence[tuple[RecordedEstimate, Score]],
+    covariance_axes: str,
+    *,
+    overwrite: bool,
+) -> None:
+    """Write the run of a bag, estimates of it, and their errors, as `Run.to_bag` does.
+
+    Each estimate keeps its topic, but as a pose; where the run has a topic of that name, and for transforms, it is
+    ``TOPIC/estimate``.
+
+    Parameters
+    ----------
+    path : str or Path
+    truth : str or Path
+        The bag of the truth.
+    scored : sequence of (RecordedEstimate, Score)
+        At least one, all of the same truth.
+    covariance_axes : str
+        Those that covariances were read on; the new bag has them on the world's.
+    overwrite : bool
+        Replace an existing file.
+
+    Raises
+    ------
+    BagError, InputError
+        If the truth's bag has no pose, twist and scenario, or the file cannot be written.
+    """
+    run, estimates, scores = _run_of(scored[0][0], truth), {}, {}
+    for read, score in scored:
+        track, topic = read.track, read.track.topic
+        name = f"{topic}/estimate" if topic in OWN_TOPICS or track.message_type == TF_MESSAGE else topic
+        told, bias = read.gyro_bias, None
+        if told is not None:  # the last before each attitude
+            last = np.searchsorted(told.stamps_ns, track.stamps_ns, side="right") - 1
+            bias = told.estimate[np.maximum(last, 0)]
+        estimates[name] = Estimate(track.attitude_xyzw, track.stamps_ns, read.covariance, covariance_axes, bias)
+        scores[name] = score
+    run.to_bag(path, estimates=estimates, scores=scores, overwrite=overwrite)

@@ -1,8 +1,9 @@
-"""The true attitude at any time of a run, from its scenario."""
+"""The true attitude at any time: from the scenario of a run, and as scenarios and poses of bags and topics tell it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +12,12 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import SampledTruth, Truth
 from lie_rigid_body.evaluation.arguments import read_stamps, unit
+from lie_rigid_body.evaluation.consistency import covariance_fault
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.messages.definitions import IMU
+from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import short_repr, shown
 
 
 class ScenarioTruth(Truth):
@@ -117,3 +122,70 @@ class _Correction(SampledTruth):
         """Before the first sample all that the exact solution misses it by: how that came about is not known."""
         before = self._unsampled if np.any(stamps_ns < self._begin_ns) else 0.0
         return max(before, super().uncertainty_at(stamps_ns))
+
+
+@dataclass(frozen=True)
+class TrueMotion:
+    """True motion as it is told: by scenarios, poses, or both.
+
+    Parameters
+    ----------
+    segments : tuple of Segment
+        In the order of their starts; empty if no scenario is known.
+    poses : AttitudeTrack or None
+    """
+
+    segments: tuple[Segment, ...]
+    poses: AttitudeTrack | None
+
+    __repr__ = short_repr
+
+    @property
+    def frames(self) -> tuple[str, str] | None:
+        """Names of the world's and the body's frame, if a scenario tells them."""
+        scenario = self.segments[0].scenario if self.segments else None
+        return None if scenario is None else (scenario.world_frame, scenario.body_frame)
+
+    @property
+    def source(self) -> str:
+        """Names of what it is made of."""
+        return " and ".join([*(["poses"] if self.poses is not None else []), *(["scenario"] if self.segments else [])])
+
+    def until(self, last_ns: int) -> Truth:
+        """The truth as a function of time; without poses it is asked until the given stamp at most."""
+        if self.poses is None:
+            start = self.segments[0].start_ns
+            return ScenarioTruth(self.segments, start, max(last_ns, start))
+        stamps, first = np.unique(self.poses.stamps_ns, return_index=True)
+        attitude = self.poses.attitude_xyzw[first]
+        if not self.segments:
+            return SampledTruth(stamps, attitude)
+        return ScenarioTruth.of_samples(self.segments, stamps, attitude)
+
+    def notes_on(self, track: AttitudeTrack) -> Iterator[str]:
+        """What a reader of the score of some attitudes should know, one sentence each."""
+        if self.poses is None:
+            start, first = self.segments[0].start_ns, int(track.stamps_ns[0])
+            yield (
+                f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
+                f"{(first - start) / 1e9:.9g} s after that."
+            )
+        # an Imu is stamped with the frame of the sensor (REP-145)
+        world = self.frames[0] if self.frames else self.poses.frame if self.poses is not None else ""
+        ours = {world}
+        if track.message_type == IMU and self.segments:
+            parameters = self.segments[0].scenario.parameters()
+            ours |= {self.segments[0].scenario.body_frame, str(parameters.get("imu_frame", "imu_link"))}
+        if track.frame not in ours and not (track.message_type == IMU and not self.segments):
+            yield (
+                f"The frame of the estimate is {shown(track.frame)}, that of the truth {shown(world)}: they are taken "
+                "for the same. Is it the right topic?"
+            )
+        if self.frames and track.child_frame and track.child_frame != self.frames[1]:
+            yield (
+                f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(self.frames[1])}: "
+                "they are taken for the same. Is it the right body?"
+            )
+        fault = "" if track.covariance is None else covariance_fault(track.covariance)
+        if fault:
+            yield f"There is no NEES: {fault}."

@@ -160,7 +160,7 @@ class Imu(Instrument):
         )
         self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, *accelerometer)
         self._turn = WhiteNoise(model.seed, NoiseSource.ORIENTATION_WHITE, 1.0)
-        self.walks = bool(model.gyro.bias_random_walk or model.accelerometer.bias_random_walk)
+        self.walk_deviates = sum(3 for triad in (model.gyro, model.accelerometer) if triad.bias_random_walk)
 
     def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:
         """Begin with the reading one interval after a time; see `Instrument.begin_after`."""

@@ -31,11 +31,11 @@ class Instrument(ABC):
 
     Attributes
     ----------
-    walks : bool
-        Whether readings that are left out take time, as a bias walks through them.
+    walk_deviates : int
+        Number of normal deviates that each reading that is left out takes, as biases walk through it.
     """
 
-    walks = False
+    walk_deviates = 0
     __copy__ = copy.deepcopy  # it goes on by itself
 
     @abstractmethod

@@ -270,15 +270,22 @@ class SharedMotion:
         return states
 
 
-def motions_of(scenario: Scenario) -> Callable[[], Motion]:
+def motions_of(scenario: Scenario, clocks: Mapping[float, Latest] | None = None) -> Callable[[], Motion]:
     """Motions from the start of a scenario: each call gives one, first that of the truth, then that of each sensor.
 
     A moving chart takes steps from one sample to the next, so samples of another clock in between would change its
     bits. Each clock has a motion of its own, and sensors of one rate share it.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    clocks : mapping of float to Latest, optional
+        By their rates, those that several simulations of one motion share. All are made before anything is taken.
     """
     rates = [scenario.rate, *(model.rate for model in scenario.sensors.on.values())]
-    clocks, start, turns = {rate: Latest() for rate in rates}, scenario.make_motion(), iter(rates)
-    return lambda: SharedMotion(start, clocks[next(turns)])
+    shared = {rate: Latest() for rate in rates} if clocks is None else clocks
+    start, turns = scenario.make_motion(), iter(rates)
+    return lambda: SharedMotion(start, shared[next(turns)])
 
 
 # A function of a module, no closure: a simulation is copied, and sent to other processes, with its queues.

@@ -30,7 +30,7 @@ class Measurement:
         Of the measurements.
     arrivals : Arrivals or None
         None: every reading arrives at the time of its measurement, which is its stamp.
-    walks : bool
+    walk_deviates : int
         See `Instrument`.
     first, next : int
         Number of the segment's first reading, and of the one that comes next.
@@ -45,7 +45,7 @@ class Measurement:
         delivery = self.model.delivery
         self.arrivals = None if delivery is None else Arrivals(self.clock, self.first, start_ns, delivery)
         self._instrument = SENSORS[name].make(self.model, scenario.body())
-        self.walks = self._instrument.walks
+        self.walk_deviates = self._instrument.walk_deviates
         self._skip_to(self.first)
 
     def samples(self, measured_ns: Integers) -> SensorSamples:

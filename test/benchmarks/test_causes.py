@@ -21,7 +21,11 @@ def one_run():
     causes.everything.cache_clear()
 
 
-@pytest.mark.parametrize("number", range(len(causes.KINDS)), ids=lambda n: "+".join(causes.KINDS[n]))
+@pytest.mark.parametrize(
+    "number",
+    [pytest.param(n, marks=pytest.mark.slow if n % 3 else ()) for n in range(len(causes.KINDS))],
+    ids=lambda n: "+".join(causes.KINDS[n]),
+)
 def test_each_kind_of_mistake_has_its_name_and_what_is_none_has_no(number: int) -> None:
     result = causes.judged(number)
     assert result.right or not result.fair, result

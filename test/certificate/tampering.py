@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from mcap.reader import make_reader
+from mcap.summary import Summary
 from mcap.writer import Writer
 
 from lie_rigid_body.lie import quaternion
@@ -28,11 +30,7 @@ Change = Callable[[list[Message]], list[Message]]
 
 def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20) -> Path:
     """Write a changed copy of a bag; the record that counts the samples at its end is kept only if the count stays."""
-    with source.open("rb") as stream:
-        reader = make_reader(stream)
-        summary = reader.get_summary()
-        assert summary is not None
-        messages = [Message(c.topic, m.log_time, m.data) for _, c, m in reader.iter_messages(log_time_order=False)]
+    summary, messages = read(source, source.stat().st_mtime_ns)
     with target.open("wb") as stream:
         writer = Writer(stream, chunk_size=chunk_size)
         writer.start(profile="ros2", library="someone else")
@@ -43,10 +41,21 @@ def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20) 
             channels[channel.topic] = writer.register_channel(
                 channel.topic, channel.message_encoding, number, channel.metadata
             )
-        for message in change(messages):
+        for message in change([*messages]):
             writer.add_message(channels[message.topic], message.log_time, message.data, message.log_time)
         writer.finish()
     return target
+
+
+@lru_cache(maxsize=4)
+def read(source: Path, written_ns: int) -> tuple[Summary, tuple[Message, ...]]:
+    """Summary and messages of a bag that is not written again: most are changed in many ways."""
+    with source.open("rb") as stream:
+        reader = make_reader(stream)
+        summary = reader.get_summary()
+        assert summary is not None
+        read_in_order = reader.iter_messages(log_time_order=False)
+        return summary, tuple(Message(c.topic, m.log_time, m.data) for _, c, m in read_in_order)
 
 
 def on(topic: str, change: Callable[[list[Message]], list[Message]]) -> Change:

@@ -32,7 +32,7 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report.certificate_text import as_json, as_table
+from lie_rigid_body.report.certificates import as_json, as_table
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 

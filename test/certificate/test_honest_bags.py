@@ -19,7 +19,7 @@ from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.report.certificate_text import as_json, as_table
+from lie_rigid_body.report.certificates import as_json, as_table
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.sensors import GRADES

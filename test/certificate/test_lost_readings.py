@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded
+from sensor_bags import BIAS, IMU, MAG, NOISY, broken, certificate, laws, recorded, write
 from tampering import Change, on
 
 from lie_rigid_body.certificate import certify, readings
@@ -36,12 +36,23 @@ def test_a_recorder_that_lost_readings_is_told(bag, tmp_path):
 
 
 def test_a_recorder_that_came_too_late_for_a_walk_is_told(bag, tmp_path, monkeypatch):
-    monkeypatch.setattr(readings, "MOST_WALKED", 50)
+    monkeypatch.setattr(readings, "MOST_DRAWN", 50)
     found = certificate(bag, tmp_path, recorded(0.3))
     assert found.passed, found.messages
     assert found.sensors == (MAG,)
     assert not laws(found, "gyro")
     assert any(text.startswith(f"{IMU}: too many readings") for text in found.not_certified)
+
+
+def test_what_walks_cost_counts_each_deviate_of_each_walk(tmp_path, monkeypatch):
+    """A recorder that comes 0.3 s late misses 100 readings: 300 deviates for one walk, 600 for two."""
+    monkeypatch.setattr(readings, "MOST_DRAWN", 500)
+    one, two = {**NOISY, "accelerometer_bias_random_walk": 0.0}, NOISY
+    for name, parameters, expected in (("one", one, (IMU, BIAS, MAG)), ("two", two, (MAG,))):
+        path = write(tmp_path / f"{name}.mcap", (parameters, 1.0))
+        found = certificate(path, tmp_path, recorded(0.3))
+        assert found.passed, found.messages
+        assert found.sensors == expected
 
 
 @pytest.mark.parametrize("cut", [0.3, 0.55, 0.8, 0.95])

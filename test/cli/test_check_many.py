@@ -18,9 +18,9 @@ from mcap.writer import Writer
 from test_check import refused, write_bag
 
 from lie_rigid_body.certificate import Certificate
-from lie_rigid_body.cli import judging
+from lie_rigid_body.cli import checking
 from lie_rigid_body.cli.check import main
-from lie_rigid_body.cli.judging import judge_all
+from lie_rigid_body.cli.checking import judge_all
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.report.overview import Verdict
 
@@ -196,7 +196,7 @@ def deadly(inertia, topics, bag):
 
 
 def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
-    monkeypatch.setattr(judging, "judge", deadly)
+    monkeypatch.setattr(checking, "judge", deadly)
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1})
     found = judge_all(["a", "deadly", "b", "c"])
     assert [(each.bag, each.status) for each in found] == [("a", 0), ("deadly", 2), ("b", 0), ("c", 0)]

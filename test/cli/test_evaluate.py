@@ -16,7 +16,7 @@ from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.report.drawing import svg
-from lie_rigid_body.report.score_picture import draw
+from lie_rigid_body.report.scores import draw
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 

@@ -152,7 +152,7 @@ def test_filter_that_averages_the_gyro_first_needs_a_rest_and_nothing_else() -> 
 
 
 def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path) -> None:
-    found = diagnose(textbook.stuck, max_runs=1)
+    found = diagnose(textbook.stuck, max_runs=1, imu_rate=50.0, magnetometer_rate=50.0)
     assert found.mistakes == ()
     assert "stuck: " in found.probes[0].message
     program, *words = shlex.split(found.remarks[-1].partition(": ")[2])
@@ -171,7 +171,7 @@ def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path
 )
 def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any], said: list[str]) -> None:
     with pytest.raises(InputError) as caught:
-        diagnose(estimate)
+        diagnose(estimate, workers=1)
     assert [word for word in said if word not in str(caught.value)] == []
 
 
@@ -215,12 +215,13 @@ def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pyt
 
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
-    ("name", "timeout", "word"), [("hangs", "1", "--timeout"), ("forks", "1", "--timeout"), ("dies", "60", "status 3")]
+    ("name", "workers", "timeout", "word"),
+    [("hangs", "1", "1", "--timeout"), ("forks", "2", "1", "--timeout"), ("dies", "1", "60", "status 3")],
 )
 def test_filter_that_hangs_or_dies_is_ended(
-    name: str, timeout: str, word: str, capsys: pytest.CaptureFixture[str]
+    name: str, workers: str, timeout: str, word: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main([f"textbook:{name}", "--workers", "2", "--timeout", timeout]) == 2
+    assert main([f"textbook:{name}", "--workers", workers, "--timeout", timeout]) == 2
     assert word in capsys.readouterr().err
 
 

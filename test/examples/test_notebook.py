@@ -25,7 +25,7 @@ def told(path: Path) -> Iterator[tuple[int, str]]:
             yield number, NUMBER.sub("0", text) if "dataframe" not in text else "a table of pandas"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_notebook_shows_what_it_did(tmp_path: Path) -> None:
     pytest.importorskip("pandas")
     new = tmp_path / "new.ipynb"

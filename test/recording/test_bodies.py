@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
@@ -16,7 +16,7 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, the_body
-from lie_rigid_body.recording.mcap_contents import Found, McapContents, Progress, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.mcap_contents import McapContents, Parts, RawMessages, RawTrack, TrackKey
 
 HERE = Path("x.mcap")
 POSE, RATE, TEXT = POSE_STAMPED, TWIST_STAMPED, STRING
@@ -27,19 +27,18 @@ def contents(
     topics: dict[str, str], ours: tuple[str, ...] = ("",), counts: Mapping[str, int] = MappingProxyType({})
 ) -> McapContents:
     tracks = [RawTrack(topic, kind, "cdr", count=counts.get(topic, 3)) for topic, kind in topics.items()]
-    return McapContents(tracks={(track.topic, track.message_type): track for track in tracks}, outlines=[Texts(ours)])
+    return McapContents(tracks={(track.topic, track.message_type): track for track in tracks}, again=[texts(ours)])
 
 
-class Texts:
+def texts(ours: tuple[str, ...]) -> Callable[[Collection[TrackKey]], Parts]:
     """Messages of topics of texts, those of some topics scenarios."""
 
-    def __init__(self, ours: tuple[str, ...]) -> None:
-        self._ours = ours
-
-    def read(self, keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+    def read(keys: Collection[TrackKey]) -> Parts:
         for key in tuple(keys):  # whoever asks may want fewer from part to part
-            data = encode_string('{"inertia": [1, 2, 3]}' if key[0].startswith(self._ours) else "9 lanes")
-            yield {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}
+            data = encode_string('{"inertia": [1, 2, 3]}' if key[0].startswith(ours) else "9 lanes")
+            yield 0, {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}
+
+    return read
 
 
 def inside(namespace: str) -> dict[str, str]:

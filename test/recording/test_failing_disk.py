@@ -23,7 +23,7 @@ CASES = """
     library, verbs = ctypes.CDLL(sys.argv[1]), json.loads(sys.argv[2])
     from lie_rigid_body.__main__ import main
     from lie_rigid_body.cli import check, plot, record, recover  # noqa
-    from lie_rigid_body.report import certificate_page, recording_picture  # noqa
+    from lie_rigid_body.report import certificates, recording_picture  # noqa
     import matplotlib.figure  # noqa
 
     OLD, KINDS = b"the older file", ("write", "fsync", "read", "close", "rename", "open")

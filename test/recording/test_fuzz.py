@@ -312,7 +312,8 @@ def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
 
         path.write_bytes(bag(change))
         assert run(check, str(path)) == 1
-        assert run(plot, str(path), "-o", str(tmp_path / "x.png"), "--force") in (0, 2)
+        if (number is None) == (topic == POSE):  # to draw takes far longer than to judge
+            assert run(plot, str(path), "-o", str(tmp_path / "x.png")) in (0, 2)
         assert run(evaluate, str(path), "--estimate", "/pose") in (0, 1, 2)
 
 

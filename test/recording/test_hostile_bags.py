@@ -147,16 +147,14 @@ def test_each_file_of_a_bag_allows_for_its_own_messages(
     path.mkdir()
     for i in range(3):
         make_bag(f"folder/folder_{i}.mcap", count=200)
-    [track] = [
-        each
-        for each in BagFiles(path / "folder_0.mcap").contents(of_types([POSE_STAMPED])).tracks.values()
-        if each.pieces
-    ]
-    one = sum(len(piece.data) + 100 * len(piece) for piece in track.pieces)
+    contents = BagFiles(path / "folder_0.mcap").contents(of_types([POSE_STAMPED]))
+    [key] = [track.key for track in contents.tracks.values() if track.message_type == POSE_STAMPED]
+    first = contents.messages(key)
+    one = len(first.data) + 100 * len(first)
     monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", one)
     monkeypatch.setattr(bag_files, "_KEPT_PER_BYTE", 0)
-    whole = BagFiles(path).contents(of_types([POSE_STAMPED])).tracks[track.key].take()
-    assert (len(whole), len(whole.data)) == (600, 3 * sum(len(piece.data) for piece in track.pieces))
+    whole = BagFiles(path).contents(of_types([POSE_STAMPED])).messages(key)
+    assert (len(whole), len(whole.data)) == (600, 3 * len(first.data))
     monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", one - 1)
     with pytest.raises(BagError, match=f"messages of {one} bytes"):
         BagFiles(path).contents(of_types([POSE_STAMPED]))

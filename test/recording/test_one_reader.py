@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,11 +16,11 @@ from test_bag_reader import rewrite
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import STRING
-from lie_rigid_body.recording.bag_files import BagFiles, unheard
+from lie_rigid_body.recording import mcap_reader
+from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.mcap_contents import Found, McapContents, RawMessages
-from lie_rigid_body.recording.message_table import NO_HINTS, find_messages
-from lie_rigid_body.recording.records import ContradictionError, ExcessError
+from lie_rigid_body.recording.mcap_contents import RawMessages
+from lie_rigid_body.recording.records import NO_HINTS, ContradictionError, ExcessError, find_messages
 from lie_rigid_body.runs import Run
 
 POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
@@ -92,8 +92,7 @@ def test_what_is_no_whole_record_ends_the_data(data: bytes, whole: bytes) -> Non
 
 
 def again(path: Path) -> RawMessages:
-    contents: McapContents = BagFiles(path).contents(lambda *key: False)
-    return RawMessages.joined([found[POSE] for found in contents.read([POSE], unheard) if POSE in found])
+    return BagFiles(path).contents(lambda *key: False).messages(POSE)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +114,7 @@ def test_the_second_reading_gives_what_the_library_reads(
         expected = [(one.log_time, one.data) for _, _, one in read]
     assert len(expected) == 300
     assert [*again(path).payloads()] == expected
-    kept = BagFiles(path).contents(lambda *key: key == POSE).tracks[POSE].take()
+    kept = BagFiles(path).contents(lambda *key: key == POSE).messages(POSE)
     assert [*kept.payloads()] == expected
     assert [*kept.pieces(7)][-1].data == b"".join(data for _, data in expected[-6:])
 
@@ -138,13 +137,14 @@ def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.Monkey
     path, told = make_bag(count=300), list[int]()
     Bag(path, told.append, in_memory=True).load()
     assert sum(told) <= path.stat().st_size
-    monkeypatch.setattr(McapContents, "read", lambda self, keys, progress: texts_alone(self, keys))
+    again = mcap_reader._read_again
+    monkeypatch.setattr(mcap_reader, "_read_again", lambda *given: again(*texts_alone(*given)))
     assert len(Run.from_bag(path).t_ns) == 300
 
 
-def texts_alone(contents: McapContents, keys: Collection[tuple[str, str]]) -> Iterator[Found]:
-    assert {kind for _, kind in keys} == {STRING}
-    return (found for outline in contents.outlines for found in outline.read(keys, unheard))
+def texts_alone(*given: Any) -> tuple[Any, ...]:
+    assert {kind for _, kind in given[-1]} == {STRING}
+    return given
 
 
 def test_a_bag_that_changes_between_two_readings_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:

@@ -25,7 +25,8 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.samples import thinned_segments
-from lie_rigid_body.report import html_page, motion_figures
+from lie_rigid_body.report import figures as of_pages
+from lie_rigid_body.report import html_page
 from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import extremes, path
 from lie_rigid_body.scenario import Scenario
@@ -215,11 +216,11 @@ def piece(bag: Path) -> Any:
 
 def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
     """The sides of the drawn box keep their lengths, and its principal axes are those of the recorded attitudes."""
-    film = motion_figures.body(piece)
+    film = of_pages.body(piece)
     assert film is not None
     content: Any = film[0]
     pictures, body = content["film"]["pictures"], piece.segment.scenario.body()
-    assert 100 < len(pictures) <= motion_figures.FRAMES
+    assert 100 < len(pictures) <= of_pages.FRAMES
     assert len(content["film"]["times"]) == len(pictures)
     for k in (0, len(pictures) // 2, len(pictures) - 1):
         corners = np.stack([pictures[k][name][0] for name in "xyz"], axis=-1)
@@ -235,11 +236,11 @@ def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
 
 def test_polhode_and_herpolhode_lie_where_they_must(piece: Any) -> None:
     body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
-    drawn: Any = motion_figures.polhode(piece)
+    drawn: Any = of_pages.polhode(piece)
     curve = next(trace for trace in drawn["data"] if trace.get("name") == "polhode")
     energy = 0.5 * sum(body.principal_moments[i] * curve[name] ** 2 for i, name in enumerate("xyz"))
     np.testing.assert_allclose(energy, body.kinetic_energy(start), rtol=1e-4)
-    drawn = motion_figures.herpolhode(piece)
+    drawn = of_pages.herpolhode(piece)
     # ω · L = 2 H fixes the part along the momentum, so |ω| gives the distance from it
     along = 2.0 * body.kinetic_energy(start) / np.linalg.norm(body.angular_momentum(start))
     rates = np.linalg.norm(path(piece, 3000).body_rate, axis=1)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Iterator
 from importlib.util import find_spec
+from typing import Any
+from weakref import WeakSet
 
 import pytest
 from simulator_process import SimulatorProcess, assignments
@@ -19,16 +20,34 @@ if ROS:
     from std_srvs.srv import Trigger
 
 
+@pytest.fixture(scope="session", autouse=True)
+def nodes() -> Iterator[WeakSet[Node]]:
+    """Nodes that this process has made, and that something still holds."""
+    made: WeakSet[Node] = WeakSet()
+    if not ROS:
+        yield made
+        return
+    begin = Node.__init__
+
+    def noted(node: Node, *arguments: Any, **options: Any) -> None:
+        made.add(node)
+        begin(node, *arguments, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Node, "__init__", noted)
+        yield made
+
+
 @pytest.fixture(autouse=True)
-def no_node_is_left() -> Iterator[None]:
+def no_node_is_left(nodes: WeakSet[Node]) -> Iterator[None]:
     """A program that ends in this process has destroyed its node, which later tests would meet in the graph."""
-    before = living_nodes()
+    before = living(nodes)
     yield
-    assert living_nodes() <= before
+    assert living(nodes) <= before
 
 
-def living_nodes() -> set[int]:
-    return {id(node) for node in gc.get_objects() if issubclass(type(node), Node) and is_alive(node)} if ROS else set()
+def living(nodes: WeakSet[Node]) -> set[int]:
+    return {id(node) for node in nodes if is_alive(node)}
 
 
 def is_alive(node: Node) -> bool:

@@ -103,11 +103,11 @@ def with_field(run: Run) -> NodeEstimator:
     return node_estimator(f"{EXAMPLE} --ros-args -p world_field:='{list(field)}'".replace(", ", ","))
 
 
-@pytest.mark.parametrize("times", [1, 3])
 @pytest.mark.usefixtures("isolated_ros")
-def test_a_node_gives_what_its_filter_gives_to_the_last_bit(times, run):
-    with ThreadPoolExecutor(times) as pool:
-        found = list(pool.map(with_field(run), [run] * times))
+def test_a_node_gives_what_its_filter_gives_to_the_last_bit(run):
+    """Also where several run at once, each in its domain."""
+    with ThreadPoolExecutor(2) as pool:
+        found = list(pool.map(with_field(run), [run] * 2))
     for each in found:
         assert np.array_equal(each.t_ns, run.imu.t_ns)
         assert np.array_equal(each.attitude_xyzw, function(run))

@@ -42,14 +42,13 @@ def evaluated(folder: Path, seed: int) -> None:
 
 @pytest.mark.parametrize("strike", [simulated, evaluated])
 def test_a_second_signal_changes_nothing(strike, tmp_path: Path) -> None:
-    for seed in range(2):
-        strike(tmp_path, seed)
+    strike(tmp_path, 0)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("strike", [simulated, evaluated])
 def test_a_second_signal_changes_nothing_at_any_moment(strike, tmp_path: Path) -> None:
-    for seed in range(2, 30):
+    for seed in range(1, 30):
         strike(tmp_path, seed)
 
 

@@ -16,7 +16,8 @@ from lie_rigid_body import attitude_error, diagnose, simulate
 from lie_rigid_body.cli import diagnose as verb
 from lie_rigid_body.cli import league
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.runs.command import HEADER, CommandEstimator
+from lie_rigid_body.league import CASES, playing
+from lie_rigid_body.runs.estimators import HEADER, CommandEstimator
 from lie_rigid_body.testing import command_estimator
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
@@ -74,6 +75,10 @@ def test_a_line_of_names_is_no_attitude_and_answers_may_be_fewer(run, tmp_path):
         ("print('1,0,0,0,1')\nprint('2,0,0,zero,1')", ["line 2", "zero"]),
         ("print('1,0,0,1')", ["line 1"]),
         ("print('1.5,0,0,0,1')", ["line 1", "1.5"]),
+        ("print('1,0,0,0,1')\nprint('2,0,0,0,1_0')", ["line 2", "1_0"]),
+        ("print('2_0,0,0,0,1')", ["line 1", "2_0"]),
+        ("print(chr(0x661) + ',0,0,0,1')", ["line 1"]),
+        ("print('1,0,0,0,' + chr(0x661))", ["line 1"]),
         ("print('99999999999999999999,0,0,0,1')", ["64 bits"]),
         ("", ["no attitude"]),
         ("sys.exit('the gain is missing')", ["status 1", "the gain is missing"]),
@@ -92,7 +97,7 @@ def test_what_a_program_does_wrong_is_told_in_one_line(run, tmp_path, source, to
 
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
 def test_a_program_that_prints_without_end_is_ended(run, tmp_path, monkeypatch, stream):
-    monkeypatch.setattr("lie_rigid_body.runs.command._LARGEST_OUTPUT", 2**20)
+    monkeypatch.setattr("lie_rigid_body.runs.estimators._LARGEST_OUTPUT", 2**20)
     with pytest.raises(InputError, match="prints more than 1048576 bytes"):
         python(tmp_path, f"while True:\n    sys.{stream}.write(4096 * '1')")(run)
 
@@ -113,24 +118,30 @@ def test_what_is_no_program_is_refused(run, command):
         CommandEstimator(command)(run)
 
 
-def test_a_program_is_diagnosed_and_ranked_as_a_function_is(tmp_path, monkeypatch, capsys):
-    (tmp_path / "csv_filter.py").write_text(
-        "import sys\n"
-        "print('t_ns,x,y,z,w')\n"
-        "for line in sys.stdin.readlines()[1:]:\n"
-        "    if line.split(',')[1]:\n"
-        "        print(line.split(',')[0] + ',0,0,0,1')\n"
-    )
-    command = f"{sys.executable} {tmp_path / 'csv_filter.py'}"
-    assert league.main(["--command", command, "--json"]) == 0
+STILL = """awk -F, 'NR > 1 && $2 {print $1 ",0,0,0,1"}'"""
+"""A program that starts at once, as it is started hundreds of times."""
+WITH_AWK = pytest.mark.skipif(shutil.which("awk") is None, reason="awk is not installed")
+
+
+@WITH_AWK
+@pytest.mark.slow
+def test_a_program_is_ranked_as_a_function_is(capsys):
+    assert league.main(["--command", STILL, "--json"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["rows"]
-    assert row["filter"] == command
+    assert row["filter"] == STILL
     assert all(not result["failure"] for result in row["results"].values())
-    found = diagnose(command_estimator(command), max_runs=1, workers=2)
+
+
+@WITH_AWK
+def test_a_program_is_played_and_diagnosed_as_a_function_is(capsys, monkeypatch):
+    monkeypatch.setattr(playing, "CASES", CASES[:2])
+    row = playing.play("still", command_estimator(STILL), workers=2, timeout_s=60.0, progress=lambda: None)
+    assert [result.failure for result in row.results.values()] == ["", ""]
+    found = diagnose(command_estimator(STILL), max_runs=1, workers=2, imu_rate=25.0, magnetometer_rate=25.0)
     assert not found.passed
     assert [probe.passed for probe in found.probes if probe.code == "follows"] == [False]
     for main in (league.main, verb.main):
-        assert main(["a:b", "--command", command]) == 2
+        assert main(["a:b", "--command", STILL]) == 2
     assert verb.main(["--command", "/no/such/program"]) == 2
     assert verb.main([]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 4

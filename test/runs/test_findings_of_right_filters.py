@@ -20,6 +20,9 @@ from lie_rigid_body.runs.unavoidable import left_by_errors_of
 UP = np.array([0.0, 0.0, 1.0])
 DECLINATION_DEG = float(np.degrees(np.arctan2(1.5, 21.0)))
 """That of the simulator's field."""
+TO_Y = ([0.0, 1.0, 0.0], DECLINATION_DEG, 0.3)
+TO_X = ([1.0, 0.0, 0.0], -85.91, 0.5)
+"""Norths that filters take, the heading that each is off by, and how exactly that is told, degrees."""
 CONSUMER = {
     "gyro_noise_density": 1e-4,
     "accelerometer_noise_density": 2e-3,
@@ -76,9 +79,16 @@ def filtered(run: Run, north: np.ndarray | None, gain: float, *, ahead: bool) ->
     return np.array(found)
 
 
-@pytest.mark.parametrize("grade", ["perfect", "consumer", "tactical"])
 @pytest.mark.parametrize(
-    ("north", "offset_deg", "within_deg"), [([0.0, 1.0, 0.0], DECLINATION_DEG, 0.3), ([1.0, 0.0, 0.0], -85.91, 0.5)]
+    ("grade", "north", "offset_deg", "within_deg"),
+    [
+        ("perfect", *TO_Y),
+        ("consumer", *TO_X),
+        ("tactical", *TO_Y),
+        pytest.param("perfect", *TO_X, marks=pytest.mark.slow),
+        pytest.param("consumer", *TO_Y, marks=pytest.mark.slow),
+        pytest.param("tactical", *TO_X, marks=pytest.mark.slow),
+    ],
 )
 def test_a_filter_whose_north_is_magnetic_is_told_the_declination_and_nothing_else(
     grade, north, offset_deg, within_deg
@@ -92,8 +102,17 @@ def test_a_filter_whose_north_is_magnetic_is_told_the_declination_and_nothing_el
     assert "lie-rigid-body diagnose" in finding.message
 
 
-@pytest.mark.parametrize("grade", ["perfect", "tactical", "mems"])
-@pytest.mark.parametrize("ahead", [False, True])
+@pytest.mark.parametrize(
+    ("grade", "ahead"),
+    [
+        ("perfect", False),
+        ("tactical", True),
+        ("mems", False),
+        pytest.param("perfect", True, marks=pytest.mark.slow),
+        pytest.param("tactical", False, marks=pytest.mark.slow),
+        pytest.param("mems", True, marks=pytest.mark.slow),
+    ],
+)
 def test_a_right_filter_is_told_nothing(grade, ahead):
     run = recorded(grade)
     score = run.score(filtered(run, None, 1.0, ahead=ahead))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +102,7 @@ def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
     read, score = live.score()
     expected = scored(bag, diagnosed=True)
     assert score.to_dict(series=True) == expected.to_dict(series=True)
-    assert (read.source, len(read.segments), read.notes) == ("poses and scenario", 2, ())
+    assert (read.motion.source, len(read.motion.segments), read.notes) == ("poses and scenario", 2, ())
     assert len(score.broken) == 2
     # what is said on the way is the same, of all that could be compared
     assert live.tally.count == live.messages == score.samples
@@ -115,7 +116,7 @@ def test_scenario_or_poses_alone(without, source, own, stamps, noisy, tmp_path):
     topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:70], noisy[:70])
     bag = beside(own, tmp_path / "bag.mcap", topic, without=f"/twist {without}")
     read, score = followed(bag, POSE_STAMPED).score()
-    assert read.source == source
+    assert read.motion.source == source
     assert score.total_deg == scored(bag).total_deg
 
 
@@ -304,10 +305,10 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     estimates = [payload for topic, payload in heard if topic == "/estimate"]
     live.hear_estimates(estimates[:40])
     live.judge()
-    complete = [live.complete]
+    complete = [live.estimate.complete]
     live.hear_estimates(estimates[40:])
     live.judge()
-    assert [*complete, live.complete] == [False, True]
+    assert [*complete, live.estimate.complete] == [False, True]
     score = live.score()[1]
     assert (score.t_s[-1], score.samples, live.estimate.number_of(UNUSABLE)) == (2.0, 51, 1)
 
@@ -336,7 +337,7 @@ def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, most, own, st
         live.truth.hear_poses("/pose", POSE_STAMPED, poses[i : i + 1])
         live.hear_estimates([message])
         live.judge()
-        complete.append(live.complete)
+        complete.append(live.estimate.complete)
     assert complete.index(True) == 125 + (at == 0)
     read, score = live.score()
     assert live.tally.count == 126 - (at > 0)
@@ -358,7 +359,7 @@ def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
     ahead = stamps + 10**18
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", ahead, noisy))
     live = followed(bag, POSE_STAMPED, duration_s=5.0)
-    assert live.complete
+    assert live.estimate.complete
     with pytest.raises(InputError, match="none of its 126 stamps is within the truth"):
         live.score()
 
@@ -426,11 +427,23 @@ CASES = [
 ]
 
 
+@pytest.fixture(scope="module")
+def unhurt(own, stamps, noisy):
+    """Messages without those of one topic, the live estimate that has heard them, and its score."""
+
+    @cache
+    def heard_without(topic):
+        heard = messages_in_turn(own, stamps[:70], noisy[:70], topic)
+        live = live_of(heard)
+        return heard, live, live.score()
+
+    return heard_without
+
+
 @pytest.mark.parametrize(("topic", "which", "place", "without"), CASES)
-def test_one_hostile_message_costs_itself(topic, which, place, without, own, stamps, noisy):
+def test_one_hostile_message_costs_itself(topic, which, place, without, stamps, unhurt):
     """The score is the same as if it had not come, and it is counted and told."""
-    heard = messages_in_turn(own, stamps[:70], noisy[:70], without)
-    plain = live_of(heard)
+    heard, plain, (expected_read, expected) = unhurt(without)
     at = min(place, len(heard)) if place != 1 else 1 + next(i for i, (name, _) in enumerate(heard) if name == topic)
     if which in ("zero", "not_finite"):  # their stamps go on from the last
         earlier = [i for i, (name, _) in enumerate(heard) if name == topic and i < at]
@@ -439,10 +452,10 @@ def test_one_hostile_message_costs_itself(topic, which, place, without, own, sta
     else:
         payload = HOSTILE[which][0]
     spoilt = live_of([*heard[:at], (topic, payload), *heard[at:]])
-    (read, score), (expected_read, expected) = spoilt.score(), plain.score()
+    read, score = spoilt.score()
     assert score.to_dict(series=True) == expected.to_dict(series=True)
     assert spoilt.tally.count == plain.tally.count
-    assert read.source == expected_read.source
+    assert read.motion.source == expected_read.motion.source
     kinds = {kind.removeprefix("pose ") for kind in spoilt.left_out()}
     assert len(kinds) == 1
     assert kinds <= {HOSTILE[which][1] or "disordered", *(["stray"] if which == "year_1938" else [])}

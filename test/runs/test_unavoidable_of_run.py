@@ -11,7 +11,7 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
 from lie_rigid_body.evaluation.score import BestPossible
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.report import score_picture, write_plot, write_report
+from lie_rigid_body.report import scores, write_plot, write_report
 from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
 
 GIVEN: dict[str, Any] = {
@@ -181,11 +181,11 @@ def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, columns
     drawn = []
     monkeypatch.setattr("matplotlib.axes.Axes.plot", lambda axes, t, y, **_: drawn.append((t, y)))
     monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda axes, **_: None)
-    monkeypatch.setattr("lie_rigid_body.report.score_picture._COLUMNS", columns)
+    monkeypatch.setattr("lie_rigid_body.report.scores.COLUMNS", columns)
     t_ns = run.imu.t_ns
     kept = (t_ns < t_ns[0] + 2_000_000_000) | (t_ns > t_ns[0] + 3_000_000_000)
     score = run.score(run.attitude().at(t_ns[kept]), t_ns[kept])
-    score_picture.draw("a gap", score)
+    scores.draw("a gap", score)
     for t, error in drawn:
         [gap] = np.flatnonzero(np.isnan(t))
         assert t[gap - 1] < 2.0

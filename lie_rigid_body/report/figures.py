@@ -1,0 +1,392 @@
+"""Figures of pages: the motion of a recording with a film of the body, and residuals over time and by their sizes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby, product
+from typing import Any, Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.certificate import Certificate, LawResult
+from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics import State
+from lie_rigid_body.mechanics.shapes import box_sides
+from lie_rigid_body.recording.samples import RecordedSegment
+from lie_rigid_body.report.html_page import (
+    Figure,
+    axis,
+    coordinates,
+    drawn,
+    figure,
+    grid,
+    line,
+    logarithmic,
+    mark,
+    over_time,
+    paragraph,
+)
+from lie_rigid_body.report.recorded_motion import (
+    CIRCLES,
+    COLOURS,
+    FEW_SAMPLES,
+    GREY,
+    MOST_RESETS,
+    RED,
+    SURFACE,
+    Ellipsoid,
+    extremes,
+    path,
+    reset_times,
+    screen,
+    times,
+    usable,
+    world_rates,
+)
+
+_POINTS: Final = 3000
+"""Largest number of points of a polhode or herpolhode."""
+_ABOVE: Final = 0.995
+"""Size of the surface that is drawn, as a share of the ellipsoid: the polhode lies on that and is not to sink in."""
+_DISTANCE: Final = 1.15
+"""Distance of the eye, in sizes of the figure."""
+
+FRAMES: Final = 200
+"""Largest number of frames."""
+_TURN: Final = 0.25
+"""Largest turn, rad, from one frame to the next, if samples are as near."""
+_TAIL: Final = 30
+"""Number of frames that the bright part of the trace is long."""
+_ARROW: Final = 1.15
+"""Length of the angular momentum, and the greatest of the angular velocity, in longest sides of the box."""
+_AXIS: Final = 0.8
+"""Length of the body's axes, in longest sides of the box."""
+_REACH: Final = 1.25
+"""Half of the picture's width, in longest sides of the box."""
+_DURATION_MS: Final = (8e3, 16e3)
+"""Shortest and longest duration of the film, ms: neither too fast nor too slow to be followed."""
+
+_MOMENTUM, _RATE, _TRACE, _WORLD = "#8C5AA8", "#E69F00", "#56606B", "#9AA5B1"
+_CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
+_FACES: Final = (
+    *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5)),  # across x
+    *((0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6)),  # across y
+    *((0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),  # across z
+)
+_TINTS: Final = tuple(tint for tint in ("#7FA6D9", "#B5CBE8", "#E3ECF7") for _ in range(4))
+_EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
+"""Corners along a path through all edges."""
+_NONE: Final = np.zeros((1, 3))
+
+_BINS: Final = 30
+_LEAST_SPAN: Final = 0.3
+"""Least span of a distribution, decades."""
+_BEYOND: Final = 10.0
+"""Height at which residuals are drawn that are not finite, as a multiple of all that is."""
+_LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
+
+
+def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
+    """Lines at the resets, for a layout; none where there are too many."""
+    t, look = reset_times(pieces), {"color": "black", "width": 1, "dash": "dash"}
+    shapes = [{"type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper", "line": look} for x in t]
+    return shapes if len(shapes) <= MOST_RESETS else []
+
+
+def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
+    """HTML of all figures of a recording, of whose segments each has a sample."""
+    first = pieces[0]
+    whose = " of the first segment" if len(pieces) > 1 else ""
+    if film := body(first):
+        yield figure(f"The body{whose}", *film, kind="body")
+    yield figure("Body rate", rate(pieces), "Angular velocity in the frame of the body.")
+    paths = (
+        (polhode(first), "Polhode", "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."),
+        (herpolhode(first), "Herpolhode", "ω in the world, seen along the angular momentum (cross)."),
+    )
+    figures = [figure(f"{name}{whose}", content, text, kind="tall") for content, name, text in paths if content]
+    yield grid(figures, wide=True) if figures else paragraph("The body is at rest: no polhode, no herpolhode.")
+
+
+def rate(pieces: Sequence[RecordedSegment]) -> Figure:
+    """Body rate over time."""
+    t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
+    rates = np.concatenate([piece.states.body_rate for piece in pieces])
+    few = {"mode": "markers" if len(t) <= FEW_SAMPLES else "lines", "cliponaxis": True}
+    traces = []
+    for name, colour, component in zip("xyz", COLOURS, rates.T, strict=True):
+        at = extremes(t, component)
+        traces.append(over_time(t[at], component[at], f"ω<sub>{name}</sub>", colour, **few))
+    time = axis("time [s]", range=[0.0, float(t[-1]) or 1.0])
+    return drawn(traces, xaxis=time, yaxis=axis("body rate [rad/s]"), shapes=resets(pieces))
+
+
+def polhode(piece: RecordedSegment) -> Figure | None:
+    """Path of ω in the principal frame, on the ellipsoid of the energy; none of a body at rest."""
+    ellipsoid = Ellipsoid.of(piece, _POINTS)
+    if ellipsoid is None:
+        return None
+    circles = np.insert(ellipsoid.principal_circles(), 0, np.nan, axis=1).reshape(-1, 3)
+    traces = [
+        {
+            "type": "surface",
+            **coordinates(np.moveaxis(ellipsoid.surface(_ABOVE), 0, -1)),
+            "colorscale": [[0, SURFACE], [1, SURFACE]],
+            "showscale": False,
+            "opacity": 0.75,
+            "hoverinfo": "skip",
+            "lighting": {"specular": 0.1, "diffuse": 0.6},
+        },
+        line(circles, "principal planes", CIRCLES, 1.5),
+        line(ellipsoid.polhode, "polhode", RED, 5),
+        mark(ellipsoid.polhode[0], "first sample", size=4, color="black"),
+    ]
+    look = {"nticks": 4, "showbackground": False, "gridcolor": "#D5DAE0", "zeroline": False}
+    axes = {
+        f"{name}axis": {"title": {"text": f"ω<sub>{i}</sub>"}, "range": [-1.08 * radius, 1.08 * radius], **look}
+        for i, (name, radius) in enumerate(zip("xyz", ellipsoid.radii, strict=True), 1)
+    }
+    eye, *_ = screen(ellipsoid.best_view())
+    camera = {"eye": coordinates(_DISTANCE * eye), "projection": {"type": "orthographic"}}
+    return drawn(traces, scene={**axes, "aspectmode": "data", "camera": camera}, showlegend=False)
+
+
+def herpolhode(piece: RecordedSegment) -> Figure | None:
+    """Path of ω in the world, seen along the angular momentum, on the invariable plane; none of a body at rest."""
+    scenario, states = piece.segment.scenario, path(piece, _POINTS)
+    momentum = scenario.body().angular_momentum(scenario.start())
+    size, fastest = float(np.linalg.norm(momentum)), scenario.rate_bound()
+    if size == 0.0 or not len(states.body_rate):
+        return None
+    upright, rates = momentum / size, world_rates(states)
+    across = rates - np.outer(rates @ upright, upright)
+    right = across[0]  # of ω's first part across the momentum, or any if it has none
+    if np.linalg.norm(right) < 1e-9 * fastest:
+        right = np.cross(upright, np.eye(3)[np.argmin(np.abs(upright))])
+    right = right / np.linalg.norm(right)
+    points = across @ np.stack([right, np.cross(upright, right)], axis=-1)
+    traces = [
+        line(points, "herpolhode", RED, 1.5),
+        mark(points[0], "first sample", color="black", size=7),
+        mark(np.zeros(2), "angular momentum", color=GREY, symbol="x"),
+    ]
+    reach = 1.1 * max(float(np.abs(points).max()), 1e-3 * fastest)
+    look: dict[str, Any] = {"range": [-reach, reach], "constrain": "domain", "nticks": 6}
+    upwards = axis("[rad/s]", scaleanchor="x", **look)
+    return drawn(traces, xaxis=axis("ω across L [rad/s]", **look), yaxis=upwards, showlegend=False)
+
+
+def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
+    """Film of the first part of a segment, and sentences that say what it shows; none if no sample can be drawn."""
+    t, states = _frames(piece)
+    if not len(t):
+        return None
+    scenario = piece.segment.scenario
+    momentum = scenario.body().angular_momentum(scenario.start())
+    momentum = momentum / (float(np.linalg.norm(momentum)) or 1.0)
+    followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
+    moving = _moving(piece, states, followed)
+    world = {"text": ["", "X", "", "", "Y", "", "", "Z", ""], "textfont": {"size": 12, "color": _WORLD}}
+    data = [
+        *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
+        _arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM),
+        line(
+            moving[2][:, 3 * followed + 1],
+            f"path of the {'xyz'[followed]} axis",
+            _TRACE,
+            2,
+            opacity=0.6,
+            hoverinfo="name",
+        ),
+        line(_cross(1.0), "axes of the world", _WORLD, 2, mode="lines+text", hoverinfo="name", **world),
+    ]
+    # the eye is across the angular momentum and somewhat above
+    azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
+    eye = coordinates(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
+    hidden = {f"{name}axis": {"visible": False, "range": [-_REACH, _REACH]} for name in "xyz"}
+    layout = {
+        "scene": {**hidden, "aspectmode": "cube", "camera": {"eye": eye}},
+        "uirevision": "kept",
+        "margin": {"l": 0, "r": 0, "t": 30, "b": 0},
+    }
+    digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
+    duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
+    each = [[_places(points[k]) for points in moving] for k in range(len(t))]
+    film = {
+        "times": [f"{seconds:.{digits}f} s" for seconds in t.tolist()],
+        "duration": duration,
+        "pictures": [{name: [place[name] for place in places] for name in "xyz"} for places in each],
+    }
+    return {**drawn(data, **layout), "film": film}, (
+        f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * duration:.3g} s: a box of the body's principal "
+        "moments in the world. Drag to turn, scroll to come nearer."
+    )
+
+
+def _frames(piece: RecordedSegment) -> tuple[Array, State]:
+    """Times since the first sample, s, and states of the frames."""
+    t, fastest = times(piece.stamps_ns[: piece.close], [piece]), piece.segment.scenario.rate_bound()
+    horizon = min(float(t.max(initial=0.0)), FRAMES * _TURN / fastest if fastest else np.inf)
+    at = np.unique(np.searchsorted(t, np.linspace(0.0, horizon, FRAMES) - 1e-9))[: len(t)]  # of no sample none
+    states, sane = usable(piece, at)
+    return t[at[sane]], states
+
+
+def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array, ...]:
+    """Points at each frame of the box, its edges, the axes, the angular velocity and the latest tips of an axis.
+
+    Each has shape (N, M, 3), on the axes of the world, in longest sides of the box.
+    """
+    own, fastest = piece.segment.scenario.body(), piece.segment.scenario.rate_bound()
+    box = (_CORNERS * box_sides(own.principal_moments)) @ own.principal_axes.T
+    corners, axes = (quaternion.rotate(states.attitude_xyzw[:, np.newaxis], points) for points in (box, _cross(_AXIS)))
+    rates = world_rates(states)[:, np.newaxis] * (_ARROW / fastest if fastest else 0.0)
+    latest = np.maximum(0, np.arange(len(rates))[:, np.newaxis] + np.arange(-_TAIL, 1))
+    return (
+        corners,
+        corners[:, _EDGES],
+        axes,
+        np.concatenate([np.zeros_like(rates), rates], axis=1),
+        axes[latest, 3 * followed + 1],
+    )
+
+
+def _cross(length: float) -> Array:
+    """Three axes from the origin to a length, with a gap after each, shape (9, 3)."""
+    return np.stack([np.zeros((3, 3)), length * np.eye(3), np.full((3, 3), np.nan)], axis=1).reshape(9, 3)
+
+
+def _places(points: Array) -> dict[str, Any]:
+    return {name: np.round(points[:, i], 3) for i, name in enumerate("xyz")}
+
+
+def _arrow(points: Array, name: str, colour: str) -> dict[str, Any]:
+    marker = {"size": [0, 5], "color": colour, "symbol": "diamond", "line": {"width": 0}}
+    return line(points, name, colour, 8, mode="lines+markers", marker=marker, hoverinfo="name")
+
+
+_LETTERS: Final[dict[str, Any]] = {
+    "mode": "lines+text",
+    "line": {"color": [colour for colour in COLOURS for _ in range(3)], "width": 5},
+    "text": ["", "x", "", "", "y", "", "", "z", ""],
+    "textfont": {"size": 14},
+}
+_LOOKS: Final = (
+    {
+        "type": "mesh3d",
+        "name": "body",
+        **dict(zip("ijk", zip(*_FACES, strict=True), strict=True)),
+        "facecolor": _TINTS,
+        "flatshading": True,
+        "lighting": {"ambient": 0.75, "diffuse": 0.5, "specular": 0.05},
+        "hoverinfo": "skip",
+    },
+    line(_NONE, "edges", "#3B5B85", 3, showlegend=False, hoverinfo="skip"),
+    line(_NONE, "axes of the body", COLOURS[0], 4, **_LETTERS, showlegend=False, hoverinfo="skip"),
+    _arrow(_NONE, "angular velocity ω", _RATE),
+    line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
+)
+"""Looks of what moves, in the order of `_moving`."""
+
+
+def residuals_over_time(
+    certificate: Certificate, residuals: ResidualsOverTime, pieces: Sequence[RecordedSegment]
+) -> Iterator[str]:
+    """Draw the largest residuals of each law over time, beside their limits.
+
+    Parameters
+    ----------
+    certificate : Certificate
+    residuals : ResidualsOverTime
+        Of the same bag.
+    pieces : sequence of RecordedSegment
+        Of the same bag, with samples, the first of which has the time 0.
+
+    Yields
+    ------
+    str
+        HTML. Laws that have no residual but 0 are left out.
+    """
+    watched = [law for law in certificate.laws if law.name in residuals.laws]
+    for name, laws in groupby(watched, lambda law: re.sub(" [xyz]$", "", law.name)):
+        own = [(law, residuals.laws[law.name]) for law in laws]
+        if traces := list(_traces(own, int(pieces[0].stamps_ns[0]))):
+            unit = own[0][0].unit
+            label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
+            time = axis("time [s]", range=[0.0, max(float(trace["x"][-1]) for trace in traces)])
+            size = logarithmic(label, np.concatenate([trace["y"] for trace in traces]))
+            look = {"xaxis": time, "yaxis": size, "shapes": resets(pieces), "showlegend": len(own) > 1}
+            yield figure(name, drawn(traces, **look))
+
+
+def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
+    """Curves of a law, or of its components, marks at what is broken and at the worst, and their limit."""
+    limits = []
+    for i, (worst, law) in enumerate(laws):
+        t, residuals, limit, broken = law.series(origin_ns)
+        if not (residuals > 0.0).any():
+            continue
+        if (limit > 0.0).any():
+            limits.append(over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT))
+        finite = np.isfinite(residuals)
+        top = _BEYOND * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
+        heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
+        name, colour = (worst.name[-1], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
+        yield over_time(t, heights, name, colour)
+        if broken.any():
+            yield over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
+        if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
+            at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
+            circle = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
+            yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
+    yield from limits[-1:]
+
+
+def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:
+    """Draw how often each size of the worst residual occurs among many bags, beside the limits.
+
+    Parameters
+    ----------
+    laws : mapping of str to sequence of pairs of float
+        Of each law, by its name with the unit, the worst residual and its limit in each bag.
+    whose : str
+        What there are many of, such as ``bags``.
+
+    Yields
+    ------
+    str
+        HTML. Laws that have no residual but 0, as those that hold or do not, are left out.
+    """
+    for name, pairs in laws.items():
+        residuals, limits = np.array(pairs, dtype=np.float64).T
+        finite = np.isfinite(residuals)
+        shown = finite & (residuals > 0.0)
+        if shown.any() and limits.max() > 0.0:
+            left_out = {"0": np.sum(residuals == 0.0), "not finite": np.sum(~finite)}
+            caption = ", ".join(f"{what} in {count} {whose}" for what, count in left_out.items() if count)
+            yield figure(name, _distribution(residuals[shown], limits[shown], limits, whose), caption)
+
+
+def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
+    """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
+    low, high = np.log10(residuals.min()), np.log10(residuals.max())
+    widen = max(0.0, _LEAST_SPAN - (high - low)) / 2.0 + 1e-9
+    edges = np.logspace(low - widen, high + widen, _BINS + 1)
+    traces: list[dict[str, Any]] = []
+    beyond = residuals > own
+    for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):
+        counts, _ = np.histogram(residuals[which], edges)
+        if counts.any():
+            bars = {"x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts}
+            traces.append({"type": "bar", "marker": {"color": colour}, "name": label, **bars})
+    top, least, most = max(int(np.max(trace["y"])) for trace in traces), float(limits.min()), float(limits.max())
+    corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
+    if least == most:
+        traces.append({**line(corners[:2], "limit", GREY, 1.4), **_LIMIT})
+    else:
+        traces.append({**line(corners, "limits", GREY, 1.4), **_LIMIT, "fill": "toself"})
+    size = logarithmic("worst residual", np.append(edges, limits))
+    return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"), barmode="stack", bargap=0)
