@@ -18,7 +18,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Entry
 from lie_rigid_body.errors import BagError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
-from lie_rigid_body.evaluation.attitudes import attitude_error
+from lie_rigid_body.evaluation.attitudes import attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
