@@ -352,7 +352,7 @@ _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
 _Z_UP: Final = _left(np.sqrt([[0.5, 0.5, 0.0, 0.0]]))[0]
 """Exchange of x and y of the world, with z negated: half a turn about (1, 1, 0), its own inverse."""
 _Z_UP_AND_FLU: Final = _Z_UP @ _right(np.eye(4)[:1])[0]
-"""The same beside half a turn about the body's x axis, its own inverse as well."""
+"""Exchange of the world beside half a turn about the body's x axis, its own inverse as well."""
 _OF_WORLD: Final = _left(np.roll(np.eye(4), 1, axis=0))
 _OF_BODY: Final = _right(np.roll(np.eye(4), 1, axis=0))
 _ABOUT_UP: Final = _OF_WORLD[[0, 3]]
