@@ -316,6 +316,6 @@ class SampledTruth(Truth):
 
 
 def _time(value: Any) -> int:
-    if not isinstance(value, int | float | np.integer) or not abs(value) <= FARTHEST_NS:
+    if not isinstance(value, int | float | np.integer) or not -FARTHEST_NS <= value <= FARTHEST_NS:
         raise InputError(f"truth: the time {shown(value)} is not within 2**31 s of 0, as in ROS 2: give it in ns")
     return int(value)

@@ -43,8 +43,6 @@ ONE: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
 """What is said of a cause that a mistake at the input of the filter may feign."""
-FITTED: Final = 200
-"""Samples of a track by which a constant of time is fitted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,12 +329,15 @@ def _best_of_scan(tracks: Tracks, undo: Callable[[Track, Array], Track], values:
     return float(values[np.argmin(left)])
 
 
-def _of_time(code: str, values: Array, sign: float = 0.0) -> Callable[[Tracks], Sequence[Array]]:
-    """A constant that changes stamps, fitted from the best of some values; with a sign a lag of more than a sample."""
+def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Callable[[Tracks], Sequence[Array]]:
+    """A constant that changes stamps, fitted to some samples from the best of some values.
+
+    With a sign it is a lag of more than a sample.
+    """
 
     def fits(tracks: Tracks) -> Sequence[Array]:
         start = np.array([_best_of_scan(tracks, BY_CODE[code].undo, values)])
-        [(_, found)] = fit([track.few(FITTED) for track in tracks], [(BY_CODE[code], start)])
+        [(_, found)] = fit([track.few(most) for track in tracks], [(BY_CODE[code], start)])
         least = 1.001e-9 * float(np.median(np.diff(tracks[0].stamps_ns)))
         return [found if not sign or sign * found[0] > least else np.zeros(1)]
 
@@ -351,7 +352,7 @@ _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
 _Z_UP: Final = _left(np.sqrt([[0.5, 0.5, 0.0, 0.0]]))[0]
 """Exchange of x and y of the world, with z negated: half a turn about (1, 1, 0), its own inverse."""
 _Z_UP_AND_FLU: Final = _Z_UP @ _right(np.eye(4)[:1])[0]
-"""The same beside half a turn about the body's x axis, its own inverse as well."""
+"""Exchange of the world beside half a turn about the body's x axis, its own inverse as well."""
 _OF_WORLD: Final = _left(np.roll(np.eye(4), 1, axis=0))
 _OF_BODY: Final = _right(np.roll(np.eye(4), 1, axis=0))
 _ABOUT_UP: Final = _OF_WORLD[[0, 3]]

@@ -19,6 +19,7 @@ from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FEWEST,
     FULL,
+    LARGEST_LEFT,
     LEAD,
     LEAST_LATE,
     NEGLIGIBLE,
@@ -43,9 +44,7 @@ LARGEST_INFLATION: Final = 10.0
 """Largest variance inflation factor at which a lag counts as told apart from turns."""
 SLOWEST_RATE: Final = 1e-6
 """Least body rate that tells something about time, rad/s."""
-LOST: Final = float(np.radians(20.0))
-"""Median error above which an estimate follows the truth too little to tell a lag, rad."""
-LARGEST_LEFT: Final = float(np.radians(5.0))
+LEFT_BY_CLOCK: Final = float(np.radians(5.0))
 """Largest error, root mean square in a quarter, that is left by another clock, rad: any clock fits a little."""
 LEAST_COVERED: Final = {True: 0.25, False: 0.9}
 """Least share of the samples within the truth's times by another lag, and by another rate."""
@@ -114,7 +113,7 @@ def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], peri
     lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
     left, before, raw = (float(np.median(undone(track, parts).errors())) for parts in (fitted, without, ()))
     turn = rms(sizes(track.truth.states(track.stamps_ns)[1]))
-    if left > LOST:
+    if left > LARGEST_LEFT:  # what follows the truth so little tells no lag
         return Lag()
     clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
     # each half of a run alone tells about the same lag; what drifts feign hardly does
@@ -155,14 +154,10 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
     G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
     independent = float(np.sqrt(np.sum(G**2) * np.mean(psi**2)))
-    on_world = [quaternion.rotate(truth, vectors) for vectors in (G, psi)]
-    return max(_rms_over_shifts(G, psi), _rms_over_shifts(*on_world), independent)
-
-
-def _rms_over_shifts(G: Array, errors: Array) -> float:
-    """Root mean square of Σ G · errors over all circular shifts of the errors, both of shape (N, 3)."""
-    spectra = np.conj(np.fft.rfft(G, axis=0)) * np.fft.rfft(errors, axis=0)
-    return rms(np.fft.irfft(spectra.sum(axis=1), n=len(G)))
+    both = np.stack([(G, psi), (quaternion.rotate(truth, G), quaternion.rotate(truth, psi))])
+    of_weights, of_errors = np.moveaxis(np.fft.rfft(both, axis=2), 1, 0)
+    shifted = np.fft.irfft((np.conj(of_weights) * of_errors).sum(axis=2), n=len(G))
+    return max(rms(shifted[0]), rms(shifted[1]), independent)
 
 
 def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | None:
@@ -267,7 +262,7 @@ def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, T
     moved, own = undone(few, clock).known(), few.known()
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
-    allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LARGEST_LEFT) ** 2))
+    allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2))
     is_of_rate_1 = not is_lag and abs(rate_of(clock) - 1.0) < LEAST_OFF
     if is_of_rate_1 or np.any(quarters(moved) > np.maximum(allowed, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return []

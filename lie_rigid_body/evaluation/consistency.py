@@ -73,6 +73,13 @@ class Consistency:
         low, high = self.mean_bounds
         return "overconfident" if self.mean > high else "conservative" if self.mean < low else "consistent"
 
+    @property
+    def sentence(self) -> str:
+        """Mean, what is expected and the verdict, without a full stop."""
+        bounds = " to ".join(f"{bound:.3g}" for bound in self.mean_bounds)
+        expected = f"expected {self.dimension} ({bounds} if errors were independent)"
+        return f"{self.mean:.4g} on average, {expected}: {self.verdict}"
+
     def to_json(self) -> dict[str, float | str | list[float]]:
         """JSON-serialisable data: mean, bounds, share inside, verdict and remark."""
         return {

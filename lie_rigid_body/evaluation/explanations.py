@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
@@ -225,24 +225,6 @@ def _value(numbers: Array, forms: Array) -> Array:
     return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
 
 
-class Choice(NamedTuple):
-    """What is named.
-
-    Attributes
-    ----------
-    named : Explanation
-        Without a cause where none is sure.
-    of_sensors : bool
-        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
-    at_limit : bool
-        Whether a lag at the limit of the search leaves least: the true one may be longer.
-    """
-
-    named: Explanation
-    of_sensors: bool = False
-    at_limit: bool = False
-
-
 class Evidence:
     """An estimate beside the truth, as sums of which every explanation is judged.
 
@@ -353,20 +335,30 @@ class Evidence:
         found += [self.get(e.form, e.turned, late=True) for e in promising]
         return sorted(found, key=lambda e: e.cost)
 
-    def choice(self) -> Choice:
-        """Choose the causes of the errors by the one rule."""
+    def choice(self) -> tuple[Explanation, bool, bool]:
+        """Choose the causes of the errors by the one rule.
+
+        Returns
+        -------
+        Explanation
+            What is named, without a cause where none is sure.
+        bool
+            Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+        bool
+            Whether a lag at the limit of the search leaves least: the true one may be longer.
+        """
         plain, of_sensors, allowed = self.get(), False, {*BY_CODE, "lag"}
         for e in self.tried[: self.tried.index(plain)]:
             if not allowed.issuperset(e.causes):
                 continue
             if e.lag_s is not None and abs(e.lag_s) > FULL * self.longest_lag_s:
-                return Choice(plain, of_sensors, at_limit=True)
+                return plain, of_sensors, True
             if self.is_needed(e):
                 if not self.is_small(e):
-                    return Choice(e, of_sensors)
+                    return e, of_sensors, False
                 allowed = {*e.causes}  # what is left without the small turn is of its other causes
                 of_sensors = self.left_by_sensors > 0.0
-        return Choice(plain, of_sensors)
+        return plain, of_sensors, False
 
     def without(self, explanation: Explanation, cause: str) -> Explanation:
         """The explanation without one of its causes."""
@@ -381,12 +373,12 @@ class Evidence:
         if left.mean() > max(unlike**2 * self.still, _counted(np.zeros(1))[0]) or not explanation.explains:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
-        if is_lead or (explanation.far and left.max() > UNEVEN**2 * left.min()):
+        tilts = [
+            angles(quaternion.exp(c)).inclination for cause, c in explanation.parts if cause.code == "world_turned"
+        ]
+        is_level = any(not LEAST_TILT < tilt < np.pi - LEAST_TILT for tilt in tilts)
+        if is_lead or is_level or (explanation.far and left.max() > UNEVEN**2 * left.min()):
             return False
-        if "world_turned" in explanation.turned:
-            tilt = angles(quaternion.exp(vector(explanation.numbers))).inclination
-            if not LEAST_TILT < tilt < np.pi - LEAST_TILT:
-                return False
         shares = dict.fromkeys(explanation.causes, SHARE)
         if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
             shares["lag"] = LAG_SHARE
@@ -398,11 +390,12 @@ class Evidence:
     def is_small(self, explanation: Explanation) -> bool:
         """Whether one of the turns is no larger than what sensors leave, or that in a lag that leaves some error."""
         turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
-        if min(turns_rad, default=np.inf) <= max(self.left_by_sensors, FLOOR * self.fastest * self.period_s):
-            return True
-        if explanation.lag_s is None or explanation.error <= FOLLOWING * self.without(explanation, "lag").error:
-            return False
-        return abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
+        is_late = explanation.lag_s is not None and (
+            explanation.error > FOLLOWING * self.without(explanation, "lag").error
+            and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
+        )
+        least = max(self.left_by_sensors, FLOOR * self.fastest * self.period_s)
+        return is_late or min(turns_rad, default=np.inf) <= least
 
     def follows(self) -> bool:
         """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""

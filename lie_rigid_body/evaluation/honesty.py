@@ -31,10 +31,6 @@ _HALF: Final = LEVEL / 2.0
 FEWEST_RUNS: Final = 10
 """Least number of runs whose spread is known well enough."""
 COVERAGES: Final = (0.68, 0.95, 0.997)
-_RESAMPLED: Final = 2000
-"""Number of resamplings of the runs."""
-_SMALLEST: Final = 1e-100
-"""Least NEES, of which the logarithm is taken."""
 
 
 @dataclass(frozen=True)
@@ -160,10 +156,7 @@ def honesty(
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(t_s, values, dimension, seed)
-    cause = ""
-    if verdict != "honest":
-        repairs = _repairs(attitude_xyzw, axes, factor)
-        cause = _cause(t_s, errors, covariance, scores, repairs, seed)
+    repairs = {} if verdict == "honest" else _repairs(attitude_xyzw, axes, factor)
     return Honesty(
         runs,
         dimension,
@@ -172,7 +165,7 @@ def honesty(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        cause,
+        _cause(t_s, errors, covariance, scores, repairs, seed),
         factor,
         (low / dimension, high / dimension),
     )
@@ -181,7 +174,7 @@ def honesty(
 def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
     """NEES of every sample, shape (R, T), and minus the mean logarithm of the likelihood of each run, shape (R,)."""
     values, logarithm = nees_and_logarithm(errors, covariance)
-    values = np.maximum(values, _SMALLEST)
+    values = np.maximum(values, 1e-100)  # the logarithm of which is taken
     return values, (0.5 * values + logarithm).mean(axis=1)
 
 
@@ -211,10 +204,11 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     mean, most = float(values.mean()), float(scipy.stats.f.isf(level, 1, len(values) - 1))
     best = _likelihood(values, mean)
 
-    def excess(factor: float) -> float:
-        return best - _likelihood(values, mean * factor) - most
-
-    return mean * float(scipy.optimize.brentq(excess, 1e-9, 1.0)), mean * float(scipy.optimize.brentq(excess, 1.0, 1e9))
+    low, high = (
+        scipy.optimize.brentq(lambda factor: best - _likelihood(values, mean * factor) - most, *ends)
+        for ends in ((1e-9, 1.0), (1.0, 1e9))
+    )
+    return mean * float(low), mean * float(high)
 
 
 def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:
@@ -225,15 +219,15 @@ def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str,
     return ("overconfident" if low > dimension else "conservative"), outside
 
 
-def _outside(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[Interval, ...]:
+def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: int = 2000) -> tuple[Interval, ...]:
     """Times in which the mean over runs is outside of its band, neighbours joined."""
     runs, draws = len(values), np.random.default_rng(seed)
     mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(runs)
     # each resampling counts how often every run is drawn
-    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=_RESAMPLED) / runs
-    resampled = weights @ values
-    variance = (weights @ values**2 - resampled**2) * runs / (runs - 1)
-    deviation = (resampled - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
+    weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=resampled) / runs
+    means = weights @ values
+    variance = (weights @ values**2 - means**2) * runs / (runs - 1)
+    deviation = (means - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
     least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
     parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)

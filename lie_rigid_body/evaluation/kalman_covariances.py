@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -45,21 +45,7 @@ Steps: TypeAlias = tuple[Array, Array, Array, Array, Array]
 """F (S, n, n), a root of Q (S, q, n), H (S, m, n), B (S, n, c) and D (S, m, c) of S samples side by side."""
 
 
-class Covariances(NamedTuple):
-    """Covariances of each sample's state, shape (N, n, n) each.
-
-    Attributes
-    ----------
-    before, filtered, smoothed : ndarray
-        From the readings before the sample, from those up to it, and from all.
-    """
-
-    before: Array
-    filtered: Array
-    smoothed: Array
-
-
-def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]:
+def covariances(samples: Steps, first: Array) -> Array:
     """Covariances of each sample's state, for an estimator that knows the constants, and for one that does not.
 
     Parameters
@@ -71,7 +57,8 @@ def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]
 
     Returns
     -------
-    known, unknown : Covariances
+    ndarray, shape (2, 3, N, n, n)
+        For the first and the second: from the readings before each sample, from those up to it, and from all.
     """
     count, n, c = samples[3].shape
     length = max(1, math.isqrt(count))  # loops over the blocks and over the samples of one are as long as each other
@@ -96,8 +83,7 @@ def covariances(samples: Steps, first: Array) -> tuple[Covariances, Covariances]
             found[:, i, :, k] = _square(root)
             found[1, i, :, k] += _square(np.linalg.solve(_transposed(r), _transposed(psi)))
         R = later_R
-    known, unknown = found.reshape(2, 3, -1, n, n)[:, :, :count]
-    return Covariances(*known), Covariances(*unknown)
+    return found.reshape(2, 3, -1, n, n)[:, :, :count]
 
 
 def _at_ends(steps: list[Steps], first: Array) -> tuple[Pair, Pair]:

@@ -56,8 +56,6 @@ SCALES: Final = {
     0.5: "the rate of a quaternion is ½ q ω, once, or its time step is half that of the gyro",
 }
 """Ratios of the turns of an estimate to those of the body, each with its cause."""
-OTHERWISE_WRITTEN: Final = tuple(matrix(form) for form in FORMS if {"scalar_first", "inverted"} & {*dict(form)})
-"""Conventions that may feign other turns."""
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
@@ -203,7 +201,9 @@ class Turns:
             scale = float(np.sum(ours * true) / np.sum(true**2))
             is_rate = max(scale, 1.0 / max(scale, 1e-300)) > FAR and _missed(ours, scale * true) <= LARGEST_MISS
             return _turn_rate(scale) if is_rate else None
-        written = (self.estimate_xyzw @ undoing.T for undoing in OTHERWISE_WRITTEN)
+        # conventions that may feign other turns
+        feigning = (form for form in FORMS if {"scalar_first", "inverted"} & {*dict(form)})
+        written = (self.estimate_xyzw @ matrix(form).T for form in feigning)
         feigned = min(float(_missed(turns(q[first], q[first + 1]), true)) for q in written)
         fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
         if len({scale for scale, _ in fitting}) != 1 or feigned <= most:

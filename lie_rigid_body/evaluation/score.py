@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Final, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Final, NoReturn
 
 import numpy as np
 
@@ -39,7 +39,8 @@ HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 """Headings of the columns of statistics."""
 
 
-class BiasEstimate(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class BiasEstimate:
     """Estimated biases of a gyro beside the true ones, rad/s.
 
     Attributes
@@ -52,8 +53,7 @@ class BiasEstimate(NamedTuple):
     estimate: Array
     truth: Array
 
-    def __repr__(self) -> str:
-        return short_repr(self)
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -285,40 +285,71 @@ def numbers(statistics: Statistics) -> list[str]:
     return [f"{value:.4g}" for value in statistics.to_json().values()]
 
 
+FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
+    (
+        "converged",
+        lambda score: (
+            f"never: the last error is above {score.converged_deg:.4g}°"
+            if score.time_to_converge_s is None
+            else f"{score.time_to_converge_s:.4g} s after the first, to below {score.converged_deg:.4g}°"
+        ),
+    ),
+    (
+        "lag",
+        lambda score: (
+            "not told by this motion and these errors"
+            if score.lag_s is None
+            else f"{score.lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+        ),
+    ),
+    (
+        "sensors",
+        lambda score: (
+            None
+            if score.of_sensors_deg is None
+            else f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°"
+        ),
+    ),
+    (
+        "truth",
+        lambda score: (
+            f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
+            if score.truth_uncertainty_deg > SMALLEST_LIMIT
+            else None
+        ),
+    ),
+    ("NEES", lambda score: score.consistency.sentence if score.consistency else None),
+    ("remark", lambda score: score.consistency.remark if score.consistency else None),
+    (
+        "gyro bias",
+        lambda score: (
+            None
+            if (bias := score.gyro_bias_rad_s) is None
+            else f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
+        ),
+    ),
+    (
+        "best filter",
+        lambda score: (
+            f"not known: no sensor tells {score.best.unobserved}" if score.best and score.best.unobserved else None
+        ),
+    ),
+    (
+        "remark",
+        lambda score: (
+            "nearer than noise allows: it has seen the truth, or the noise is not as declared"
+            if score.best and score.best.beaten
+            else None
+        ),
+    ),
+)
+"""What else a score tells, by name: sentences, and nothing where there is nothing to tell."""
+
+
 def facts(score: Score) -> Iterator[tuple[str, str]]:
     """Other facts of a score by name."""
-    time_s, lag_s = score.time_to_converge_s, score.lag_s
-    never = f"never: the last error is above {score.converged_deg:.4g}°"
-    yield (
-        "converged",
-        never if time_s is None else f"{time_s:.4g} s after the first, to below {score.converged_deg:.4g}°",
-    )
-    told = f"{lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late" if lag_s is not None else ""
-    yield "lag", told or "not told by this motion and these errors"
-    if score.of_sensors_deg is not None:
-        yield (
-            "sensors",
-            f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°",
-        )
-    if score.truth_uncertainty_deg > SMALLEST_LIMIT:
-        yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
-    consistency = score.consistency
-    if consistency is not None:
-        bounds = " to ".join(f"{bound:.3g}" for bound in consistency.mean_bounds)
-        yield (
-            "NEES",
-            f"{consistency.mean:.4g} on average, expected {consistency.dimension} "
-            f"({bounds} if errors were independent): {consistency.verdict}",
-        )
-        if consistency.remark:
-            yield "remark", consistency.remark
-    bias = score.gyro_bias_rad_s
-    if bias is not None:
-        yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
-    if score.best is not None and score.best.unobserved:
-        yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
-    if score.best is not None and score.best.beaten:
-        yield "remark", "nearer than noise allows: it has seen the truth, or the noise is not as declared"
+    told = ((name, tell(score)) for name, tell in FACTS)
+    return ((name, sentence) for name, sentence in told if sentence)
 
 
 def verdict(score: Score) -> list[str]:

@@ -28,8 +28,6 @@ from lie_rigid_body.wording import shown
 
 LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
-MOST_NAMED: Final = 2
-"""Number of causes, one if the world is turned, above which it is asked whether the turns have a simpler name."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
@@ -142,10 +140,7 @@ def evaluate(
         *remarks.of_span(track.stamps_ns, len(known), truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )
-    consistency = None
-    if covariance is not None:
-        P = _at_samples(real_numbers("covariance", covariance, "(..., 3, 3)"), first, known)
-        consistency = attitude_nees(track.attitude_xyzw, true, P, covariance_axes)
+    P = None if covariance is None else _at_samples(covariance, first, known)
     return Score(
         stamps_ns=track.stamps_ns,
         error=error,
@@ -160,7 +155,7 @@ def evaluate(
         broken=tally.broken_in_all(len(stamps) + left_out, due_ns),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
-        consistency=consistency,
+        consistency=None if P is None else attitude_nees(track.attitude_xyzw, true, P, covariance_axes),
         best=None if bound is None else BestPossible.of(bound, track.stamps_ns, statistics.rms),
         limits=limits,
         of_sensors_deg=float(np.degrees(sensors)) if diagnosis.of_sensors else None,
@@ -183,13 +178,12 @@ def _apart(whole: Track, given: int) -> str:
     )
 
 
-def _at_samples(covariance: Array, first: Booleans, known: Booleans) -> Array:
+def _at_samples(covariance: ArrayLike, first: Booleans, known: Booleans) -> Array:
     """Covariances of the samples that were compared: the first of each stamp at which the truth is known."""
-    if covariance.ndim != 3:
-        return covariance
-    if len(covariance) != len(first):
-        raise InputError(f"covariance: {len(covariance)} of them for {len(first)} estimates: give one, or one for each")
-    return np.asarray(covariance[first][known])
+    P = real_numbers("covariance", covariance, "(..., 3, 3)")
+    if P.ndim == 3 and len(P) != len(first):
+        raise InputError(f"covariance: {len(P)} of them for {len(first)} estimates: give one, or one for each")
+    return P[first][known] if P.ndim == 3 else P
 
 
 def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sensors: float = 0.0) -> Diagnosis:
@@ -216,26 +210,25 @@ def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sen
     margin = round(longest_s * 1e9)
     inner = track.part(truth.covers(stamps - margin) & truth.covers(stamps + margin))
     evidence = Evidence(inner, longest_s, sensors) if len(inner.stamps_ns) >= FEWEST else None
-    choice = evidence.choice() if evidence else None
-    causes = {*choice.named.causes} if choice else set[str]()
-    at_limit = choice is not None and choice.at_limit
+    named, of_sensors, at_limit = evidence.choice() if evidence else (None, False, False)
+    causes = {*named.causes} if named else set[str]()
     lost = unlike and not causes and not (evidence and evidence.follows())
     # a motion that nearly repeats has a near lag with a mounting for each far one
     near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
     found = other_clock(whole, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
-    most = np.inf if not (choice and near) else (TIE if "lag" in causes else 0.5) * choice.named.error
+    most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
     if found is not None and rms(found[1].errors()) <= most:
         clock, moved = found
         return Diagnosis(clock_lag(clock, moved), (_of_clock(whole, moved, clock),))
-    if not evidence or not choice:
+    if not evidence or not named:
         return Diagnosis()
-    lag = Lag() if at_limit else lag_of(inner, choice.named, longest_s, period_ns(stamps) / 1e9)
-    named = choice.named if lag.lag_s is None or not lag.sure else evidence.with_lag(choice.named, lag.lag_s)
+    lag = Lag() if at_limit else lag_of(inner, named, longest_s, period_ns(stamps) / 1e9)
+    named = named if lag.lag_s is None or not lag.sure else evidence.with_lag(named, lag.lag_s)
     told = _in_words(track, evidence, named) if named.causes else ()
-    # a gyro on other axes is the same map as three conventions and a turned world
-    many = len(told) > (1 if "world_turned" in named.turned else MOST_NAMED)
+    # a gyro on other axes is the same map as three conventions and a turned world, and has the simpler name
+    many = len(told) > (1 if "world_turned" in named.turned else 2)
     other = turned.other() if (lost and not told) or many else None
-    return Diagnosis(lag, (other,) if other else told, choice.of_sensors)
+    return Diagnosis(lag, (other,) if other else told, of_sensors)
 
 
 def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:

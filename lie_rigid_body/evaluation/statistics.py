@@ -28,9 +28,11 @@ SMALLEST_LIMIT: Final = 1e-3
 """Least default limit of convergence, degrees."""
 Largest = tuple[float, float] | None
 """Time, s, and size, degrees, of the largest of some errors; None of no samples."""
-ANGLES: Final = {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi}
-TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
-"""Units of a limit, in degrees and in seconds."""
+UNITS: Final = {
+    "an angle such as 1deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi},
+    "a time such as 10s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
+}
+"""Units of what a limit is of, in degrees and in seconds."""
 LEAST_SHARE: Final = 0.5
 """Least share of the given estimates, and of the time in which they are due, that must be compared to keep a limit."""
 PROBABILITY: Final = 0.95
@@ -193,7 +195,9 @@ class Limits:
             If a text is not an angle, or not a time, a colon and an angle.
         """
         pairs = max_after if isinstance(max_after, list | tuple) else (max_after,)
-        return cls(None if max_rms is None else angle_deg(max_rms), tuple(_after(pair) for pair in pairs))
+        return cls(
+            None if max_rms is None else _read(max_rms, "an angle such as 1deg"), tuple(_after(pair) for pair in pairs)
+        )
 
 
 def largest(start_s: float, t_s: Array, total_deg: Array, before: Largest = None) -> Largest:
@@ -205,25 +209,16 @@ def largest(start_s: float, t_s: Array, total_deg: Array, before: Largest = None
     return float(t_s[k]), float(total_deg[k])
 
 
-def angle_deg(text: str) -> float:
-    """Read an angle, degrees, from a text like ``1deg``, ``0.02rad`` or ``5 mrad``."""
-    return _read(text, ANGLES, "an angle such as 1deg")
-
-
-def time_s(text: str) -> float:
-    """Read a time, s, from a text like ``10s``, ``500ms`` or ``1min``."""
-    return _read(text, TIMES, "a time such as 10s")
-
-
 def _after(text: str) -> tuple[float, float]:
     time, colon, angle = text.partition(":") if isinstance(text, str) else (text, "", "")
     if not colon:
         raise InputError(f"{shown(text)} is not a time and an angle: give for example 10s:2deg")
-    return time_s(time), angle_deg(angle)
+    return _read(time, "a time such as 10s"), _read(angle, "an angle such as 1deg")
 
 
-def _read(text: str, units: dict[str, float], wanted: str) -> float:
-    match = _NUMBER.fullmatch(text) if isinstance(text, str) else None
+def _read(text: str, wanted: str) -> float:
+    """Read a number with one of the units of what is wanted."""
+    match, units = _NUMBER.fullmatch(text) if isinstance(text, str) else None, UNITS[wanted]
     if not match or match[2] not in units or np.isinf(float(match[1])):
         raise InputError(f"{shown(text)} is not {wanted}: give a number and one of {', '.join(units)}")
     return float(match[1]) * units[match[2]]

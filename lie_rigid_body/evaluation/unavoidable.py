@@ -34,7 +34,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, quantity, read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.consistency import factor_of
-from lie_rigid_body.evaluation.kalman_covariances import Covariances, Steps, covariances
+from lie_rigid_body.evaluation.kalman_covariances import Steps, covariances
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat, right_jacobian
 from lie_rigid_body.wording import components, short_repr, shown
@@ -247,11 +247,12 @@ def unavoidable_error(
     share = (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis]
     R = quaternion.to_matrix(truth[-1])
 
-    def bound(found: Covariances, calibrated: UnavoidableError | None = None) -> UnavoidableError:
-        filtered = found.filtered + share * (found.before - found.filtered)
+    def bound(found: Array, calibrated: UnavoidableError | None = None) -> UnavoidableError:
+        before, filtered, smoothed = found
+        filtered = filtered + share * (before - filtered)
         bias = np.zeros((len(stamps), 3, 3)) if gyro_bias == BiasNoise() else filtered[:, 3:6, 3:6]
         unobserved = _unobserved(R @ filtered[-1, :3, :3] @ R.T) if initial**2 > UNSEEN else ""
-        return UnavoidableError(filtered[:, :3, :3], found.smoothed[:, :3, :3], bias, stamps, unobserved, calibrated)
+        return UnavoidableError(filtered[:, :3, :3], smoothed[:, :3, :3], bias, stamps, unobserved, calibrated)
 
     return bound(unknown, bound(known) if steps[3].size else None)
 
@@ -280,14 +281,10 @@ def _require(
 def _unobserved(world_covariance: Array) -> str:
     """Name of the directions of the world about which an error of half a radian or more would not be seen."""
     variances, axes = np.linalg.eigh(world_covariance)
-    if np.count_nonzero(variances > UNSEEN) > 1:
-        return "the attitude"
-    if variances[-1] <= UNSEEN:
-        return ""
     axis = axes[:, -1] * np.sign(axes[np.argmax(np.abs(axes[:, -1])), -1])
-    if axis[2] > VERTICAL:
-        return "a turn about the vertical"
-    return f"a turn about ({components(axis, 3)}) of the world"
+    of_world = f"a turn about ({components(axis, 3)}) of the world"
+    one = "a turn about the vertical" if axis[2] > VERTICAL else of_world
+    return ("", one, "the attitude", "the attitude")[np.count_nonzero(variances > UNSEEN)]
 
 
 def _system(

@@ -16,7 +16,7 @@ from lie_rigid_body.evaluation import (
     time_to_converge,
 )
 from lie_rigid_body.evaluation.score import Tally
-from lie_rigid_body.evaluation.statistics import angle_deg, settling_limit, time_s
+from lie_rigid_body.evaluation.statistics import settling_limit
 
 
 def test_statistics_of_a_hundred_and_one_numbers():
@@ -63,18 +63,19 @@ def test_an_exponential_converges_to_its_noise_when_it_should():
     ("text", "degrees"), [("1deg", 1.0), ("0.5°", 0.5), (" 1e-2 rad ", 0.5729577951308232), ("5mrad", 0.286478897565)]
 )
 def test_angles_are_read(text, degrees):
-    assert angle_deg(text) == pytest.approx(degrees, rel=1e-11)
+    assert Limits.parse(text).max_rms_deg == pytest.approx(degrees, rel=1e-11)
 
 
 @pytest.mark.parametrize(("text", "seconds"), [("10s", 10.0), ("500ms", 0.5), ("1.5 min", 90.0), (".5s", 0.5)])
 def test_times_are_read(text, seconds):
-    assert time_s(text) == pytest.approx(seconds)
+    [(start, _)] = Limits.parse(max_after=f"{text}:1deg").max_after
+    assert start == pytest.approx(seconds)
 
 
 @pytest.mark.parametrize("text", ["", "1", "deg", "-1deg", "1s", "nan deg", "1 deg deg", "1e999deg", "1,5deg", "١deg"])
 def test_what_is_no_angle_is_refused(text):
     with pytest.raises(InputError, match="an angle such as 1deg"):
-        angle_deg(text)
+        Limits.parse(text)
 
 
 @pytest.mark.parametrize(
