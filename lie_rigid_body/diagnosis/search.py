@@ -42,6 +42,9 @@ UNCHANGED: Final = 1e-6
 """Change of the error, rad, below which a repair is none."""
 FINEST_FACTOR: Final = 1e-6
 """Accuracy to which a factor is fitted."""
+CALMED: Final = 1.4
+"""Factor by which a sensor in other units has to lessen the error that a gyro makes which is off, of an unstable
+filter. A right filter has 1.6 and more, one with a wrong Jacobian 1.2 at most."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
 
@@ -308,7 +311,7 @@ class Search:
         off = (replace(self._short[0], off=(("gyro", (self.floor,) * 3),)),)
         asked = [trial.repairs, *((*trial.repairs, silent(sensor)) for sensor in scaled)]
         (used,), *unused = self.tried([(repairs, off) for repairs in asked]) if scaled else [[trial]]
-        least = (NEAR if self.change else 1.0) * used.error + UNCHANGED
+        least = (CALMED if self.change else 1.0) * used.error + UNCHANGED
         return all(without.error > least for (without,) in unused)
 
     def fully(
