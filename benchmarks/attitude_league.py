@@ -19,7 +19,7 @@ from typing import Final
 from league import page
 from league.contender import filters, missing
 from league.tournament import play
-from lie_rigid_body.league.table import REFERENCE, change, reference
+from lie_rigid_body.league.table import EDITION, REFERENCE, reference
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 
@@ -35,7 +35,7 @@ def main() -> None:
     defaults, best, bounds = play(len(os.sched_getaffinity(0)))
     rows, table = page.ranking(defaults, best), page.reference(defaults, best, bounds)
     print(page.table(rows, bounds), page.advice(rows), sep="\n\n")
-    print("\n".join(change(reference(), table)) or f"The reference set {table.edition} is made again: nothing changed.")
+    print("\n".join(page.change(reference(), table)) or f"The reference set {EDITION} is made again: nothing changed.")
     if save:
         page.heat_map(rows, bounds).savefig(ROOT / "docs" / "images" / "league.png")
         REFERENCE.write_text(f"{json.dumps(table.to_json(), indent=0)}\n", encoding="utf-8")

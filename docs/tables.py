@@ -19,7 +19,7 @@ from unittest.mock import patch
 from lie_rigid_body import console
 from lie_rigid_body.__main__ import VERBS, main
 from lie_rigid_body.parameters import Parameter
-from lie_rigid_body.ros.arguments import parse
+from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario.parameter_table import OWN
 from lie_rigid_body.sensors import GRADE, SENSORS
 

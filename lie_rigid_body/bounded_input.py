@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import select
 import stat
 import sys
@@ -43,6 +44,8 @@ LONGEST_STRING: Final = 2**20
 """Largest size of a text in a message, bytes."""
 LONGEST_ROW: Final = 2**20
 """Largest size of a line in the journal of a campaign, bytes."""
+_REAL: Final = re.compile(r"\s*[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf(inity)?|nan)\s*", re.ASCII | re.IGNORECASE)
+"""How programs write numbers. Python also reads underscores and the digits of all scripts, which tell of a mistake."""
 _NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _UNREADABLE: Final[dict[type[Exception], str]] = {
     FileNotFoundError: "does not exist: give the path of a YAML file",
@@ -50,6 +53,19 @@ _UNREADABLE: Final[dict[type[Exception], str]] = {
     UnicodeDecodeError: "is not UTF-8 text: give a YAML file",
 }
 """What is wrong with a file that cannot be read, and what to do."""
+
+
+def real(text: str) -> float:
+    """Read a number as programs write them.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or Python's alone.
+    """
+    if not _REAL.fullmatch(text):
+        raise ValueError(f"no number: {text!r}")
+    return float(text)
 
 
 def as_path(given: str | PathLike[str], what: str = "file", remedy: str = "that of a file") -> Path:

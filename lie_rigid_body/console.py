@@ -412,7 +412,7 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
     to_the_end : bool, optional
         Whether the process ends with this status, whatever signals still come. See `Interruption.heeded`.
     """
-    with Interruption.heeded(to_the_end=to_the_end):
+    with Interruption.heeded(to_the_end=to_the_end) as interruption:
         try:
             _open_standard_streams()
             _require_memory()
@@ -427,6 +427,10 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
         except Exception as error:
             if os.environ.get(DEBUG):
                 traceback.print_exc()
+            if isinstance(error, ImportError) and interruption.requested:
+                # libraries in C take the KeyboardInterrupt amid their import for a part that is missing
+                complain(prog, "interrupted")
+                return INTERRUPTED
             complain(prog, explanation(error))
     return UNUSABLE
 

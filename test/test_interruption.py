@@ -38,6 +38,17 @@ PROGRAMS = {
     "one": ("ends_with(lambda: waiting(lambda: send(INT)))", 130),
     "from a string, as while a library is imported": ("ends_with(lambda: waiting(lambda: exec(FROM_A_STRING)))", 130),
     "from a string, in a program of another": ("ends_with(lambda: waiting(lambda: exec(FROM_A_STRING)), False)", 130),
+    "while a library in C is imported, which says something else": (
+        """
+def imported():
+    try:
+        send(INT)
+    except KeyboardInterrupt:
+        raise ImportError("PyCapsule_Import could not import module") from None
+ends_with(lambda: waiting(imported))
+""",
+        130,
+    ),
     "where it is noted": ("ends_with(lambda: send(INT, TERM) or 7)", 7),
     "noted before it is allowed": ("ends_with(lambda: send(TERM) or waiting())", 130),
     "the second and the third while closing": (

@@ -13,7 +13,7 @@ import tables
 from lie_rigid_body.__main__ import VERBS
 from lie_rigid_body.report import request
 from lie_rigid_body.ros import launching
-from lie_rigid_body.ros.arguments import parse
+from lie_rigid_body.ros.sim import given_to_ros, parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 
@@ -76,8 +76,8 @@ def test_executables_understand_their_arguments(command: str) -> None:
     assert verb in VERBS
     if verb == "sim":
         given = parse(words)
-        assignments = (*given.assignments, *given.given_to_ros("-p", "--param"))
-        Scenario.from_parameters(gather(given.scenario, given.params_files, assignments))
+        assignments = (*given.assignments, *given_to_ros(given.ros, "-p", "--param"))
+        Scenario.from_parameters(gather(given.scenario, given.params_file, assignments))
     elif words:
         PARSERS[verb](words)
 

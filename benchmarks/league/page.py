@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from league.contender import Filter
 from league.tournament import Result, by_filter
 from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, PERFECT, REAL, Case, readings_hash, run_of
-from lie_rigid_body.league.table import CaseResult, FilterRow, LeagueTable, is_of
+from lie_rigid_body.league.table import SMALLEST_DEG, CaseResult, FilterRow, LeagueTable, is_of
 from lie_rigid_body.report.league import angle
 
 BEGIN: Final = "<!-- begin of the league -->"
@@ -150,3 +150,22 @@ def rounded(errors: CaseResult) -> CaseResult:
     """Errors without the digits of round-off, of which each machine has its own."""
     short = {k: float(f"{round(v, DIGITS):.6g}") for k, v in asdict(errors).items() if isinstance(v, float)}
     return CaseResult(**{**asdict(errors), **short})
+
+
+def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> Sequence[str]:
+    """What differs between two tables: readings, rows, versions, and errors and bounds by more than a share."""
+    old, new = ({row.name: row for row in table.rows} for table in (before, after))
+    lines = [f"{case}: other readings" for case in CASES if before.readings[str(case)] != after.readings[str(case)]]
+    for case, now in after.best_possible_deg.items():
+        was = before.best_possible_deg.get(case, 0.0)
+        if abs(now - was) > tolerance * max(was, SMALLEST_DEG):
+            lines.append(f"best possible, {case}: {was:.4g}° is {now:.4g}° now")
+    lines += [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
+    for name in sorted(old.keys() & new.keys()):
+        if old[name].version != new[name].version:
+            lines.append(f"{name}: version {old[name].version or 'unknown'} is {new[name].version} now")
+        for case, result in new[name].results.items():
+            was, now = old[name].results[case].total_deg, result.total_deg
+            if abs(now - was) > tolerance * max(was, 1e-3):
+                lines.append(f"{name}, {case}: {was:.4g}° is {now:.4g}° now")
+    return lines

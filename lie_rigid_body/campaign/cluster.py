@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import tempfile
 import time
+from asyncio import TimeoutError as Late  # before Python 3.11 not the built-in one
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
@@ -54,6 +56,9 @@ _QUIET: Final = {
 }
 """Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
 
+_MARK: Final = "LIE_RIGID_BODY_CLUSTER"
+"""Variable of the environment that tells to which cluster a process belongs."""
+
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
 _ANSWER_S: Final = 5.0
@@ -74,35 +79,22 @@ class Connection:
     client : Client
     alone : callable, optional
         Is told the address of a scheduler that has no worker, once until it has one.
+
+    Attributes
+    ----------
+    address : str
+        That of the scheduler.
     """
 
     def __init__(self, client: Client, alone: Callable[[str], object] | None = None) -> None:
         self._client, self._alone = client, alone
-        self._address, self._stream = client.scheduler.address, client.scheduler_comm
+        self.address, self._stream = client.scheduler.address, client.scheduler_comm
         self._was_alone = False
 
     @property
     def is_lost(self) -> bool:
         """Whether the connection is lost. The client may have made another, on which no earlier result arrives."""
         return self._client.scheduler_comm is not self._stream or bool(self._stream.closed())
-
-    @contextmanager
-    def needed(self) -> Iterator[None]:
-        """A context that raises one error where the connection is lost: those of Dask are of many kinds.
-
-        Raises
-        ------
-        SchedulerGoneError
-        """
-        from distributed import CancelledError
-        from distributed.comm import CommClosedError
-
-        try:
-            yield
-        except Exception as error:
-            if self.is_lost or isinstance(error, CommClosedError | CancelledError):
-                raise self._gone() from None
-            raise
 
     def arriving(self, pool: as_completed) -> Iterator[tuple[Any, Any]]:
         """Futures of a pool and their results as they arrive.
@@ -111,8 +103,8 @@ class Connection:
 
         Raises
         ------
-        SchedulerGoneError
-            When all that did arrive is yielded.
+        ConnectionError
+            If it is lost, when all that did arrive is yielded.
         """
         since = time.monotonic()
         while not pool.is_empty():
@@ -131,19 +123,14 @@ class Connection:
                 with pool.thread_condition:
                     pool.thread_condition.wait(_LOOK_S)
         if self.is_lost:
-            raise self._gone()
+            raise ConnectionError
 
     def _look_for_workers(self, alone: Callable[[str], object]) -> None:
-        from distributed import TimeoutError as Late
-
         with suppress(Late, OSError):
             is_alone = not self._client.nthreads(callback_timeout=_ANSWER_S)
             if is_alone and not self._was_alone:
-                alone(self._address)
+                alone(self.address)
             self._was_alone = is_alone
-
-    def _gone(self) -> SchedulerGoneError:
-        return SchedulerGoneError(f"the scheduler at {self._address} no longer answers")
 
 
 def require_address(scheduler: str) -> None:
@@ -168,10 +155,7 @@ def require_address(scheduler: str) -> None:
 
 def is_open(scheduler: str) -> bool:
     """Whether an address is of TCP without TLS, which asks nobody for a certificate."""
-    from distributed.comm.addressing import parse_address
-
-    protocol: str = parse_address(scheduler)[0]
-    return protocol == "tcp"
+    return scheduler.partition("://")[0] in ("tcp", scheduler)
 
 
 @contextmanager
@@ -201,16 +185,19 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
         try:
             connected = Client(scheduler, timeout=10)
         except Exception as error:  # of the network, of TLS without a certificate, of a name that cannot be
-            said = shortened(str(error), 90)
-            raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {said}: start one there") from None
+            raise BagError(
+                f"no Dask scheduler answers at {shown(scheduler)}: {shortened(str(error), 90)}: start one there"
+            ) from None
         with _closed_in_time(connected):
             yield connected
         return
     others = active_children()
+    resource_tracker.ensure_running()  # before the mark, and in a thread that may get the signal that it unblocks
     # neither half of a cluster nor one that closes may be interrupted
     with (
         Interruption.current().noted() as interruption,
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own,
+        _marked(own),
     ):
         try:
             with (
@@ -218,8 +205,12 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
                 _closed_in_time(Client(cluster)) as client,
                 interruption.allowed(),
             ):
-                yield client
+                try:
+                    yield client
+                finally:
+                    _end_what_is_left(own)  # it may hold a worker's connections, whose end would be waited for
         finally:
+            _end_what_is_left(own)
             for process in active_children():  # there is none, unless the cluster was too late
                 if process not in others:
                     process.kill()
@@ -252,15 +243,33 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
 def _deafen() -> None:
     """Block SIGINT in this thread, where a system has masks of signals: Ctrl-C goes to all processes of a terminal."""
     if hasattr(signal, "pthread_sigmask"):
-        resource_tracker.ensure_running()  # now, as it would unblock the signal in the thread that first needs it
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+@contextmanager
+def _marked(mark: str) -> Iterator[None]:
+    """A context in which processes begin with a mark in their environment, which those that they begin inherit."""
+    os.environ[_MARK] = mark
+    try:
+        yield
+    finally:
+        del os.environ[_MARK]
+
+
+def _end_what_is_left(mark: str) -> None:
+    """Kill what estimators began and left: the processes with a mark that are no workers."""
+    import psutil
+
+    own = {os.getpid(), *(child.pid for child in active_children())}
+    for process in psutil.process_iter():
+        with suppress(psutil.Error):
+            if process.pid not in own and process.environ().get(_MARK) == mark:
+                process.kill()
 
 
 @contextmanager
 def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
     """A context at whose end a client or a cluster is closed, within `LONGEST_CLOSING_S`."""
-    from distributed import TimeoutError as Late
-
     try:
         yield what
     finally:
@@ -311,15 +320,15 @@ def finished(
         If the scheduler no longer answers; all that came from it is yielded before.
     """
     from distributed import KilledWorker, as_completed
+    from distributed.comm import CommClosedError
 
     waiting, numbers, killed, in_a_row = iter(runs), dict[str, int](), list[int](), 0
-    do: Any = partial(carry_out_elsewhere, campaign, keep=bags)
-    if not elsewhere:  # by its whole path, as an estimator may change the working folder
-        do = partial(carry_out, campaign, folder=str(folder.absolute()) if bags else None)
+    own = str(folder.absolute()) if bags else None  # the whole path, as an estimator may change the working folder
+    do: Any = partial(carry_out_elsewhere, keep=bags) if elsewhere else partial(carry_out, folder=own)
 
     def submitted(some: list[int]) -> Any:
         """Runs on their way, together, as each way takes Dask milliseconds."""
-        futures = client.map(do, some, pure=False) if some else []
+        futures = client.map(partial(do, campaign), some, pure=False) if some else []
         numbers.update((future.key, run) for future, run in zip(futures, some, strict=True))
         return futures
 
@@ -331,7 +340,7 @@ def finished(
 
     connection = Connection(client, alone if elsewhere else None)
     pooled = partial(as_completed, with_results=True, raise_errors=False)
-    with connection.needed():
+    try:
         at_once = RUNS_AHEAD * max(1, len(client.nthreads()))
         pool = pooled(submitted([*islice(waiting, at_once)]))
         for count, arrived in enumerate(connection.arriving(pool), 1):
@@ -351,6 +360,10 @@ def finished(
             for arrived in connection.arriving(pooled(submitted([again]))):
                 run, found = outcome(*arrived)
                 yield run, BagError(_DEAD) if isinstance(found, KilledWorker) else found
+    except Exception as error:  # those of Dask are of many kinds
+        if connection.is_lost or isinstance(error, CommClosedError | CancelledError):
+            raise SchedulerGoneError(f"the scheduler at {connection.address} no longer answers") from None
+        raise
 
 
 def _kept(result: Row | tuple[Row, bytes | None], folder: Path) -> Row | BagError:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.estimators import Contender, Entry
-from lie_rigid_body.campaign.judging import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, errors_of
-from lie_rigid_body.campaign.run import Row
+from lie_rigid_body.campaign.definition import Campaign, Entry
+from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
@@ -25,6 +23,7 @@ MOST_SERIES: Final = 1000
 """Number of runs, the first ones, of which errors over time are looked at, with their covariances."""
 _COLUMNS: Final = (*SCORES, *MORE_SCORES)
 _TOTAL: Final = SCORES[0]
+_READING: Final = "reading_s"
 _SEED: Final = "sensor_seed"
 
 
@@ -97,8 +96,7 @@ class Standing:
         if not len(values):
             return np.nan
         place = share * len(values)
-        low, high = values[math.ceil(place) - 1], values[min(int(place), len(values) - 1)]
-        return float(low if low == high else 0.5 * (low + high))
+        return float(0.5 * (values[math.ceil(place) - 1] + values[min(int(place), len(values) - 1)]))
 
     def worst(self, count: int) -> list[int]:
         """Numbers of the runs of the largest errors, first those in which it failed."""
@@ -106,8 +104,7 @@ class Standing:
         return [int(run) for run in self.runs[np.argsort(-key, kind="stable")[:count]]]
 
 
-@dataclass(frozen=True)
-class Best:
+class Best(NamedTuple):
     """What the sensors of a run leave at best.
 
     Attributes
@@ -119,8 +116,6 @@ class Best:
 
     run: int
     rms_deg: float
-
-    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -153,102 +148,98 @@ class Comparison:
     __repr__ = short_repr
 
 
-def compare(campaign: Campaign, rows: Callable[[], Iterable[Row]]) -> Comparison:
+def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     """Compare the estimators of a campaign.
 
     Parameters
     ----------
     campaign : Campaign
-    rows : callable
-        Gives the rows of the finished runs in the order of their numbers. They are read twice, as they may be many.
+    rows : iterable of Row
+        Those of the finished runs, at least one, in the order of their numbers.
     """
-    entries, duration = campaign.entries, float(campaign.exact_duration)
-    tables = _Tables(entries, rows())
-    chosen = {name: _best(one, entries, tables) for name, one in campaign.contenders.items()}
-    kept: dict[str, list[Judgement]] = {name: [] for name in chosen}
-    for row in rows():
-        for name, (place, _) in chosen.items():
-            if _counts(campaign.contenders[name], row.run) and len(kept[name]) < MOST_SERIES:
-                kept[name].append(Judgement(**row.judgements[place]))
-    independent = _SEED in campaign.vary
-    standings = tuple(
-        tables.standing(entries[place], place, points, kept[name], duration if independent else None)
-        for name, (place, points) in chosen.items()
-    )
+    entries = [_EntryScores(entry) for entry in campaign.entries]
+    for row in rows:
+        for one, judgement in zip(entries, row.judgements, strict=True):
+            one.add(row.run, Judgement(**judgement))  # the journal has looked at it
+    duration, independent = float(campaign.exact_duration), _SEED in campaign.vary
+    chosen = [_best([one for one in entries if one.entry.contender.name == name]) for name in campaign.contenders]
+    standings = tuple(one.standing(points, duration if independent else None) for one, points in chosen)
     return Comparison(
         standings,
         tuple((first, second, _difference(first, second)) for first, second in combinations(standings, 2)),
         np.linspace(0.0, duration, CURVE),
         _best_possible(campaign, standings),
         independent,
-        any(each.covariance for some in kept.values() for each in some),
+        any(each.covariance for one, _ in chosen for each in one.kept),
     )
 
 
-def _counts(contender: Contender, run: int) -> bool:
-    """Whether an estimator is scored in a run: the best point of a grid is chosen on those of even number."""
-    return not contender.grid or run % 2 == 1
+class _EntryScores:
+    """What an entry is worth in all runs.
 
+    Attributes
+    ----------
+    entry : Entry
+    kept : list of Judgement
+        Those of the first runs in which it is scored, at most `MOST_SERIES`.
+    """
 
-class _Tables:
-    """The scores of all entries in all runs, and why those failed that did."""
+    def __init__(self, entry: Entry) -> None:
+        self.entry = entry
+        self.kept: list[Judgement] = []
+        self._runs: list[int] = []
+        self._numbers: list[list[float]] = []
+        self._reason = ""
 
-    def __init__(self, entries: tuple[Entry, ...], rows: Iterable[Row]) -> None:
-        runs: list[int] = []
-        scores: list[list[list[float]]] = []
-        self._first: list[dict[int, str]] = [{} for _ in entries]
-        for row in rows:
-            runs.append(row.run)
-            read = [Judgement(**judgement) for judgement in row.judgements]  # the journal has looked at them
-            scores.append([_numbers(judgement) for judgement in read])
-            for first, judgement in zip(self._first, read, strict=True):
-                if judgement.error is not None:
-                    first.setdefault(row.run % 2, judgement.error)
-        self.runs = np.array(runs, dtype=np.int64)
-        self._scores = np.array(scores)
+    def add(self, run: int, judgement: Judgement) -> None:
+        """Take what the entry is worth in a run."""
+        self._runs.append(run)
+        self._numbers.append(_numbers(judgement))
+        if self.entry.contender.grid and run % 2 == 0:
+            return  # the best point of a grid is chosen in it, and scored in others
+        self._reason = self._reason or judgement.error or ""
+        if len(self.kept) < MOST_SERIES:
+            self.kept.append(judgement)
 
-    def of(self, place: int, rows: Any) -> tuple[dict[str, Array], Any, Array]:
-        """Scores of an entry by column in some rows, whether it failed there, and times of a reading, s."""
-        *columns, reading_s = self._scores[rows, place].T
-        found = dict(zip(_COLUMNS, columns, strict=True))
-        return found, np.isnan(found[_TOTAL]), reading_s
+    def scored(self, *remainders: int) -> tuple[Integers, dict[str, Array]]:
+        """Numbers of the runs with these remainders of a division by 2, and by column the scores in them."""
+        runs = np.array(self._runs)
+        some = np.isin(runs % 2, remainders)
+        return runs[some], dict(zip((*_COLUMNS, _READING), np.array(self._numbers)[some].T, strict=True))
 
-    def standing(
-        self, entry: Entry, place: int, points: tuple[Point, ...], kept: list[Judgement], duration_s: float | None
-    ) -> Standing:
-        rows = np.array([_counts(entry.contender, run) for run in self.runs], dtype=bool)
-        scores, failed, reading_s = self.of(place, rows)
-        reasons = self._first[place]
-        reason = reasons.get(1, "") if points else reasons[min(reasons)] if reasons else ""
-        right = [each for each in kept if each.error is None]
+    def standing(self, points: tuple[Point, ...], duration_s: float | None) -> Standing:
+        """The entry over the runs in which it is scored; verdicts on covariances need the duration of a run."""
+        runs, scores = self.scored(1) if points else self.scored(0, 1)
+        failed, reading_s = np.isnan(scores[_TOTAL]), scores.pop(_READING)
+        right = [each for each in self.kept if each.error is None]
         attitude, bias = (
             None if duration_s is None else _verdict(duration_s, right, of_bias) for of_bias in (False, True)
         )
         curves = np.array([each.curve_deg for each in right], dtype=float).reshape(-1, CURVE)
         median = float(np.nanmedian(reading_s)) if not failed.all() else np.nan
-        return Standing(entry, self.runs[rows], scores, failed, reason, median, curves, attitude, bias, points)
+        return Standing(self.entry, runs, scores, failed, self._reason, median, curves, attitude, bias, points)
 
 
 def _numbers(judgement: Judgement) -> list[float]:
     """Scores by column, and the time of a reading; NaN where there is none."""
-    numbers = [np.nan if value is None else float(value) for value in map(judgement.scores.get, _COLUMNS)]
-    if judgement.error is None and judgement.scores["converged_s"] is None:
-        numbers[_COLUMNS.index("converged_s")] = np.inf
-    return [*numbers, np.nan if judgement.reading_s is None else judgement.reading_s]
+    scores = {**judgement.scores, _READING: judgement.reading_s}
+    if judgement.error is None and scores["converged_s"] is None:
+        scores["converged_s"] = np.inf
+    return [np.nan if value is None else float(value) for value in map(scores.get, (*_COLUMNS, _READING))]
 
 
-def _best(contender: Contender, entries: tuple[Entry, ...], tables: _Tables) -> tuple[int, tuple[Point, ...]]:
-    """Place of an estimator's entry, with a grid that of the best point, and all points."""
-    places = [place for place, entry in enumerate(entries) if entry.contender.name == contender.name]
-    if not contender.grid:
-        return places[0], ()
+def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, ...]]:
+    """The entry of an estimator, with a grid that of the best point, and all points."""
+    if not entries[0].entry.contender.grid:
+        return entries[0], ()
     points = []
-    for place in places:
-        scores, failed, _ = tables.of(place, tables.runs % 2 == 0)
-        mean = float(np.mean(scores[_TOTAL][~failed])) if not failed.all() else np.nan
-        points.append(Point(entries[place].parameters, mean, int(np.sum(failed))))
+    for one in entries:
+        totals = one.scored(0)[1][_TOTAL]
+        right = totals[~np.isnan(totals)]
+        mean = float(np.mean(right)) if len(right) else np.nan
+        points.append(Point(one.entry.parameters, mean, len(totals) - len(right)))
     best = min(range(len(points)), key=lambda at: (points[at].failures, np.nan_to_num(points[at].mean_deg, nan=np.inf)))
-    return places[best], tuple(points)
+    return entries[best], tuple(points)
 
 
 def _difference(first: Standing, second: Standing) -> Difference:

@@ -1,13 +1,16 @@
-"""The definition of a campaign: a base scenario, the parameters that vary from run to run, and how many runs."""
+"""The definition of a campaign: a base scenario, what varies from run to run, how many runs, and the estimators."""
 
 from __future__ import annotations
 
+import inspect
+import itertools
 import json
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,17 +18,15 @@ import numpy as np
 
 from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
-from lie_rigid_body.campaign.estimators import FUNCTION, Contender, Entry, contenders
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
+from lie_rigid_body.runs.estimators import CommandEstimator, Estimator, NamedFunction
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.wording import short_repr, shown, suggestion
 
-MOST_RUNS: Final = 1_000_000
-LARGEST_SEED: Final = 2**64 - 1
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
 SCORES_TABLE: Final = "scores.parquet"
@@ -33,12 +34,18 @@ SCORES_TABLE: Final = "scores.parquet"
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
 _NUMBERS: Final = (
-    Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=MOST_RUNS),
-    Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=LARGEST_SEED),
+    Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=1_000_000),
+    Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=2**64 - 1),
 )
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
 _LEFT_OUT: Final = ("estimator", "estimators")
 """Keys that a campaign's line has only where they are given."""
+_FUNCTION: Final = r"\w+(\.\w+)*:\w+"
+"""What names a function: module, colon, function."""
+MOST_POINTS: Final = 100
+"""Largest number of estimators and points of grids: each is called in every run, and has its place in the run's row."""
+_LONGEST_NAME: Final = 40
+_KEYS_OF_ONE: Final = ("function", "command", "parameters", "grid")
 
 
 @dataclass(frozen=True)
@@ -93,11 +100,10 @@ class Campaign:
         for name, given in (("parameters", self.parameters), ("vary", self.vary)):
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
-        unknown = next((str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME), None)
-        if unknown is not None:
-            raise InputError(f"there is no parameter {shown(unknown)}: {suggestion(unknown, BY_NAME, 'parameters')}")
-        both = sorted(set(self.parameters) & set(self.vary))
-        if both:
+        if unknown := [str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME]:
+            hint = suggestion(unknown[0], BY_NAME, "parameters")
+            raise InputError(f"there is no parameter {shown(unknown[0])}: {hint}")
+        if both := sorted(set(self.parameters) & set(self.vary)):
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
         live = [f"vary.{name}" for name in self.vary if name in OF_THE_NODE]
         live += ["record_path"] if self.parameters.get("record_path") else []
@@ -106,12 +112,11 @@ class Campaign:
                 f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
             )
         self._draws  # noqa: B018 refuses what is no distribution
-        if self.estimator is not None and not re.fullmatch(FUNCTION, str(self.estimator)):
+        if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
-        grids = [name for name, one in self.contenders.items() if one.grid]
-        if grids and self.runs < 2:
+        if self.runs < 2 and any(one.grid for one in self.contenders.values()):
             raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
         try:
             self.to_json()
@@ -134,11 +139,9 @@ class Campaign:
         content = read_yaml(path)
         if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
             raise InputError(f"{path} is no campaign: give it at least 'runs:', 'seed:' and 'duration:'")
-        unknown = [key for key in content if key not in _KEYS]
-        if unknown:
+        if unknown := [key for key in content if key not in _KEYS]:
             raise InputError(f"{path}: there is no {shown(unknown[0])} in a campaign: give {', '.join(_KEYS)}")
-        missing = [key for key in _KEYS[:3] if key not in content]
-        if missing:
+        if missing := [key for key in _KEYS[:3] if key not in content]:
             raise InputError(f"{path} has no '{missing[0]}:': add it")
         try:
             return cls(**{key: value for key, value in content.items() if value is not None})
@@ -236,3 +239,146 @@ class Campaign:
 def _remade(text: str) -> Campaign:
     """The campaign of a JSON text, kept for the next run of a worker, which brings the same text along."""
     return Campaign(*json.loads(text))
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One of the estimators of a campaign.
+
+    Attributes
+    ----------
+    name : str
+    function, command : str or None
+        ``module:function``, or a program; one of them is given.
+    parameters : dict of str to object
+        Keyword arguments beside the run.
+    grid : dict of str to list
+        Values that are tried of further ones, each with each of the others.
+    """
+
+    name: str
+    function: str | None = None
+    command: str | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    grid: Mapping[str, list[Any]] = field(default_factory=dict)
+
+    __repr__ = short_repr
+
+    @property
+    def entries(self) -> Iterator[Entry]:
+        """The estimator at each point of its grid; one without a grid once."""
+        for values in itertools.product(*self.grid.values()):
+            yield Entry(self, {**self.parameters, **dict(zip(self.grid, values, strict=True))})
+
+    def require_parameters(self) -> None:
+        """Refuse parameters that the function does not take.
+
+        Raises
+        ------
+        InputError
+            Also if it cannot be imported.
+        """
+        if self.function is None:
+            return
+        function = NamedFunction(self.function).load()
+        try:
+            taken = inspect.signature(function).parameters
+        except (TypeError, ValueError):  # of a function in C that does not tell
+            return
+        if any(one.kind is one.VAR_KEYWORD for one in taken.values()):
+            return
+        after_run = [*taken.values()][1:]
+        own = [one.name for one in after_run if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)]
+        if unknown := [name for name in (*self.parameters, *self.grid) if name not in own]:
+            remedy = suggestion(unknown[0], own, "parameters") if own else "leave it out"
+            raise InputError(f"estimators.{self.name}: {self.function} takes no {shown(unknown[0])}: {remedy}")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An estimator with the keyword arguments that it is called with.
+
+    Attributes
+    ----------
+    contender : Contender
+    parameters : dict of str to object
+    """
+
+    contender: Contender
+    parameters: Mapping[str, Any]
+
+    __repr__ = short_repr
+
+    def load(self) -> Estimator:
+        """The estimator as a function of a run.
+
+        Raises
+        ------
+        InputError
+            If it cannot be imported.
+        """
+        if self.contender.command is not None:
+            return CommandEstimator(self.contender.command)
+        found = NamedFunction(str(self.contender.function)).load()
+        return partial(found, **self.parameters) if self.parameters else found
+
+
+def contenders(given: object) -> dict[str, Contender]:
+    """Read the estimators of a campaign by their names, in whose order they are.
+
+    Parameters
+    ----------
+    given : object
+        A mapping of names to mappings, as in the file.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(given, Mapping):
+        raise InputError("estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below")
+    found = dict(sorted((name, _contender(name, content)) for name, content in given.items()))
+    count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
+    if count > MOST_POINTS:
+        raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
+    return found
+
+
+def _contender(name: object, content: object) -> Contender:
+    if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _LONGEST_NAME):
+        raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_LONGEST_NAME} printable characters")
+    place = f"estimators.{name}"
+    if not isinstance(content, Mapping):
+        raise InputError(f'{place} is to be a mapping: give {{function: "module:function"}}')
+    if unknown := [key for key in content if key not in _KEYS_OF_ONE]:
+        raise InputError(f"{place}: there is no {shown(unknown[0])}: give {', '.join(_KEYS_OF_ONE)}")
+    function, command = content.get("function"), content.get("command")
+    if (function is None) == (command is None):
+        raise InputError(f"{place}: give function or command, one of them")
+    if function is not None and not re.fullmatch(_FUNCTION, str(function)):
+        raise InputError(f"{place}.function: {shown(function)} names no function: give module:function")
+    parameters, grid = (_mapping(f"{place}.{key}", content.get(key)) for key in ("parameters", "grid"))
+    if command is not None and (not isinstance(command, str) or not command.strip() or parameters or grid):
+        raise InputError(
+            f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, and no "
+            "parameters or grid"
+        )
+    for key, values in grid.items():
+        if not (isinstance(values, list | tuple) and values):
+            raise InputError(f"{place}.grid.{key}: {shown(values)} is no list of values: give some, or leave it out")
+    if both := [key for key in parameters if key in grid]:
+        raise InputError(f"{place}: {both[0]} is in parameters and in grid: leave it out of one of them")
+    if "grid" in content and not grid:
+        raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
+    try:
+        json.dumps([parameters, grid], allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{place}: {error}: give finite numbers, texts, lists and mappings") from None
+    return Contender(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
+
+
+def _mapping(place: str, value: object) -> dict[str, Any]:
+    given = {} if value is None else value
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) and key.isidentifier() for key in given):
+        raise InputError(f"{place}: {shown(value)} is no mapping of names of keyword arguments: give one")
+    return dict(given)

@@ -10,6 +10,8 @@ import hashlib
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from operator import attrgetter
 from typing import Any, Final, TypeAlias, TypeGuard
 
 import numpy as np
@@ -72,13 +74,16 @@ def distribution(what: str, given: object) -> Draw:
     if name not in DISTRIBUTIONS:
         hint = suggestion(name, DISTRIBUTIONS, "distributions")
         raise InputError(f"{what}: there is no distribution {shown(name)}: {hint}")
-    required, make = DISTRIBUTIONS[name]
+    allowed, draw, *checks = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
-    allowed = [(key,) if isinstance(key, str) else key for key in required]
-    if wrong := _wrong_keys(set(values), allowed):
+    if wrong := _wrong_keys(set(values), [*allowed]):
         keys = ", ".join(map(" or ".join, allowed)) or "nothing more"
         raise InputError(f"{what}: {name} takes {keys}, and {wrong}")
-    return make(what, values)
+    readers = {key: reader for keys, reader in allowed.items() for key in keys}
+    read = {key: readers[key](f"{what}.{key}", value) for key, value in values.items()}
+    for require in checks:
+        require(what, **read)
+    return partial(draw, **read)
 
 
 def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
@@ -96,9 +101,7 @@ def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
 
 def _is_finite(value: object) -> TypeGuard[int | float]:
     """Whether a value is a number that a double can hold."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return abs(value) <= sys.float_info.max
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def _number(what: str, value: object) -> float:
@@ -107,34 +110,16 @@ def _number(what: str, value: object) -> float:
     return float(value)
 
 
-def _range(what: str, low: object, high: object) -> tuple[float, float]:
-    first, last = _number(f"{what}.low", low), _number(f"{what}.high", high)
-    if first > last:
-        raise InputError(f"{what}: low {first:g} is above high {last:g}: exchange them")
-    if not math.isfinite(last - first):
-        raise InputError(f"{what}: from {first:g} to {last:g} is beyond double precision: bring them nearer")
-    return first, last
+def _values(what: str, value: object) -> list[Any]:
+    if not isinstance(value, list) or not value:
+        raise InputError(f"{what} is to be a list of at least one: give for example values: [1.0, 2.0]")
+    return value
 
 
-def _above_0(what: str, value: object) -> Draw:
-    """A number, a range [low, high] or a distribution, of a quantity that has to be above 0."""
-    return _limited(what, value, lambda drawn: drawn > 0.0, "above 0")
-
-
-def _limited(what: str, value: object, allows: Callable[[float], bool], limit: str) -> Draw:
-    """A number, a range [low, high] or a distribution, of a quantity with a limit, which each draw has to keep."""
-    draw = _scalar(what, value)
-
-    def limited(u: Uniforms) -> float:
-        drawn = draw(u)
-        if not (_is_finite(drawn) and allows(drawn)):
-            raise InputError(
-                f"{what}: {shown(drawn)} was drawn in run {u.run} and is not a finite number {limit}: "
-                "draw from others only"
-            )
-        return float(drawn)
-
-    return limited
+def _edges(what: str, value: object) -> list[Draw]:
+    if not isinstance(value, list) or len(value) != 3:
+        raise InputError(f"{what} is to be a list of three lengths or ranges, m: give [[0.1, 0.3], 0.2, 0.4]")
+    return [_above_0(what, edge) for edge in value]
 
 
 def _scalar(what: str, value: object) -> Draw:
@@ -144,44 +129,68 @@ def _scalar(what: str, value: object) -> Draw:
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) != 2:
             raise InputError(f"{what}: {len(value)} numbers are no range: give [low, high]")
-        return _uniform(what, {"low": value[0], "high": value[1]})
+        return distribution(what, {"distribution": "uniform", "low": value[0], "high": value[1]})
     number = _number(what, value)
     return lambda u: number
 
 
-def _uniform(what: str, given: Mapping[str, object]) -> Draw:
-    low, high = _range(what, given["low"], given["high"])
-    return lambda u: low + (high - low) * u.next()
+def _above_0(what: str, value: object) -> Draw:
+    """A number, a range [low, high] or a distribution, of a quantity that has to be above 0."""
+    return partial(_limited, what, _scalar(what, value), lambda drawn: drawn > 0.0, "above 0")
 
 
-def _loguniform(what: str, given: Mapping[str, object]) -> Draw:
-    low, high = _range(what, given["low"], given["high"])
+def _at_least_0(what: str, value: object) -> Draw:
+    """A number, a range [low, high] or a distribution, of a quantity that is not below 0."""
+    return partial(_limited, what, _scalar(what, value), lambda drawn: drawn >= 0.0, "of at least 0")
+
+
+def _limited(what: str, draw: Draw, allows: Callable[[float], bool], limit: str, u: Uniforms) -> float:
+    """Draw a number with a limit, which each draw has to keep."""
+    drawn = draw(u)
+    if not (_is_finite(drawn) and allows(drawn)):
+        raise InputError(
+            f"{what}: {shown(drawn)} was drawn in run {u.run} and is not a finite number {limit}: draw from others only"
+        )
+    return float(drawn)
+
+
+def _require_range(what: str, low: float, high: float) -> None:
+    if low > high:
+        raise InputError(f"{what}: low {low:g} is above high {high:g}: exchange them")
+    if not math.isfinite(high - low):
+        raise InputError(f"{what}: from {low:g} to {high:g} is beyond double precision: bring them nearer")
+
+
+def _require_logarithm(what: str, low: float, high: float) -> None:
     if low <= 0.0:
         raise InputError(f"{what}: low {low:g} has no logarithm: give a number above 0")
-    if not math.isfinite(high / low):
-        first, last = math.log(low), math.log(high)
-        return lambda u: min(max(math.exp(first + u.next() * (last - first)), low), high)
-    return lambda u: min(max(low * (high / low) ** u.next(), low), high)
 
 
-def _normal(what: str, given: Mapping[str, object]) -> Draw:
-    mean, deviation = _number(f"{what}.mean", given["mean"]), _number(f"{what}.std", given["std"])
-    if deviation < 0.0:
-        raise InputError(f"{what}: std {deviation:g} is below 0: give a standard deviation")
-
-    def normal(u: Uniforms) -> float:
-        from scipy.special import ndtri
-
-        return mean + deviation * float(ndtri(u.next()))
-
-    return normal
+def _require_deviation(what: str, mean: float, std: float) -> None:
+    if std < 0.0:
+        raise InputError(f"{what}: std {std:g} is below 0: give a standard deviation")
 
 
-def _choice(what: str, given: Mapping[str, object]) -> Draw:
-    values = given["values"]
-    if not isinstance(values, list) or not values:
-        raise InputError(f"{what}: values is to be a list of at least one: give for example values: [1.0, 2.0]")
-    return lambda u: values[int(u.next() * len(values))]
+def _uniform(u: Uniforms, low: float, high: float) -> float:
+    return low + (high - low) * u.next()
+
+
+def _loguniform(u: Uniforms, low: float, high: float) -> float:
+    share = u.next()
+    if math.isfinite(high / low):
+        return min(max(low * float((high / low) ** share), low), high)
+    first, last = math.log(low), math.log(high)
+    return min(max(math.exp(first + share * (last - first)), low), high)
+
+
+def _normal(u: Uniforms, mean: float, std: float) -> float:
+    from scipy.special import ndtri
+
+    return float(mean + std * ndtri(u.next()))
+
+
+def _choice(u: Uniforms, values: Sequence[Any]) -> Any:
+    return values[int(u.next() * len(values))]
 
 
 def _rotation(u: Uniforms) -> list[float]:
@@ -191,67 +200,46 @@ def _rotation(u: Uniforms) -> list[float]:
     return [a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)]
 
 
-def _direction(what: str, given: Mapping[str, object]) -> Draw:
+def _direction(u: Uniforms, norm: Draw) -> list[float]:
     """A vector whose direction is uniform on the sphere: its z is uniform, by Archimedes."""
-    norm = _limited(f"{what}.norm", given["norm"], lambda drawn: drawn >= 0.0, "of at least 0")
-
-    def vector(u: Uniforms) -> list[float]:
-        z, angle = 2.0 * u.next() - 1.0, 2.0 * math.pi * u.next()
-        radius, length = math.sqrt(1.0 - z * z), norm(u)
-        return [length * radius * math.cos(angle), length * radius * math.sin(angle), length * z]
-
-    return vector
+    z, angle = 2.0 * u.next() - 1.0, 2.0 * math.pi * u.next()
+    radius, length = math.sqrt(1.0 - z * z), norm(u)
+    return [length * radius * math.cos(angle), length * radius * math.sin(angle), length * z]
 
 
-def _box(what: str, given: Mapping[str, Any]) -> Draw:
+def _box(u: Uniforms, edges: Sequence[Draw], **heavy: Draw) -> list[float]:
     """Moments m (b² + c²)/12, m (a² + c²)/12, m (a² + b²)/12 of a homogeneous box with edges a, b, c along x, y, z."""
-    edges = given["edges"]
-    if not isinstance(edges, list) or len(edges) != 3:
-        raise InputError(f"{what}: edges is to be a list of three lengths or ranges, m: give [[0.1, 0.3], 0.2, 0.4]")
-    lengths = [_above_0(f"{what}.edges", edge) for edge in edges]
-    heavy = _mass(what, given)
-
-    def moments(u: Uniforms) -> list[float]:
-        a, b, c = (length(u) for length in lengths)
-        mass = heavy(u, a * b * c)
-        return [mass * (y * y + z * z) / 12.0 for y, z in ((b, c), (a, c), (a, b))]
-
-    return moments
+    a, b, c = (edge(u) for edge in edges)
+    mass = _mass(u, a * b * c, heavy)
+    return [mass * (y * y + z * z) / 12.0 for y, z in ((b, c), (a, c), (a, b))]
 
 
-def _cylinder(what: str, given: Mapping[str, Any]) -> Draw:
+def _cylinder(u: Uniforms, radius: Draw, height: Draw, **heavy: Draw) -> list[float]:
     """Moments m (3r² + h²)/12 across and m r²/2 about the axis of a homogeneous cylinder, which is the body's z."""
-    radius, height = (_above_0(f"{what}.{name}", given[name]) for name in ("radius", "height"))
-    heavy = _mass(what, given)
-
-    def moments(u: Uniforms) -> list[float]:
-        r, h = radius(u), height(u)
-        mass = heavy(u, math.pi * r * r * h)
-        across = mass * (3.0 * r * r + h * h) / 12.0
-        return [across, across, mass * r * r / 2.0]
-
-    return moments
+    r, h = radius(u), height(u)
+    mass = _mass(u, math.pi * r * r * h, heavy)
+    across = mass * (3.0 * r * r + h * h) / 12.0
+    return [across, across, mass * r * r / 2.0]
 
 
-def _mass(what: str, given: Mapping[str, object]) -> Callable[[Uniforms, float], float]:
+def _mass(u: Uniforms, volume: float, heavy: Mapping[str, Draw]) -> float:
     """The mass, kg, of a volume, m³: as given, or from a density, kg/m³."""
-    if "mass" in given:
-        mass = _above_0(f"{what}.mass", given["mass"])
-        return lambda u, volume: mass(u)
-    density = _above_0(f"{what}.density", given["density"])
-    return lambda u, volume: density(u) * volume
+    [(key, draw)] = heavy.items()
+    return float(draw(u)) * (1.0 if key == "mass" else volume)
 
 
-_MASS: Final = ("density", "mass")
-DISTRIBUTIONS: Final[Mapping[str, tuple[tuple[str | tuple[str, ...], ...], Callable[..., Draw]]]] = {
-    "uniform": (("low", "high"), _uniform),
-    "loguniform": (("low", "high"), _loguniform),
-    "normal": (("mean", "std"), _normal),
-    "choice": (("values",), _choice),
-    "uniform_rotation": ((), lambda what, given: _rotation),
-    "direction": (("norm",), _direction),
-    "box": ((_MASS, "edges"), _box),
-    "cylinder": ((_MASS, "radius", "height"), _cylinder),
-    "run": ((), lambda what, given: lambda u: u.run),
+_LIMITS: Final = {("low",): _number, ("high",): _number}
+_MASS: Final = {("density", "mass"): _above_0}
+DISTRIBUTIONS: Final[Mapping[str, tuple[Any, ...]]] = {
+    "uniform": (_LIMITS, _uniform, _require_range),
+    "loguniform": (_LIMITS, _loguniform, _require_range, _require_logarithm),
+    "normal": ({("mean",): _number, ("std",): _number}, _normal, _require_deviation),
+    "choice": ({("values",): _values}, _choice),
+    "uniform_rotation": ({}, _rotation),
+    "direction": ({("norm",): _at_least_0}, _direction),
+    "box": ({**_MASS, ("edges",): _edges}, _box),
+    "cylinder": ({**_MASS, ("radius",): _above_0, ("height",): _above_0}, _cylinder),
+    "run": ({}, attrgetter("run")),
 }
-"""Distributions by name: the keys that each takes, alternatives together, and the maker of the function that draws."""
+"""Distributions by name: the readers of the keys that each takes, alternatives together, the function that draws, and
+checks of what was read."""

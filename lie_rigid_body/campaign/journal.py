@@ -5,18 +5,16 @@ from __future__ import annotations
 import json
 import os
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, suppress
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final
 
 from lie_rigid_body import __version__
 from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
-from lie_rigid_body.campaign.judging import ERROR, MORE_SCORES, SCORES, Judgement
-from lie_rigid_body.campaign.run import BAGS, Row, bag_name
+from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, Judgement, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
@@ -29,7 +27,6 @@ RESUMED: Final = "the same command does the rest"
 _NONE: Final = -1
 """Place of a row that is not in the file."""
 _SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
-_MORE_SCORES: Final = dict.fromkeys(MORE_SCORES, "double")
 _ROWS_AT_ONCE: Final = 10_000
 """Number of rows of the table that are in memory together."""
 
@@ -57,8 +54,7 @@ class Journal(AbstractContextManager["Journal"]):
         self.folder, self.path = folder, folder / JOURNAL
         self._heading = _heading(campaign)
         self._places = array("q", [_NONE]) * campaign.runs
-        self._varied, self._entries = {*campaign.vary}, campaign.entries
-        self._compared = bool(campaign.estimators)
+        self._campaign = campaign
         if self.path.exists() and not self.path.is_file():  # of a pipe nothing would ever come
             raise BagError(f"{self.path} is no regular file: move it away, or give another folder")
         try:
@@ -90,12 +86,10 @@ class Journal(AbstractContextManager["Journal"]):
     def _read(self) -> None:
         self._file.seek(0)
         first = self._file.readline(LONGEST_ROW)
-        if first and not _equal(first, self._heading):
-            if not self._is_bare(first):
+        if not _equal(first, self._heading):
+            if first and not self._is_bare(first):
                 raise InputError(f"{self.folder} holds the runs of another campaign or version: give another folder")
             self._file.truncate(0)
-            first = b""
-        if not first:
             self._write(self._heading)
             return
         self._heading = first  # as it was written, so that the table has the same bytes whoever ends it
@@ -116,19 +110,17 @@ class Journal(AbstractContextManager["Journal"]):
         return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _row(self, line: bytes, place: int) -> Row:
-        try:
+        with suppress(TypeError, ValueError):
             row = Row(**load_json(line, JOURNAL))
             if self._is_own(row):
                 return row
-        except (TypeError, ValueError):
-            pass
         raise BagError(f"{self.path} is damaged: byte {place} begins no row of this campaign: delete that line")
 
     def _is_own(self, row: Row) -> bool:
         """Whether a row that was read is one of this campaign, with a bag in this folder."""
         kinds = (int, bool, float, dict, dict, list)
         fields = (row.run, row.certified, row.attitude_accuracy_rad, row.parameters, row.residuals, row.judgements)
-        if [*map(type, fields)] != [*kinds] or row.parameters.keys() != self._varied:
+        if [*map(type, fields)] != [*kinds] or row.parameters.keys() != self._campaign.vary.keys():
             return False
         for name, value in row.parameters.items():
             BY_NAME[name].read(value)
@@ -138,7 +130,7 @@ class Journal(AbstractContextManager["Journal"]):
             0 <= row.run < len(self._places)
             and (not row.certified or row.attitude_accuracy_rad >= 0.0)
             and row.bag in (None, bag_name(row.run))
-            and len(row.judgements) == len(self._entries)
+            and len(row.judgements) == len(self._campaign.entries)
         )
 
     def __len__(self) -> int:
@@ -192,12 +184,10 @@ class Journal(AbstractContextManager["Journal"]):
         ------
         BagError
         """
-        try:
-            same = os.path.samestat(self.path.stat(), os.fstat(self._file.fileno()))
-        except OSError:
-            same = False
-        if not same:
-            raise BagError(f"{self.path} was deleted or moved meanwhile: keep others away, and begin anew")
+        with suppress(OSError):
+            if os.path.samestat(self.path.stat(), os.fstat(self._file.fileno())):
+                return
+        raise BagError(f"{self.path} was deleted or moved meanwhile: keep others away, and begin anew")
 
     def write_table(self) -> Path:
         """Write the table of all rows, in the order of their numbers, and that of the scores where estimators compare.
@@ -212,52 +202,65 @@ class Journal(AbstractContextManager["Journal"]):
         BagError
             If one cannot be written.
         """
-        first = next(self.rows())
+        kinds = {
+            "run": "int",
+            **{name: BY_NAME[name].kind for name in next(self.rows()).parameters},
+            "certified": "bool",
+            "attitude_accuracy_rad": "double",
+            "bag": "string",
+            **(_SCORES if self._campaign.estimator else {}),
+        }
         try:
             os.fsync(self._file.fileno())
         except OSError as error:
             raise self._unwritten(error) from None
-        if self._compared:
-            kinds = {"run": "int", "estimator": "string", "parameters": "string", **_SCORES, **_MORE_SCORES}
-            self._write_parquet(self.folder / SCORES_TABLE, kinds, chain.from_iterable(map(self._scores, self.rows())))
-        path = self.folder / TABLE
-        scores = {} if self._compared or not self._entries else _SCORES
-        kinds = {
-            "run": "int",
-            **{name: BY_NAME[name].kind for name in first.parameters},
-            "certified": "bool",
-            "attitude_accuracy_rad": "double",
-            "bag": "string",
-            **scores,
-        }
-        self._write_parquet(path, kinds, (_cells(row, scores) for row in self.rows()))
-        return path
-
-    def _scores(self, row: Row) -> Iterator[dict[str, Any]]:
-        """Cells of the scores of a run."""
-        for entry, judgement in zip(self._entries, row.judgements, strict=True):
-            parameters = json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False)
-            yield {
-                "run": row.run,
-                "estimator": entry.contender.name,
-                "parameters": parameters,
-                **judgement["scores"],
+        if self._campaign.estimators:
+            more = {
+                "run": "int",
+                "estimator": "string",
+                "parameters": "string",
+                **_SCORES,
+                **dict.fromkeys(MORE_SCORES, "double"),
             }
+            cells = (
+                {
+                    "run": row.run,
+                    "estimator": entry.contender.name,
+                    "parameters": json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False),
+                    **judgement["scores"],
+                }
+                for row in self.rows()
+                for entry, judgement in zip(self._campaign.entries, row.judgements, strict=True)
+            )
+            self._write_parquet(SCORES_TABLE, more, cells)
+        cells = (
+            {**vars(row), **row.parameters, **(row.judgements[0]["scores"] if row.judgements else {})}
+            for row in self.rows()
+        )
+        return self._write_parquet(TABLE, kinds, cells)
 
-    def _write_parquet(self, path: Path, kinds: dict[str, str], rows: Iterator[dict[str, Any]]) -> None:
+    def _write_parquet(self, name: str, kinds: Mapping[str, str], rows: Iterator[dict[str, Any]]) -> Path:
+        """Write a table of rows, of whose cells it takes those in its columns, which have the kinds of parameters."""
         import pyarrow.parquet
 
-        schema = _schema(kinds).with_metadata({OF_TABLE: self._heading.strip()})
+        types: dict[str, Any] = {
+            "double": pyarrow.float64(),
+            "double_array": pyarrow.list_(pyarrow.float64()),
+            "int": pyarrow.int64(),
+            "string": pyarrow.string(),
+            "bool": pyarrow.bool_(),
+        }
+        schema = pyarrow.schema([(column, types[kind]) for column, kind in kinds.items()])
+        schema, path = schema.with_metadata({OF_TABLE: self._heading.strip()}), self.folder / name
         try:
             with written(path, overwrite=True) as stream, pyarrow.parquet.ParquetWriter(stream, schema) as writer:
                 while some := list(islice(rows, _ROWS_AT_ONCE)):
                     writer.write_table(pyarrow.Table.from_pylist(some, schema))
         except BagError as error:
             raise BagError(f"{error}; {RESUMED}") from None
+        return path
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *of_an_error: object) -> None:
         with suppress(OSError):  # what could not be written cannot be now
             self._open.close()
 
@@ -283,25 +286,6 @@ def _canonical(heading: bytes) -> str:
         return int(value) if value.is_integer() and str(value) != "-0.0" else value
 
     return json.dumps(json.loads(heading, parse_float=number))
-
-
-def _schema(columns: dict[str, str]) -> Any:
-    """Columns of a table by the kinds of parameters."""
-    import pyarrow
-
-    kinds: dict[str, Any] = {
-        "double": pyarrow.float64(),
-        "double_array": pyarrow.list_(pyarrow.float64()),
-        "int": pyarrow.int64(),
-        "string": pyarrow.string(),
-        "bool": pyarrow.bool_(),
-    }
-    return pyarrow.schema([(name, kinds[kind]) for name, kind in columns.items()])
-
-
-def _cells(row: Row, scores: Iterable[str]) -> dict[str, Any]:
-    own = {name: getattr(row, name) for name in ("run", "certified", "attitude_accuracy_rad", "bag")}
-    return {**own, **row.parameters, **{name: row.judgements[0]["scores"][name] for name in scores}}
 
 
 def _require_own(folder: Path) -> None:

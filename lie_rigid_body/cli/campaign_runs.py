@@ -23,7 +23,7 @@ from lie_rigid_body.campaign.cluster import (
 from lie_rigid_body.campaign.comparison import compare
 from lie_rigid_body.campaign.definition import SCORES_TABLE
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.judging import ERROR, SCORES
+from lie_rigid_body.campaign.run import ERROR, SCORES
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
@@ -221,7 +221,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         reasons = (f"; run {run} is not: {error}" for run, (error,) in enumerate(errors) if error is not None)
         told.append(f"{len(totals)} scored{middle}{next(reasons, '')}")
     elif campaign.estimators:
-        comparison = compare(campaign, journal.rows)
+        comparison = compare(campaign, journal.rows())
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         first = tuple(campaign_scores.sections(campaign, comparison, varied)) if given.report else ()
     functions = sorted({one.function for one in campaign.contenders.values() if one.function})

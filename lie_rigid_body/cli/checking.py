@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Final
 
 from lie_rigid_body import console
+from lie_rigid_body.bounded_input import real
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.certification import passes
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
@@ -78,7 +79,7 @@ def check(given: argparse.Namespace) -> int:
 
 def _inertia(text: str) -> list[float]:
     try:
-        numbers = [float(part) for part in text.split(",")]
+        numbers = [real(part) for part in text.split(",")]
     except ValueError:
         raise InputError(f"--inertia {text}: not numbers between commas; give for example --inertia 1,2,3") from None
     if len(numbers) not in (3, 6):

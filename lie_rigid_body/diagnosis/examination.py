@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator, source_of
 from lie_rigid_body.runs.node import NodeEstimator
-from lie_rigid_body.runs.workers import Alone, Crew, Workers
+from lie_rigid_body.runs.workers import Alone, Workers
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores
@@ -102,7 +102,7 @@ def diagnose(
         most, count, remarks, left_out = MOST_RUNS_OF_NODE, WORKERS_OF_NODE * cores(), [_OF_NODE], LEFT_OUT_OF_NODE
     elif source is None:
         remarks = [_ALONE]
-    crew: Crew = Workers(source, workers or count, timeout) if source else Alone(cast("Estimator", estimate))
+    crew: Alone | Workers = Workers(source, workers or count, timeout) if source else Alone(cast("Estimator", estimate))
     with closing(crew):
         search = Search(crew.each, courses, max_runs or most, progress or (lambda runs: None))
         return examined(search, remarks, left_out)

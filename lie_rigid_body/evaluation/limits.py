@@ -22,7 +22,7 @@ TIMES: Final = {"ms": 1e-3, "s": 1.0, "min": 60.0}
 """Units of a limit, in degrees and in seconds."""
 LEAST_SHARE: Final = 0.5
 """Least share of the given estimates, and of the time in which they are due, that must be compared to keep a limit."""
-_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*")
+_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*", re.ASCII)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from functools import partial
 
 import numpy as np
@@ -38,18 +39,15 @@ def play(name: str, source: Source, *, workers: int, timeout_s: float, progress:
     InputError
         If the filter fails in every case, with what it failed of in the first.
     """
-    pool = Workers(source, workers, timeout_s)
     results: dict[str, CaseResult] = {}
     other: list[str] = []
-    try:
+    with closing(Workers(source, workers, timeout_s)) as pool:
         for case, answer in zip(CASES, pool.each([partial(_play_here, case=case) for case in CASES]), strict=True):
             result, digest = (lost(answer), "") if isinstance(answer, InputError) else answer
             results[str(case)] = result
             if digest and digest != reference().readings[str(case)]:
                 other.append(str(case))
             progress()
-    finally:
-        pool.close()
     if all(result.failure for result in results.values()):
         raise InputError(f"{name} gave no estimate in any case: {results[str(CASES[0])].failure}")
     return FilterRow(name, results, other_readings=tuple(other))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -24,7 +24,7 @@ _MOST_BYTES: Final = 2**22
 """Most bytes of a file of rows; the reference has a tenth of that."""
 LOST_DEG: Final = 180.0
 """Error of a filter that fails, degrees."""
-_SMALLEST_DEG: Final = 1e-9
+SMALLEST_DEG: Final = 1e-9
 """Least error that counts in a geometric mean, degrees."""
 
 
@@ -94,7 +94,7 @@ class FilterRow:
     @property
     def overall_deg(self) -> float:
         """Geometric mean of the typical errors with the grades of real sensors, degrees: rows are ranked by it."""
-        return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), _SMALLEST_DEG)) for grade in REAL])))
+        return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), SMALLEST_DEG)) for grade in REAL])))
 
     def to_json(self) -> dict[str, Any]:
         """The row as JSON-serialisable data."""
@@ -144,11 +144,6 @@ class LeagueTable:
     best_possible_deg: Mapping[str, float]
 
     @property
-    def edition(self) -> str:
-        """Edition of the cases."""
-        return EDITION
-
-    @property
     def best_possible(self) -> FilterRow:
         """The row of `best_possible_deg`, which is no filter's."""
         floors = {str(case): self.best_possible_deg.get(str(case), 0.0) for case in CASES}
@@ -165,9 +160,13 @@ class LeagueTable:
         """Place of a row, from 1 on, by a number of each row; rows that are alike share the better place."""
         return 1 + sum(of(other) < of(row) for other in self.rows)
 
+    def place(self, row: FilterRow, case: Case) -> int:
+        """Place of a row in one case."""
+        return self.rank(row, lambda each: each.results[str(case)].total_deg)
+
     def best_and_worst(self, row: FilterRow) -> tuple[Case, Case]:
         """Cases in which a row has the best and the worst place of all its places."""
-        places = [self.rank(row, lambda each, name=str(case): each.results[name].total_deg) for case in CASES]  # type: ignore[misc]
+        places = [self.place(row, case) for case in CASES]
         return CASES[int(np.argmin(places))], CASES[int(np.argmax(places))]
 
     def to_json(self) -> dict[str, Any]:
@@ -214,8 +213,8 @@ def standing(table: LeagueTable, row: FilterRow) -> str:
     sentences = [
         f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {row.typical_deg('mems'):.2g}° with MEMS "
         f"sensors, where {table.best_possible.typical_deg('mems'):.2g}° is the best possible.",
-        f"It is best at {best} (number {_place(table, row, best)}) and worst at {worst} "
-        f"(number {_place(table, row, worst)}).",
+        f"It is best at {best} (number {table.place(row, best)}) and worst at {worst} "
+        f"(number {table.place(row, worst)}).",
     ]
     if failed:
         sentences.append(
@@ -224,26 +223,3 @@ def standing(table: LeagueTable, row: FilterRow) -> str:
     if row.other_readings:
         sentences.append(f"This machine makes other readings than the reference in {listed(row.other_readings)}.")
     return " ".join(sentences)
-
-
-def _place(table: LeagueTable, row: FilterRow, case: Case) -> int:
-    return table.rank(row, lambda each: each.results[str(case)].total_deg)
-
-
-def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> Sequence[str]:
-    """What differs between two tables: readings, rows, versions, and errors and bounds by more than a share."""
-    old, new = ({row.name: row for row in table.rows} for table in (before, after))
-    lines = [f"{case}: other readings" for case in CASES if before.readings[str(case)] != after.readings[str(case)]]
-    for case, now in after.best_possible_deg.items():
-        was = before.best_possible_deg.get(case, 0.0)
-        if abs(now - was) > tolerance * max(was, _SMALLEST_DEG):
-            lines.append(f"best possible, {case}: {was:.4g}° is {now:.4g}° now")
-    lines += [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
-    for name in sorted(old.keys() & new.keys()):
-        if old[name].version != new[name].version:
-            lines.append(f"{name}: version {old[name].version or 'unknown'} is {new[name].version} now")
-        for case, result in new[name].results.items():
-            was, now = old[name].results[case].total_deg, result.total_deg
-            if abs(now - was) > tolerance * max(was, 1e-3):
-                lines.append(f"{name}, {case}: {was:.4g}° is {now:.4g}° now")
-    return lines

@@ -228,13 +228,6 @@ def value_columns(topic: Topic, field: Field) -> Integers:
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 
 
-def fixed_number(found: TopicMessages, message_type: str, number: int) -> Array:
-    """Float64 number of each message that is no value of it, shape (N,)."""
-    place = int(np.count_nonzero(~varying_fields(message_type)[:number]))
-    fixed = np.array([np.frombuffer(bits)[place] for _, bits in found.kinds], dtype=np.float64)
-    return np.asarray(fixed[found.kind])
-
-
 @dataclass(frozen=True)
 class AttitudeTrack:
     """The attitudes of one topic, in file order.

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.evaluation.score import wrapped
-from lie_rigid_body.league import CASES, GRADES, FilterRow, LeagueTable, standing
+from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
 
 _HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
@@ -20,7 +20,7 @@ _OWN: Final = "> "
 
 def lines(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
     """Lines of the table for a terminal, with marks at one's own rows, and a paragraph for each of these."""
-    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {table.edition}."
+    yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {EDITION}."
     yield _COLUMNS.format(*_HEADINGS).rstrip()
     for row in table.rows:
         name, *others = _cells(table, row)
@@ -59,7 +59,7 @@ def page(table: LeagueTable, own: Sequence[FilterRow]) -> bytes:
         html_page.table(_HEADINGS, rows),
         f"<h2>Every case</h2>{_heat_map(table)}",
     ]
-    return html_page.document(f"League of attitude filters {table.edition}", parts)
+    return html_page.document(f"League of attitude filters {EDITION}", parts)
 
 
 def _heat_map(table: LeagueTable) -> str:

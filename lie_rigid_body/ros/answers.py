@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from threading import Thread
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -31,20 +31,6 @@ SETTLED_S: Final = 1.0
 """Time in which nothing may have changed before lock-step begins, s: what a node hears becomes known by and by."""
 
 
-class Topics(Protocol):
-    """Topics on which readings are published."""
-
-    @property
-    def sensor_topics(self) -> Mapping[str, str]:
-        """Full names of the topics of all sensors by their relative names."""
-        ...
-
-    @property
-    def publishers(self) -> Mapping[str, Publisher]:
-        """Publishers by the full names of their topics."""
-        ...
-
-
 class Answers:
     """The topic on which a filter answers, and the nodes that take part.
 
@@ -52,8 +38,8 @@ class Answers:
     ----------
     node : Node
         The simulator's.
-    publisher : Topics
-        That of the readings.
+    publishers : mapping of str to Publisher
+        Those of the readings among others, by the relative names of their topics; there may be more of them later.
     topic : str
         The filter's topic.
     nodes : sequence of str
@@ -63,6 +49,10 @@ class Answers:
     ----------
     topic, message_type : str
         Full name of the filter's topic, and its type once it is there.
+    missing : list of str
+        Who was missing when `look` looked.
+    hear : callable
+        It is called with the stamp of each estimate, ns, and its message, in a thread of its own.
 
     Raises
     ------
@@ -70,31 +60,23 @@ class Answers:
         If a name is none of ROS, or there is no IMU.
     """
 
-    def __init__(self, node: Node, publisher: Topics, topic: str, nodes: Sequence[str]) -> None:
-        self._node, self._publisher = node, publisher
+    def __init__(self, node: Node, publishers: Mapping[str, Publisher], topic: str, nodes: Sequence[str]) -> None:
+        self._node, self._publishers = node, publishers
         with translated_errors(f"lockstep_topic {topic!r}"):
             self.topic = node.resolve_topic_name(topic)
         with translated_errors(f"lockstep_nodes {', '.join(nodes)!r}"):
             self._nodes = [node.resolve_topic_name(name, only_expand=True) for name in nodes]
-        self._imu = publisher.sensor_topics[IMU_TOPIC]
-        if self._imu not in publisher.publishers:
+        if IMU_TOPIC not in publishers:
             raise ParameterError("lockstep_topic", f"{topic} can answer no reading without an IMU: give imu_rate")
-        self._hear: Callable[[int, bytes], object] = lambda stamp_ns, payload: None
+        self._imu = publishers[IMU_TOPIC].topic_name
+        self.hear: Callable[[int, bytes], object] = lambda stamp_ns, payload: None
         self.message_type = ""
         self._subscription: Subscription | None = None
         self._thread: Thread | None = None
         self._closed = False
-        self._state: tuple[Mapping[str, set[str]], list[str]] = ({}, [])
+        self.missing: list[str] = []
+        self._parts: Mapping[str, set[str]] = {}
         self._since = 0.0
-
-    @property
-    def missing(self) -> list[str]:
-        """Who was missing when `look` looked."""
-        return self._state[1]
-
-    def tell(self, hear: Callable[[int, bytes], object]) -> None:
-        """Have a function called with the stamp of each estimate, ns, and its message, in a thread of its own."""
-        self._hear = hear
 
     def look(self) -> Collection[str] | None:
         """Look for all who take part, and log who is missing.
@@ -114,22 +96,22 @@ class Answers:
             self._listen(info.topic_type)
         asked = {
             topic: self._node.get_subscriptions_info_by_topic(topic)
-            for topic in (self.topic, *self._publisher.publishers)
+            for topic in (self.topic, *(publisher.topic_name for publisher in self._publishers.values()))
         }
         hearers = {topic: _names(infos) for topic, infos in asked.items()}
         filters = _names(published) & hearers[self._imu]
         parts = filters.union(self._nodes)
         missing = [*self._missing(filters, len(published), hearers), *self._unmatched(parts, asked)]
-        state = {topic: parts & names for topic, names in hearers.items()}, missing
-        if state != self._state:
-            if missing and missing != self._state[1]:
+        present = {topic: parts & names for topic, names in hearers.items()}
+        if (present, missing) != (self._parts, self.missing):
+            if missing and missing != self.missing:
                 self._node.get_logger().info(f"lock-step waits for {', '.join(missing)}")
-            self._state, self._since = state, time.monotonic()
+            self._parts, self.missing, self._since = present, missing, time.monotonic()
         if missing or time.monotonic() < self._since + SETTLED_S:
             return None
         [name] = filters
-        topics = self._publisher.sensor_topics
-        heard = [s for s in SENSORS if any(name in hearers.get(topics[t.name], ()) for t in SENSORS[s].topics)]
+        topics = {topic: publisher.topic_name for topic, publisher in self._publishers.items()}
+        heard = [s for s in SENSORS if any(name in hearers.get(topics.get(t.name, ""), ()) for t in SENSORS[s].topics)]
         self._node.get_logger().info(f"lock-step with {name}, which hears {listed(heard)} and answers on {self.topic}")
         return heard
 
@@ -161,7 +143,7 @@ class Answers:
                 for payload in taken(subscription):
                     with suppress(BagError, struct.error):  # of a message without a stamp
                         seconds, nanoseconds = struct.unpack_from(f"{byte_order(payload, 0)}iI", payload, offset)
-                        self._hear(seconds * NS + nanoseconds, payload)
+                        self.hear(seconds * NS + nanoseconds, payload)
 
     def _missing(self, filters: Collection[str], published: int, hearers: Mapping[str, set[str]]) -> Iterator[str]:
         if len(filters) != 1:
@@ -174,8 +156,8 @@ class Answers:
 
     def _unmatched(self, parts: Collection[str], asked: Mapping[str, Sequence[Any]]) -> Iterator[str]:
         """Topics that somebody who takes part may not hear yet: the middleware counts its matches, and names none."""
-        for topic, publisher in self._publisher.publishers.items():
-            offered = publisher.qos_profile.durability
+        for publisher in self._publishers.values():
+            topic, offered = publisher.topic_name, publisher.qos_profile.durability
             fitting = [i for i in asked[topic] if i.qos_profile.durability in (offered, DurabilityPolicy.VOLATILE)]
             wanted = _names(asked[topic]).intersection(parts)
             if wanted and (wanted - _names(fitting) or publisher.get_subscription_count() < len(fitting)):

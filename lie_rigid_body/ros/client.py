@@ -8,12 +8,11 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-import rclpy
 from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
-from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -21,7 +20,7 @@ from std_srvs.srv import Trigger
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.session import destroying, initialised, translated_errors
+from lie_rigid_body.ros.session import own_node, translated_errors
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
 
@@ -43,21 +42,18 @@ def ask(given: argparse.Namespace, calls: Iterable[str], interruption: Interrupt
     KeyboardInterrupt
         If interrupted before an answer.
     """
-    with initialised([]):
-        with translated_errors("a node"):
-            node = rclpy.create_node("lie_rigid_body_listener")
-        with destroying(node):
-            client = Client(node, interruption)
-            for name in calls:
-                if service := getattr(given, name):
-                    return client.trigger(f"--{name}", service)
-            if given.scenario:
-                return client.scenario(given.scenario)
-            if given.get:
-                return client.get_parameter(given.node, given.get)
-            if given.set:
-                return client.set_parameter(given.node, given.set)
-            return client.listen(given.pose)
+    with own_node("lie_rigid_body_listener") as node:
+        client = Client(node, interruption)
+        for name in calls:
+            if service := getattr(given, name):
+                return client.trigger(f"--{name}", service)
+        if given.scenario:
+            return client.scenario(given.scenario)
+        if given.get:
+            return client.get_parameter(given.node, given.get)
+        if given.set:
+            return client.set_parameter(given.node, given.set)
+        return client.listen(given.pose)
 
 
 class Client:
@@ -73,6 +69,7 @@ class Client:
 
     def __init__(self, node: Node, interruption: Interruption) -> None:
         self._node, self._interruption = node, interruption
+        self._domain = node.context.get_domain_id()
 
     def listen(self, topic: str) -> None:
         """Print poses of a topic, one in `SHOWN_EVERY` seconds, until interrupted."""
@@ -106,17 +103,14 @@ class Client:
 
     def trigger(self, option: str, service: str) -> None:
         """Call a service of the type std_srvs/Trigger, and print its answer."""
-        with translated_errors(f"{option} {service!r}"):
-            client = self._node.create_client(Trigger, service)
-        self._wait(client.service_is_ready, f"no service {service}")
-        response = self._answer(client.call_async(Trigger.Request()), service)
+        response = self._answer(Trigger, Trigger.Request(), service, f"{option} {service!r}", f"service {service}")
         if not response.success:
             raise LieRigidBodyError(f"{service} refuses: {response.message}")
         console.say(response.message)
 
     def get_parameter(self, remote: str, name: str) -> None:
         """Print the value of a parameter of another node."""
-        values = self._answer(self._parameters(remote).get_parameters([name]), remote).values
+        values = self._of_node(GetParameters, GetParameters.Request(names=[name]), remote, "get_parameters").values
         if not values:
             raise InputError(f"--get {name}: {remote} has no such parameter; docs/reference/parameters.md lists them")
         console.say(str(parameter_value_to_python(values[0])))
@@ -125,19 +119,21 @@ class Client:
         """Set a parameter of another node."""
         name, value = parse_assignment(assignment, "--set")
         with translated_errors(f"--set {shown(assignment)}"):
-            change = Parameter(name, value=value)
-        result = self._answer(self._parameters(remote).set_parameters([change]), remote).results[0]
+            request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        [result] = self._of_node(SetParameters, request, remote, "set_parameters").results
         if not result.successful:
             raise InputError(f"{remote} refuses --set {shortened(name, LONGEST_VALUE)}: {result.reason}")
         console.say(f"{remote} has {name} {value}")
 
-    def _parameters(self, remote: str) -> AsyncParameterClient:
-        with translated_errors(f"--node {remote!r}"):
-            client = AsyncParameterClient(self._node, remote)
-        self._wait(client.services_are_ready, f"no node {remote}")
-        return client
+    def _of_node(self, kind: type, request: Any, remote: str, service: str) -> Any:
+        return self._answer(kind, request, f"{remote}/{service}", f"--node {remote!r}", f"node {remote}")
 
-    def _answer(self, future: Any, asked: str) -> Any:
+    def _answer(self, kind: type, request: Any, service: str, given: str, asked: str) -> Any:
+        """The answer of a service, by its full name, what the user has given for it, and what is said of it."""
+        with translated_errors(given):
+            client = self._node.create_client(kind, service)
+        self._wait(client.service_is_ready, f"no {asked}")
+        future = client.call_async(request)
         self._wait(future.done, f"no answer from {asked}")
         return future.result()
 
@@ -159,11 +155,6 @@ class Client:
         executor.add_node(self._node)
         while wanted():
             executor.spin_once(timeout_sec=SIGNAL_INTERVAL)
-
-    @property
-    def _domain(self) -> int:
-        domain: int = self._node.context.get_domain_id()
-        return domain
 
 
 def line(pose: PoseStamped) -> str:

@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-import rclpy
 from rclpy.node import Node
 
 from lie_rigid_body import console
@@ -24,7 +23,7 @@ from lie_rigid_body.report.request import answer
 from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.scores import Scores
-from lie_rigid_body.ros.session import destroying, initialised, translated_errors
+from lie_rigid_body.ros.session import own_node
 from lie_rigid_body.runs.kept_attitudes import UNUSABLE
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.wording import suggestion
@@ -42,19 +41,14 @@ WORD_S: Final = (5.0, 30.0)
 
 def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     """Follow the topics of a command line; return the exit status, as `ros.evaluate.main` tells it."""
-    with initialised(given.ros):
-        with translated_errors("this node"):
-            node = rclpy.create_node(EVALUATOR_NAME, start_parameter_services=False)
-        with destroying(node):
-            _override(given, overrides(node))
-            limits = Limits.parse(given.max_rms, tuple(given.max_after))
-            require_axes(given.covariance_axes)
-            following = Following(
-                node,
-                partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=given.covariance_axes),
-            )
-            complete = _follow(node, following, given, interruption)
-            missing = following.silence()
+    with own_node(EVALUATOR_NAME, given.ros) as node:
+        _override(given, overrides(node))
+        limits, axes = Limits.parse(given.max_rms, tuple(given.max_after)), given.covariance_axes
+        require_axes(axes)
+        begin = partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=axes)
+        following = Following(node, begin)
+        complete = _follow(node, following, given, interruption)
+        missing = following.silence()
     return _score(given, following, missing, complete)
 
 
@@ -77,8 +71,8 @@ def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> No
 
 def _follow(node: Node, following: Following, given: argparse.Namespace, interruption: Interruption) -> bool:
     """Listen until asked to end; return False if that was before an estimate came."""
-    scores, said = Scores(node), _Word(following)
-    compared, compared_at, look_at = 0, time.monotonic(), 0.0
+    scores, complaints = Scores(node), set[str]()
+    compared, compared_at, look_at, word_at = 0, time.monotonic(), 0.0, time.monotonic() + WORD_S[0]
     _say(f"{node.get_fully_qualified_name()} waits for {following.estimate}; Ctrl-C ends it")
     while True:
         requested = interruption.requested  # what came before it is in the score
@@ -93,9 +87,16 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if judged is not None:
                 scores.errors(*judged)
             if live.tally.count > compared:
+                if not compared:
+                    _say(f"comparing {following.estimate} with the truth")
                 compared, compared_at = live.tally.count, now
-        said.say(compared > 0)
-        said.complain(live.left_out() if live is not None else {})
+            left_out = live.left_out()
+            for kind in left_out.keys() - complaints:  # as soon as there is one
+                complaints.add(kind)
+                _say(left_out[kind])
+        if not compared and now > word_at:
+            word_at = now + WORD_S[1]
+            _say(f"still waiting: {following.silence()}")
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
@@ -106,30 +107,6 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         time.sleep(TICK_S)
 
 
-class _Word:
-    """Lines on stderr: now and then what is missing, once that the comparison begins, once each kind of fault."""
-
-    def __init__(self, following: Following) -> None:
-        self._following, self._begun, self._complained = following, False, set[str]()
-        self._due = time.monotonic() + WORD_S[0]
-
-    def say(self, begun: bool) -> None:
-        if self._begun:
-            return
-        if begun:
-            self._begun = True
-            _say(f"comparing {self._following.estimate} with the truth")
-        elif time.monotonic() > self._due:
-            self._due = time.monotonic() + WORD_S[1]
-            _say(f"still waiting: {self._following.silence()}")
-
-    def complain(self, left_out: Mapping[str, str]) -> None:
-        """Say of each kind of messages that count for nothing, as soon as there is one, what it is."""
-        for kind in left_out.keys() - self._complained:
-            self._complained.add(kind)
-            _say(left_out[kind])
-
-
 def _say(text: str) -> None:
     """A line on stderr: stdout is for the score."""
     with suppress(OSError):
@@ -138,12 +115,10 @@ def _say(text: str) -> None:
 
 def _score(given: argparse.Namespace, following: Following, missing: str, complete: bool) -> int:
     live = following.live
-    if live is None or not live.messages:
-        if not complete:
-            console.complain(console.program("evaluate"), f"interrupted: {missing}")
-            return console.INTERRUPTED
-        raise InputError(missing)
-    if not live.truth.is_known:
+    if not complete:
+        console.complain(console.program("evaluate"), f"interrupted: {missing}")
+        return console.INTERRUPTED
+    if live is None or not live.messages or not live.truth.is_known:
         raise InputError(missing)
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))

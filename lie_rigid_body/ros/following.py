@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
-from importlib import import_module
-from typing import Final
+from typing import Final, TypeAlias
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
@@ -15,7 +14,7 @@ from rclpy.subscription import Subscription
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
-from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.session import message_class, translated_errors
 from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
 from lie_rigid_body.wording import counted, listed
@@ -26,6 +25,9 @@ TRUTH: Final = "truth"
 """Relative name of the truth's topic, to be remapped. Without that the truth is looked for beside the estimate."""
 MESSAGES_KEPT: Final = 5000
 """Messages of a topic kept between two looks at it: a simulation may send as fast as it can."""
+
+Hear: TypeAlias = Callable[[list[bytes]], object]
+"""A function that takes messages of one topic."""
 
 
 class Following:
@@ -49,8 +51,7 @@ class Following:
         with translated_errors("the topics estimate and truth"):
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
-        self._subscriptions: dict[str, Subscription] = {}
-        self._types: dict[str, str] = {}
+        self._subscriptions: dict[str, tuple[Subscription, Hear]] = {}
         self._crowd: dict[str, int] = {}
         self._unreadable: dict[str, tuple[int, str]] = {}
 
@@ -67,11 +68,14 @@ class Following:
             if self.estimate not in there:
                 return
             kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
-            self._subscribe(self.estimate, kind)
+            subscription = subscribe(self._node, self.estimate, kind)
             self.live = self._begin(self.estimate, kind)
+            self._subscriptions[self.estimate] = subscription, self.live.hear_estimates
+        truth = self.live.truth
         for topic, kind in self._true_topics(there):
             if topic not in self._subscriptions:
-                self._subscribe(topic, kind)
+                hear = truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind)
+                self._subscriptions[topic] = subscribe(self._node, topic, kind), hear
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
 
     def notes(self) -> Iterator[str]:
@@ -84,20 +88,11 @@ class Following:
 
     def take(self) -> None:
         """Hand on the messages that have come: those of the truth last, which is then ahead of the estimate."""
-        if self.live is None:
-            return
-        for topic, subscription in self._subscriptions.items():
-            if topic == self.estimate:
-                hear = self.live.hear_estimates
-            elif self._types[topic] == STRING:
-                hear = self.live.truth.hear_scenarios
-            else:
-                hear = partial(self.live.truth.hear_poses, topic, self._types[topic])
-            payloads = taken(subscription)
-            if payloads:
+        for topic, (subscription, hear) in self._subscriptions.items():
+            if payloads := taken(subscription):
                 self._hand_on(topic, payloads, hear)
 
-    def _hand_on(self, topic: str, payloads: list[bytes], hear: Callable[[list[bytes]], None]) -> None:
+    def _hand_on(self, topic: str, payloads: list[bytes], hear: Hear) -> None:
         """Hand on messages; one that cannot be read costs itself, and the first of a topic is logged."""
         try:
             hear(payloads)
@@ -119,9 +114,9 @@ class Following:
 
     def silence(self) -> str:
         """A sentence about what is missing, and what there is instead."""
-        there = self.published()
+        there, domain = self.published(), self._node.context.get_domain_id()
         known = [t for t, kinds in there.items() if set(kinds) & set(ATTITUDE_TYPES)]
-        attitudes = f"topics of types with attitudes are {listed(sorted(known)) or 'none'} in domain {self._domain}"
+        attitudes = f"topics of types with attitudes are {listed(sorted(known)) or 'none'} in domain {domain}"
         if self.live is not None and self.live.messages:
             if self.live.truth.is_known:
                 return self.live.why_not_compared()
@@ -132,11 +127,6 @@ class Following:
         if self.live is not None:
             return f"nothing came on {self.estimate}, which is there: does its node get what it needs? {attitudes}"
         return f"there is no topic {self.estimate}: {attitudes}; remap it, --ros-args -r estimate:=TOPIC"
-
-    @property
-    def _domain(self) -> int:
-        domain: int = self._node.context.get_domain_id()
-        return domain
 
     def _true_topics(self, there: dict[str, list[str]]) -> list[tuple[str, str]]:
         """Names and types of the topics of the truth, as far as they are there."""
@@ -169,10 +159,6 @@ class Following:
             raise InputError(f"topic {topic} is of the types {listed(kinds)}: let one node publish it")
         return usable[0]
 
-    def _subscribe(self, topic: str, kind: str) -> None:
-        self._types[topic] = kind
-        self._subscriptions[topic] = subscribe(self._node, topic, kind)
-
 
 class Unspun(CallbackGroup):
     """A group whose callbacks no executor carries out: `taken` takes its messages, in a fraction of the time."""
@@ -196,10 +182,10 @@ def subscribe(node: Node, topic: str, kind: str) -> Subscription:
     InputError
         If the package of the message is not installed.
     """
-    package, _, name = kind.split("/")
     try:
-        message = getattr(import_module(f"{package}.msg"), name)
+        message = message_class(kind)
     except ImportError:
+        package, _, name = kind.split("/")
         raise InputError(
             f"topic {topic} is of {package}/{name}: {package} is not installed: apt install "
             f"ros-jazzy-{package.replace('_', '-')}"

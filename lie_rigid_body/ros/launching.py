@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS
@@ -101,11 +102,8 @@ def scenario_of_node(words: list[str], name: str, namespace: str) -> Scenario:
     InputError
         If the node would refuse them.
     """
-    given: dict[str, list[str]] = {"--scenario": [], "--params-file": [], "-p": []}
-    for option, value in zip(words[::2], words[1::2], strict=True):
-        given[option].append(value)
-    scenario = next(iter(given["--scenario"]), None)
-    parameters = gather(scenario, given["--params-file"], given["-p"], name, f"/{namespace.strip('/')}")
+    given = parse(words)
+    parameters = gather(given.scenario, given.params_file, given.assignments, name, f"/{namespace.strip('/')}")
     return Scenario.from_parameters(parameters)
 
 

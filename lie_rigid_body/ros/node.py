@@ -4,32 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import combinations
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
-from lie_rigid_body.ros.control import standard_services
-from lie_rigid_body.ros.control.parameter_service import AnsweringParameterService
 from lie_rigid_body.ros.control.parameters import NodeParameters
-from lie_rigid_body.ros.control.services import Services
-from lie_rigid_body.ros.control.standard_control import StandardControl
+from lie_rigid_body.ros.control.services import PACKAGE, StandardServices, offer_triggers
 from lie_rigid_body.ros.installation import is_installed
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
-from lie_rigid_body.ros.publishing.markers import MARKERS_TOPIC, Markers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
-from lie_rigid_body.ros.publishing.transforms import TF, Transforms
+from lie_rigid_body.ros.publishing.views import MARKERS_TOPIC, TF, Markers, Transforms
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
-
-if TYPE_CHECKING:
-    from lie_rigid_body.ros.answers import Answers
 
 OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
 TOPICS: Final = (POSE, TWIST, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
@@ -56,12 +48,12 @@ class SimulatorNode(Node):
 
     Attributes
     ----------
+    names : dict of str to str
+        Full names of the topics and services, as remapped, by their relative names; of ``~``, the node.
     parameters : NodeParameters
     publisher : SamplePublisher
     sinks : list of Sink
         The publisher, and what publishes what is made of the samples.
-    answers : Answers or None
-        The answers of a filter in lock-step.
 
     Raises
     ------
@@ -79,25 +71,22 @@ class SimulatorNode(Node):
             raise
 
     def _furnish(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
-        _require_distinct("topics", {topic: self.resolve_topic_name(topic) for topic in (*TOPICS, *SENSOR_TOPICS)})
-        _require_distinct("services", {service: self.resolve_service_name(service) for service in SERVICES})
+        topics = {topic: self.resolve_topic_name(topic) for topic in (*TOPICS, *SENSOR_TOPICS)}
+        services = {service: self.resolve_service_name(service) for service in SERVICES}
+        _require_distinct("topics", topics)
+        _require_distinct("services", services)
+        self.names = {"~": self.get_fully_qualified_name(), **topics, **services}
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
-        self._answers = AnsweringParameterService(self)
         scenario, values = self.parameters.scenario(), self.parameters.values()
-        topic = values["lockstep_topic"]
+        in_lockstep = bool(values["lockstep_topic"])
         self.publisher = SamplePublisher(
             self,
             stamped_twist=scenario.stamped_twist,
             sensors=scenario.sensors,
-            clock=values["publish_clock"] or bool(topic),
-            keep_all=values["real_time_factor"] == 0.0 or bool(topic),
-            imu_last=bool(topic),
+            clock=values["publish_clock"] or in_lockstep,
+            keep_all=values["real_time_factor"] == 0.0 or in_lockstep,
+            imu_last=in_lockstep,
         )
-        self.answers: Answers | None = None
-        if topic:
-            from lie_rigid_body.ros.answers import Answers  # which needs what reads bags
-
-            self.answers = Answers(self, self.publisher, topic, values["lockstep_nodes"])
         self.publisher.set_factor(values["real_time_factor"])
         self._diagnostics = Diagnostics(self)
         self.sinks: list[Sink] = [self.publisher, self._diagnostics]
@@ -106,16 +95,13 @@ class SimulatorNode(Node):
         if values["publish_tf"] and is_installed("tf2_msgs"):
             self.sinks.append(Transforms(self))
         self._looks = 0
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._look = self.create_timer(LOOK_INTERVAL, self._look_for_namesakes, clock=steady)
+        self._look = self.create_timer(
+            LOOK_INTERVAL, self._look_for_namesakes, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
         if self.get_parameter("use_sim_time").value:
             self.get_logger().warning("use_sim_time has no effect here: the samples follow a steady clock of this node")
         if scenario.without_effect:
             self.get_logger().warning(scenario.without_effect)
-
-    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """Set all parameters or none; a refusal gives value, limit and remedy, which that of rclpy does not."""
-        return self.parameters.refusal(parameter_list) or super().set_parameters_atomically(parameter_list)
 
     def _look_for_namesakes(self) -> None:
         """Warn of another node of the same name, once those that were killed are forgotten."""
@@ -123,9 +109,8 @@ class SimulatorNode(Node):
         own = self.get_name(), self.get_namespace()
         found = self.get_node_names_and_namespaces().count(own) > 1
         if found:
-            name = self.get_fully_qualified_name()
             self.get_logger().warning(
-                f"another node is called {name}: requests may reach either; give one another name "
+                f"another node is called {self.names['~']}: requests may reach either; give one another name "
                 "by -r __node:=NAME or -r __ns:=/NAMESPACE"
             )
         if found or self._looks == LOOKS:
@@ -139,16 +124,16 @@ class SimulatorNode(Node):
     def serve(self, run: LiveRun) -> None:
         """Offer the services, and let changes of the real-time factor take effect."""
 
-        def change_factor(factor: float) -> None:
-            run.ask(run.change_factor, factor)
-            self.publisher.set_factor(factor)
+        def change_factor(changes: list[Parameter]) -> None:
+            for change in changes:
+                if change.name == "real_time_factor":
+                    run.ask(run.change_factor, change.value)
+                    self.publisher.set_factor(change.value)
 
-        self.parameters.on_change_of_factor(change_factor)
-        Services(run, self.parameters.scenario).offer(self)
-        if is_installed(standard_services.PACKAGE):
-            standard = StandardControl(run, self.parameters.scenario, self.get_name())
-            self._standard = standard_services.StandardServices(standard)
-            self._standard.offer(self)
+        self.add_post_set_parameters_callback(change_factor)
+        offer_triggers(self, run, self.parameters.scenario)
+        if is_installed(PACKAGE):
+            StandardServices(run, self.parameters.scenario, self.get_name()).offer(self)
 
 
 def _require_distinct(kind: str, full_names: Mapping[str, str]) -> None:

@@ -57,7 +57,7 @@ def _played(play: Play) -> Answered | str:
                 os.environ.update(
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
-                with _started(play.command, words) as require_alive:
+                with _started(play.node.command, words) as require_alive:
                     from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
 
                     try:

@@ -3,66 +3,30 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from contextlib import closing
 from itertools import groupby
 from operator import attrgetter
 from queue import Empty, SimpleQueue
 from typing import Final
 
-import rclpy
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.answers import Answers
-from lie_rigid_body.ros.publishing.publisher import CLOCK, DEPTH, clock_bytes, message_class
-from lie_rigid_body.ros.session import destroying, initialised, translated_errors
+from lie_rigid_body.ros.publishing.publisher import CLOCK, DEPTH, clock_bytes
+from lie_rigid_body.ros.session import message_class, own_node
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
-from lie_rigid_body.runs.node import Answered, Play, Reading
+from lie_rigid_body.runs.node import Answered, Play
 from lie_rigid_body.sensors import SENSORS
 
 SILENCE_S: Final = 10.0
 """Longest wait for an answer, s; at most half of the time of a run."""
 FIRST_S: Final = 1.0
 """Longest wait for the answer to the first reading, s, by which some filters only begin."""
-
-
-class ReadingPublisher:
-    """The publishers of sensors, and of the clock.
-
-    Parameters
-    ----------
-    node : Node
-    sensors : iterable of str
-        Names of the sensors.
-
-    Attributes
-    ----------
-    sensor_topics : dict of str to str
-        Full names of the topics of all sensors by their relative names.
-    publishers : dict of str to Publisher
-        Publishers by the full names of their topics.
-    """
-
-    def __init__(self, node: Node, sensors: Iterable[str]) -> None:
-        quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-        topics = {name: SENSORS[name].topics[0] for name in sensors}
-        self._of_sensor: dict[str, Publisher] = {
-            name: node.create_publisher(message_class(topic.message_type), topic.name, quality)
-            for name, topic in topics.items()
-        }
-        self._clock = node.create_publisher(Clock, CLOCK, quality)
-        self.sensor_topics = {name: node.resolve_topic_name(name) for name in SENSORS.topics}
-        self.publishers = {each.topic_name: each for each in (*self._of_sensor.values(), self._clock)}
-
-    def send(self, arrival_ns: int, readings: Iterable[Reading]) -> None:
-        """Publish the time, and the readings that arrive then."""
-        self._clock.publish(clock_bytes(arrival_ns))
-        for reading in readings:
-            self._of_sensor[reading.sensor].publish(reading.payload)
 
 
 def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:
@@ -79,48 +43,52 @@ def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:
     LieRigidBodyError
         If no filter appears, or it leaves a reading without an answer.
     """
-    with initialised([]):
-        with translated_errors("a node"):
-            node = rclpy.create_node("lie_rigid_body", start_parameter_services=False)
-        with destroying(node):
-            publisher = ReadingPublisher(node, dict.fromkeys(reading.sensor for reading in play.readings))
-            answers = Answers(node, publisher, play.topic, [])
-            try:
-                return Player(play, publisher, answers, require_alive).played()
-            finally:
-                answers.close()
+    with own_node("lie_rigid_body") as node:
+        player = Player(node, play, require_alive)
+        with closing(player.answers):
+            return player.played()
 
 
 class Player:
-    """The loop that publishes readings and takes their answers.
+    """The loop that publishes readings, each time after the clock, and takes their answers.
 
     Parameters
     ----------
+    node : Node
     play : Play
-    publisher : ReadingPublisher
-    answers : Answers
     require_alive : callable
+
+    Attributes
+    ----------
+    answers : Answers
     """
 
-    def __init__(
-        self, play: Play, publisher: ReadingPublisher, answers: Answers, require_alive: Callable[[], None]
-    ) -> None:
-        self._play, self._publisher, self._answers, self._require_alive = play, publisher, answers, require_alive
-        self._longest_s = play.timeout_s / 2.0
+    def __init__(self, node: Node, play: Play, require_alive: Callable[[], None]) -> None:
+        self._play, self._require_alive = play, require_alive
+        self._longest_s = play.node.timeout_s / 2.0
+        self._topics = {reading.sensor: SENSORS[reading.sensor].topics[0] for reading in play.readings}
+        quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+        self._publishers = {
+            topic.name: node.create_publisher(message_class(topic.message_type), topic.name, quality)
+            for topic in self._topics.values()
+        }
+        self._publishers[CLOCK] = node.create_publisher(Clock, CLOCK, quality)
         self._heard = SimpleQueue[tuple[int, bytes]]()
         self._payloads: list[bytes] = []
-        answers.tell(lambda *answer: self._heard.put(answer))
+        self.answers = Answers(node, self._publishers, play.node.topic, [])
+        self.answers.hear = lambda *answer: self._heard.put(answer)
 
     def played(self) -> Answered:
         """Play all, and return the answers."""
         heard = self._filter()
-        patience_ns = round(min(SILENCE_S, self._longest_s) * NS)
-        lockstep = Lockstep(self._answers.topic, lambda: heard, patience_ns)
-        lockstep.begin_segment({reading.sensor for reading in self._play.readings})
+        lockstep = Lockstep(self.answers.topic, lambda: heard, round(min(SILENCE_S, self._longest_s) * NS))
+        lockstep.begin_segment(self._topics)
         begun = time.monotonic()
         for arrival_ns, group in groupby(self._play.readings, key=attrgetter("arrival_ns")):
             readings = list(group)
-            self._publisher.send(arrival_ns, readings)
+            self._publishers[CLOCK].publish(clock_bytes(arrival_ns))
+            for reading in readings:
+                self._publishers[self._topics[reading.sensor].name].publish(reading.payload)
             lockstep.sent([(reading.sensor, reading.stamp_ns) for reading in readings])
             while lockstep.holds(time.monotonic_ns()):
                 self._take(lockstep)
@@ -131,15 +99,15 @@ class Player:
             self._take(lockstep)
         if not self._payloads:
             raise LieRigidBodyError("is given no reading of the IMU with one of the same stamp of every other sensor")
-        return Answered(self._answers.topic, self._answers.message_type, self._payloads)
+        return Answered(self.answers.topic, self.answers.message_type, self._payloads)
 
     def _filter(self) -> list[str]:
         """Names of the sensors that the filter hears, once it is there."""
         end = time.monotonic() + self._longest_s
-        while (heard := self._answers.look()) is None:
+        while (heard := self.answers.look()) is None:
             self._require_alive()
             if time.monotonic() > end:
-                missing = ", ".join(self._answers.missing)
+                missing = ", ".join(self.answers.missing)
                 raise LieRigidBodyError(f"is not there after {self._longest_s:g} s: missing is {missing}")
             time.sleep(LOOK_NS / NS)
         return list(heard)

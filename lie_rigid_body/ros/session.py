@@ -11,6 +11,7 @@ import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from threading import Thread
 from typing import Final
 
@@ -87,6 +88,16 @@ def destroying(node: Node) -> Iterator[None]:
 
 
 @contextmanager
+def own_node(name: str, arguments: Sequence[str] = ()) -> Iterator[Node]:
+    """Keep a node of this process without services of its own, in an rclpy that is initialised for it alone."""
+    with initialised(arguments):
+        with translated_errors("this node"):
+            node = rclpy.create_node(name, start_parameter_services=False)
+        with destroying(node):
+            yield node
+
+
+@contextmanager
 def spinning(node: Node) -> Iterator[None]:
     """Answer the node's services in background threads. At the end rclpy is shut down, which ends these threads."""
     executor = MultiThreadedExecutor(THREADS)
@@ -111,6 +122,13 @@ def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
                 return
             # one malformed request must not silence all services
             node.get_logger().error(f"a callback failed: {error!r}")
+
+
+def message_class(name: str) -> type:
+    """The class of a message type, by its name in ROS."""
+    package, _, kind = name.partition("/msg/")
+    found: type = getattr(import_module(f"{package}.msg"), kind)
+    return found
 
 
 @contextmanager

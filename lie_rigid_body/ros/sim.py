@@ -1,14 +1,22 @@
-"""The command line of ``sim``, the live node."""
+"""The command line of ``sim``, the live node: its own options, and the arguments for ROS."""
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.arguments import Arguments, parse
 from lie_rigid_body.ros.installation import require_ros
+
+EPILOG: Final = """
+ROS arguments follow --ros-args: remapping (-r pose:=truth, -r __ns:=/a), parameters (-p rate:=200.0, or
+--params-file FILE). They win over the options above. Ctrl-C ends the node, and finishes the bag of record_path.
+If that bag can no longer be written, the node says so at once, goes on publishing, and ends with status 2.
+"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -30,18 +38,38 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _main(argv: Sequence[str] | None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_ros()
-    _require_readable(given)
+    _require_readable(given.ros)
     from lie_rigid_body.ros.simulator import simulate  # only now: it needs ROS
 
     simulate(given, Interruption.current())
     return console.SUCCESS
 
 
-def _require_readable(given: Arguments) -> None:
+def parse(argv: Sequence[str]) -> argparse.Namespace:
+    """Read a command line, without the program's name.
+
+    Returns
+    -------
+    argparse.Namespace
+        The options of a scenario, and as ``ros`` the arguments for rclpy, with their
+        ``--ros-args``; empty if there are none.
+    """
+    own, ros = console.split_ros_arguments(argv)
+    given = console.Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG, scenario=True).parse_args(own)
+    given.ros = ros
+    return given
+
+
+def given_to_ros(ros: Sequence[str], *options: str) -> list[str]:
+    """The values that rclpy will read for an option, which may have several names."""
+    return [value for option, value in pairwise(ros) if option in options]
+
+
+def _require_readable(ros: Sequence[str]) -> None:
     """Check parameters given as ROS arguments, whose errors rclpy reports less clearly."""
     from lie_rigid_body.scenario.parameter_file import parse_assignment, read_sections
 
-    for path in given.given_to_ros("--params-file"):
+    for path in given_to_ros(ros, "--params-file"):
         read_sections(path, pipes=False)
-    for text in given.given_to_ros("-p", "--param"):
+    for text in given_to_ros(ros, "-p", "--param"):
         parse_assignment(text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache
 from typing import Any, Final, NoReturn
 
@@ -13,12 +13,15 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Segment
 
 WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
 """Parameters that would tell the truth, or the noise."""
 _MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bound")
 """Attributes that a scenario computes from them."""
-_REMEDY: Final = "estimate from what run.imu and run.magnetometer read"
+_TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
+"""Methods of a run that would tell the truth, were it in a bag."""
+_NO_TRUTH: Final[Any] = None
 
 
 class WithheldError(InputError, AttributeError):
@@ -26,7 +29,9 @@ class WithheldError(InputError, AttributeError):
 
 
 def _refuse(name: str) -> NoReturn:
-    raise WithheldError(f"{name} would tell the truth, which this run withholds: {_REMEDY}")
+    raise WithheldError(
+        f"{name} would tell the truth, which this run withholds: estimate from what run.imu and run.magnetometer read"
+    )
 
 
 class BlindScenario(Scenario):
@@ -63,11 +68,8 @@ class BlindScenario(Scenario):
         return hash(self.sensor_parameters)
 
 
-@dataclass(frozen=True, eq=False)
 class BlindRun(Run):
     """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
-
-    known: BlindScenario | None = None
 
     @classmethod
     def without_truth(cls, run: Run) -> BlindRun:
@@ -77,8 +79,7 @@ class BlindRun(Run):
             key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**arrays.arrays, **(told if key == "imu" else {})})
             for key, arrays in run.sensors.items()
         }
-        none: Any = None
-        return cls(run.t_ns, none, sensors, (), known=BlindScenario.of(run.scenario))
+        return cls(run.t_ns, _NO_TRUTH, sensors, _blind(run.scenario))
 
     @classmethod
     def of_readings(
@@ -96,40 +97,19 @@ class BlindRun(Run):
         field_t_ns : ndarray of int64, shape (L,), or None
             Stamps of the magnetometer, ns; None without one.
         """
-        of_imu = {"gyro": vectors["gyro"], "specific_force": vectors["specific_force"]}
         biases = {"gyro_bias": None, "accelerometer_bias": None, "orientation_xyzw": None}
+        of_imu = {name: array for name, array in vectors.items() if name != "field"}
         sensors = {"imu": SensorArrays(t_ns, t_ns, {**of_imu, **biases})}
         if field_t_ns is not None:
             sensors["magnetometer"] = SensorArrays(field_t_ns, field_t_ns, {"field": vectors["field"]})
-        none: Any = None
-        return cls(t_ns, none, sensors, (), known=BlindScenario.of(scenario))
+        return cls(t_ns, _NO_TRUTH, sensors, _blind(scenario))
 
-    @property
-    def scenario(self) -> Scenario:
-        """The scenario without its start and its seed."""
-        assert self.known is not None
-        return self.known
+    def __getattribute__(self, name: str) -> Any:
+        if name in _TELLING:
+            return lambda *arguments, **options: _refuse(f"run.{name}()")
+        return super().__getattribute__(name)
 
-    def attitude(self) -> NoReturn:
-        """Refused: it is the truth."""
-        _refuse("run.attitude()")
 
-    def score(self, *arguments: Any, **options: Any) -> NoReturn:
-        """Refused: it tells the error."""
-        _refuse("run.score()")
-
-    def to_bag(self, *arguments: Any, **options: Any) -> NoReturn:
-        """Refused: a bag has the truth."""
-        _refuse("run.to_bag()")
-
-    def certificate(self, *arguments: Any, **options: Any) -> NoReturn:
-        """Refused: it is made from a bag."""
-        _refuse("run.certificate()")
-
-    def unavoidable_error(self) -> NoReturn:
-        """Refused: it is computed from the truth."""
-        _refuse("run.unavoidable_error()")
-
-    def gyro_bias_at(self, t_ns: Any) -> NoReturn:
-        """Refused: it is the true bias."""
-        _refuse("run.gyro_bias_at()")
+def _blind(scenario: Scenario) -> tuple[Segment, ...]:
+    """The one segment of a run without its truth."""
+    return (Segment(BlindScenario.of(scenario), 0, scenario.epoch_ns),)

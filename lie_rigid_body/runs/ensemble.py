@@ -123,8 +123,11 @@ def simulate(
     motions = partial(motions_of, clocks=defaultdict(Latest))
     simulations = [Simulation(one, motions=motions) for one in (first, *scenarios)]
     end_ns = simulations[0].clock.last_ns_before(length)
-    runs = tuple(Run.of(each.take_until(end_ns, sys.maxsize), each.segment) for each in simulations)
-    return runs[0] if seeds is None else runs
+    runs = []
+    while simulations:
+        simulation = simulations.pop(0)  # of which nothing is kept but its run
+        runs.append(Run.of(simulation.take_until(end_ns, sys.maxsize), simulation.segment))
+    return runs[0] if seeds is None else tuple(runs)
 
 
 def scenario_of(scenario: str | Path | Scenario | None, parameters: Mapping[str, object]) -> Scenario:

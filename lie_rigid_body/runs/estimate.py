@@ -97,8 +97,7 @@ class Estimate:
             return result
         if hasattr(result, "attitude_xyzw"):
             return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if hasattr(result, f.name)})
-        given: Any = result
-        return cls(given[1], given[0]) if isinstance(result, tuple) and len(result) == 2 else cls(given)
+        return cls(result[1], result[0]) if isinstance(result, tuple) and len(result) == 2 else cls(result)
 
     def __len__(self) -> int:
         return len(self.attitude_xyzw)
@@ -112,33 +111,32 @@ class Estimate:
     def __repr__(self) -> str:
         return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})
 
-    def messages(self, topic: str, stamps_ns: Integers, frame: str) -> tuple[Messages, str]:
+    def messages(self, topic: str, frame: str) -> tuple[Messages, str]:
         """Attitudes as messages of a bag, with a covariance where there is one, and their type.
 
         Parameters
         ----------
         topic : str
-        stamps_ns : ndarray of int64, shape (N,)
         frame : str
             Name of the world's frame.
         """
         if self.covariance is None:
             layout = Layout(header(frame), [0.0] * POSE_NUMBERS, [range(3, POSE_NUMBERS)])
-            return Messages(topic, stamps_ns, layout.encode(stamps_ns, self.attitude_xyzw)), POSE_STAMPED
+            return Messages(topic, self.t_ns, layout.encode(self.t_ns, self.attitude_xyzw)), POSE_STAMPED
         P = np.broadcast_to(rotation_block(self.covariance), (len(self), 3, 3))
         if self.covariance_axes == "body":
             R = quaternion.to_matrix(unit("estimate", self.attitude_xyzw))
             P = R @ P @ np.swapaxes(R, -1, -2)
         places = [POSE_NUMBERS + 6 * (3 + row) + 3 + column for row in range(3) for column in range(3)]
         layout = Layout(header(frame), [0.0] * (POSE_NUMBERS + 36), [range(3, POSE_NUMBERS), places])
-        payloads = layout.encode(stamps_ns, self.attitude_xyzw, P.reshape(-1, 9))
-        return Messages(topic, stamps_ns, payloads), POSE_WITH_COVARIANCE_STAMPED
+        payloads = layout.encode(self.t_ns, self.attitude_xyzw, P.reshape(-1, 9))
+        return Messages(topic, self.t_ns, payloads), POSE_WITH_COVARIANCE_STAMPED
 
 
 def vectors(topic: str, stamps_ns: Integers, rows: Array, frame: str) -> tuple[Messages, str]:
     """Vectors as messages of a bag, and their type."""
-    layout = Layout(header(frame), [0.0] * 3, [range(3)])
-    return Messages(topic, stamps_ns, layout.encode(stamps_ns, rows)), VECTOR3_STAMPED
+    payloads = Layout(header(frame), [0.0] * 3, [range(3)]).encode(stamps_ns, rows)
+    return Messages(topic, stamps_ns, payloads), VECTOR3_STAMPED
 
 
 def messages_of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:

@@ -21,8 +21,10 @@ from typing import Any, BinaryIO, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.bounded_input import real
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.wording import printable, short_repr, shortened, shown
 
@@ -34,9 +36,6 @@ HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,m
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
 ANSWER: Final = "t_ns,x,y,z,w"
 """Columns that the program prints, with this line above them or without."""
-TIMEOUT_S: Final = 60.0
-_NO_IMU: Final = ",,,,,"
-_NO_FIELD: Final = ",,"
 _LARGEST_OUTPUT: Final = 256 * 2**20
 """Largest number of bytes that the program may print; an attitude takes about 100."""
 _PATIENCE_S: Final = 0.05
@@ -61,7 +60,7 @@ def called(estimate: Estimator, run: Run) -> Estimate:
     """
     assert run.imu is not None
     try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
+        with warnings.catch_warnings(), np.errstate(all="ignore"), leaving_the_process_alone():
             warnings.simplefilter("ignore")
             result = estimate(run)
     except (Exception, SystemExit) as error:
@@ -112,13 +111,12 @@ class NamedFunction:
             sys.path.append(os.getcwd())  # an executable has its own folder there, not where it was started
         what = f"estimator {shown(self.name)}"
         try:
-            found = getattr(import_module(module), function, None)
+            found: Estimator | None = getattr(import_module(module), function, None)
         except (Exception, SystemExit) as error:
             raise InputError(f"{what} cannot be imported: {shortened(said(error))}: {MENDED}") from None
         if not callable(found):
             raise InputError(f"{what}: {shown(module)} has no function {shown(function)}: define it there")
-        estimate: Estimator = found
-        return estimate
+        return found
 
 
 @dataclass(frozen=True)
@@ -134,7 +132,7 @@ class CommandEstimator:
     """
 
     command: str
-    timeout_s: float = TIMEOUT_S
+    timeout_s: float = 60.0
 
     __repr__ = short_repr
 
@@ -174,8 +172,9 @@ class CommandEstimator:
                     start_new_session=True,  # so that it can be ended with what it starts
                 )
             except OSError as error:
-                what = f"{self._name} cannot be started: {error.strerror}"
-                raise InputError(f"{what}: give the path of a program") from None
+                raise InputError(
+                    f"{self._name} cannot be started: {error.strerror}: give the path of a program"
+                ) from None
             try:
                 self._wait(process, output, errors)
             finally:
@@ -197,8 +196,9 @@ class CommandEstimator:
         end = time.monotonic() + self.timeout_s
         while process.returncode is None:
             if time.monotonic() >= end:
-                what = f"{self._name} did not end within {self.timeout_s:g} s"
-                raise InputError(f"{what}: let it end with its input, or give it more")
+                raise InputError(
+                    f"{self._name} did not end within {self.timeout_s:g} s: let it end with its input, or give it more"
+                )
             with suppress(subprocess.TimeoutExpired):
                 process.wait(_PATIENCE_S)
             if any(os.fstat(file.fileno()).st_size > _LARGEST_OUTPUT for file in files):
@@ -221,7 +221,7 @@ def _lines(run: Run) -> Iterator[str]:
     of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
     of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
     for stamp in sorted({*of_imu, *of_field}):
-        yield f"{stamp},{of_imu.get(stamp, _NO_IMU)},{of_field.get(stamp, _NO_FIELD)}"
+        yield f"{stamp},{of_imu.get(stamp, ',,,,,')},{of_field.get(stamp, ',,')}"
 
 
 def _texts(t_ns: Integers, rows: Array) -> dict[int, str]:
@@ -236,7 +236,8 @@ def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
     for number, line in enumerate(lines[first:], first + 1):
         try:
             stamp, *numbers = line.split(",")
-            x, y, z, w = map(float, numbers)
+            x, y, z, w = map(real, numbers)
+            real(stamp)
             stamps.append(int(stamp))
         except ValueError:
             raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None

@@ -218,8 +218,8 @@ class LiveEstimate:
         if most is not None:
             track = _settled(track, most)
             start_ns = int(track.stamps_ns[0])
-        are_asked = poses.count and (most is None or not self.truth.segments)
-        motion, truth = self._true(track.stamps_ns, [poses.track()] if are_asked else [], start_ns)
+        by_poses = poses.count and (most is None or not self.truth.segments)
+        motion, truth = self._true(track.stamps_ns, [poses.track()] if by_poses else [], start_ns)
         notes = (*motion.notes_on(track), *self._notes())
         read = RecordedEstimate(track, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
         due_ns = truth.last_ns if kept.due_ns is None else kept.due_ns

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.encoding import ReadingEncoder
 from lie_rigid_body.messages.framed import Frames
@@ -45,9 +45,7 @@ class Reading(NamedTuple):
 class Play(NamedTuple):
     """What a player is to do: start a command, play it the readings, and return what it publishes on a topic."""
 
-    command: str
-    topic: str
-    timeout_s: float
+    node: NodeEstimator
     readings: tuple[Reading, ...]
 
 
@@ -84,7 +82,7 @@ class NodeEstimator(CommandEstimator):
             If it cannot be started, ends, hears no IMU, publishes no attitude of the body, or leaves a reading without
             an answer.
         """
-        answered = self._played(Play(self.command, self.topic, self.timeout_s, readings_of(run)))
+        answered = self._played(Play(self, readings_of(run)))
         try:
             found = attitudes_of(*answered)
         except BagError as error:
@@ -143,12 +141,9 @@ def readings_of(run: Run) -> tuple[Reading, ...]:
 
 def _readings(run: Run) -> Iterator[Reading]:
     for name, model in run.scenario.sensors.on.items():
-        arrays = run.sensors.get(SENSORS[name].key)
-        if arrays is None:
-            continue
-        encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
-        stamps, arrival = arrays.t_ns + _BEGIN_NS, arrays.arrival_ns + _BEGIN_NS
-        told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
-        none_lost: Integers = np.zeros(len(stamps), dtype=np.int64)
-        payloads = encoder.encode(SensorSamples(arrival, stamps, none_lost.astype(np.bool_), told))
-        yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)
+        if arrays := run.sensors.get(SENSORS[name].key):
+            encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
+            stamps, arrival = arrays.t_ns + _BEGIN_NS, arrays.arrival_ns + _BEGIN_NS
+            told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
+            payloads = encoder.encode(SensorSamples(arrival, stamps, np.zeros(len(stamps), dtype=np.bool_), told))
+            yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.messages import NOT_GIVEN
-from lie_rigid_body.messages.definitions import places
 from lie_rigid_body.messages.encoding import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
-from lie_rigid_body.recording.topic_messages import TopicMessages, fixed_number, value_columns
+from lie_rigid_body.recording.topic_messages import TopicMessages, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
 from lie_rigid_body.showing import data_frame
 from lie_rigid_body.simulation import Segment, SensorSamples
@@ -23,16 +21,12 @@ from lie_rigid_body.wording import call_repr
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-T = TypeVar("T")
 
-
-def read_only(value: T) -> T:
-    """A view of an array that cannot be written; anything else as it is."""
-    if isinstance(value, np.ndarray):
-        view = value.view()
-        view.setflags(write=False)
-        return view
-    return value
+def read_only(array: Array | Integers) -> Array | Integers:
+    """A view of an array that cannot be written."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
 
 
 class SensorArrays:
@@ -71,8 +65,8 @@ class SensorArrays:
     direction: Array
 
     def __init__(self, t_ns: Integers, arrival_ns: Integers, arrays: Mapping[str, Array | None]) -> None:
-        everything: dict[str, object] = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
-        vars(self).update({name: read_only(array) for name, array in everything.items()})
+        own = {"t_ns": t_ns, **arrays, "arrival_ns": arrival_ns}
+        vars(self).update({name: None if array is None else read_only(array) for name, array in own.items()})
 
     @property
     def t_s(self) -> Array:
@@ -135,9 +129,8 @@ class SensorArrays:
         if name not in found and not models:
             return None
         first = found.setdefault(name, TopicMessages.none_of(message_type))
-        arrived_ns = first.log_times_ns
-        if not recording.as_written:
-            arrived_ns = measured_ns(segments, sensor.name, first.stamps_ns)
+        is_heard = not recording.as_written
+        arrived_ns = measured_ns(segments, sensor.name, first.stamps_ns) if is_heard else first.log_times_ns
         declared = {field.array for model in models for topic in sensor.topics for field in told_fields(topic, model)}
         arrays = {
             field.array: _array(topic, field, found.get(topic.name), first.stamps_ns, declared)
@@ -146,8 +139,8 @@ class SensorArrays:
         }
         return cls(first.stamps_ns, arrived_ns, arrays)
 
-    def samples(self, sensor: Sensor, inside: Callable[[Integers], Booleans]) -> SensorSamples:
-        """Take the readings that arrive in some time, as messages tell them.
+    def samples(self, sensor: Sensor, begin_ns: int, end_ns: int) -> SensorSamples:
+        """Take the readings that arrive from one time on and before another one, ns, as messages tell them.
 
         Raises
         ------
@@ -167,22 +160,20 @@ class SensorArrays:
                 )
         readings = {name: array for name, array in arrays.items() if array is not None}
         lost = np.zeros(len(self.t_ns), dtype=np.bool_)
-        return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside(self.arrival_ns)]
+        inside = (self.arrival_ns >= begin_ns) & (self.arrival_ns < end_ns)
+        return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside]
 
 
 def _array(
     topic: Topic, field: Field, messages: TopicMessages | None, t_ns: Integers, declared: Collection[str]
 ) -> Array | None:
-    """Array of a field at the stamps of readings: None if no message tells it, NaN at readings without a message."""
+    """Array of a field at the stamps of readings: None if it is not told, NaN at readings without a message."""
     columns = value_columns(topic, field)
     shape = field.shape or (len(columns),)
     if messages is None:
         return None if len(t_ns) else np.empty((0, *shape))
-    if field.covariance:
-        begin = places(topic.message_type)[field.covariance].start
-        given = fixed_number(messages, topic.message_type, begin) != NOT_GIVEN
-        if not (given.any() if len(given) else field.array in declared):
-            return None
+    if field.covariance and field.array not in declared:
+        return None
     values = messages.values[:, columns].reshape(-1, *shape)
     if np.array_equal(messages.stamps_ns, t_ns):
         return values

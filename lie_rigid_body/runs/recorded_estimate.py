@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.attitude_error import unit
@@ -20,7 +18,7 @@ from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import read_scenarios
+from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
 from lie_rigid_body.recording.segments import declared_segments
@@ -109,7 +107,7 @@ def recorded_estimate(
     bag: str | Path,
     topic: str,
     truth_bag: str | Path | None = None,
-    topics: Mapping[str, str] = MappingProxyType({}),
+    topics: Mapping[str, str] = NO_TOPICS,
     progress: Callable[[int], object] = lambda count: None,
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
@@ -148,17 +146,18 @@ def recorded_estimate(
     if truth_bag is None:
         motion = _true_motion(path, contents, topic, topics, near=topic)
     else:
-        truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
-        motion = _true_motion(Path(truth_bag), truth, "", topics, near=topic)
-    track, kept = read_attitudes(path, contents, topic, motion.frames), KeptAttitudes(sys.maxsize)
+        of_truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
+        motion = _true_motion(Path(truth_bag), of_truth, "", topics, near=topic)
+    track = read_attitudes(path, contents, topic, motion.frames)
+    kept = KeptAttitudes(len(track))
     kept.add(track)
     kept.end()
     if kept.number_of(UNUSABLE):
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()
     notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))
-    truth_of = motion.until(int(ordered.stamps_ns[-1]))
-    read = RecordedEstimate(ordered, motion, truth_of, notes, kept.number_of(STRAY, DISORDERED))
+    truth = motion.until(int(ordered.stamps_ns[-1]))
+    read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
     biases = contents.tracks.get((f"{topic}{BIAS}", VECTOR3_STAMPED))
     return read if biases is None or not biases.count else _with_bias(read, path, contents, biases, truth_bag or path)
 
@@ -292,16 +291,10 @@ def write_scored(
     for read, score in scored:
         track, topic = read.track, read.track.topic
         name = f"{topic}/estimate" if topic in OWN_TOPICS or track.message_type == TF_MESSAGE else topic
-        estimates[name] = Estimate(
-            track.attitude_xyzw, track.stamps_ns, read.covariance, covariance_axes, _bias_at(read, track.stamps_ns)
-        )
+        told, bias = read.gyro_bias, None
+        if told is not None:  # the last before each attitude
+            last = np.searchsorted(told.stamps_ns, track.stamps_ns, side="right") - 1
+            bias = told.estimate[np.maximum(last, 0)]
+        estimates[name] = Estimate(track.attitude_xyzw, track.stamps_ns, read.covariance, covariance_axes, bias)
         scores[name] = score
     run.to_bag(path, estimates=estimates, scores=scores, overwrite=overwrite)
-
-
-def _bias_at(read: RecordedEstimate, stamps_ns: Integers) -> Array | None:
-    """Estimated biases at stamps, shape (N, 3), rad/s: the last before each; None where there are none."""
-    if read.gyro_bias is None:
-        return None
-    last = np.searchsorted(read.gyro_bias.stamps_ns, stamps_ns, side="right") - 1
-    return read.gyro_bias.estimate[np.maximum(last, 0)]

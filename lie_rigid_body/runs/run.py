@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body import __version__
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.arguments import quantity
@@ -93,8 +94,7 @@ class Run(_NamedSensors, Shown):
     _recording: Recording | None = None
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            object.__setattr__(self, name, read_only(value))  # an estimate is scored by the stamps that it got
+        object.__setattr__(self, "t_ns", read_only(self.t_ns))  # an estimate is scored by the stamps that it got
 
     @property
     def t_s(self) -> Array:
@@ -157,12 +157,17 @@ class Run(_NamedSensors, Shown):
         found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
         told = recording.readings.get(FAULTS)
         has_faults = any(piece.segment.scenario.sensors.have_faults for piece in pieces)  # else they are of others
+        texts = dict.fromkeys(told.texts) if has_faults and isinstance(told, FaultMessages) else ()
+        try:
+            faults = tuple(map(Fault.from_json, texts))
+        except InputError as error:
+            raise BagError(f"{recording.name}: {error}") from None
         return cls(
             whole.stamps_ns,
             whole.states,
             {key: arrays for key, arrays in found.items() if arrays is not None},
             tuple(piece.segment for piece in pieces),
-            _faults(recording.name, told) if has_faults and isinstance(told, FaultMessages) else (),
+            faults,
             recording,
         )
 
@@ -208,9 +213,9 @@ class Run(_NamedSensors, Shown):
         """
         beside = list(self._beside(estimates or {}, scores or {}))
         declared, origin = self._declared()
-        starts = [segment.start_ns for segment in declared.values()][1:]
-        bounds = [*zip([0, *starts], [*starts, END_OF_TIME], strict=True)]
-        pieces = [self._within(segment, *times) for segment, times in zip(declared.values(), bounds, strict=True)]
+        times = [0, *(segment.start_ns for segment in [*declared.values()][1:]), END_OF_TIME]
+        bounds = [*pairwise(times)]
+        pieces = [self._within(segment, *each) for segment, each in zip(declared.values(), bounds, strict=True)]
         origin["others"] = {messages.topic: kind for messages, kind in beside}
         if len(origin["others"]) < len(beside):
             raise InputError(f"estimates: {listed(list(estimates or []))}: two topics have one name: rename one")
@@ -231,11 +236,10 @@ class Run(_NamedSensors, Shown):
                 raise InputError(
                     f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
                 )
-            estimate = Estimate.of(given)
-            stamps = self.stamps_of(len(estimate)) if estimate.t_ns is None else estimate.t_ns
-            yield estimate.messages(topic, stamps, frame)
+            estimate = self.stamped(Estimate.of(given))
+            yield estimate.messages(topic, frame)
             if estimate.gyro_bias is not None:
-                yield vectors(f"{topic}{BIAS}", stamps, estimate.gyro_bias, self.scenario.body_frame)
+                yield vectors(f"{topic}{BIAS}", estimate.t_ns, estimate.gyro_bias, self.scenario.body_frame)
         for topic, score in scores.items():
             yield from messages_of_score(topic, score, frame)
 
@@ -334,18 +338,22 @@ class Run(_NamedSensors, Shown):
             If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
         after_s = quantity("after_s", after_s, "seconds", "after_s=10.0", or_zero=True)
-        estimate = Estimate.of(estimate_xyzw)
         beside: dict[str, Any] = {
             "t_ns": t_ns,
             "gyro_bias": gyro_bias,
             "covariance": covariance,
             "covariance_axes": covariance_axes,
         }
-        estimate = replace(estimate, **{name: value for name, value in beside.items() if value is not None})
-        estimate = estimate if estimate.t_ns is not None else replace(estimate, t_ns=self.stamps_of(len(estimate)))
+        given = {name: value for name, value in beside.items() if value is not None}
+        estimate = self.stamped(replace(Estimate.of(estimate_xyzw), **given))
         truth, stamps = self.attitude(), estimate.t_ns
         if after_s:
-            estimate = estimate[_first_after(stamps, after_s) :]
+            late = np.flatnonzero(stamps - stamps[:1] >= np.round(after_s * 1e9))
+            if not late.size:
+                raise InputError(
+                    f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time"
+                )
+            estimate = estimate[int(late[0]) :]
             truth.first_ns = int(estimate.t_ns[0])
         score = evaluate(
             estimate.t_ns,
@@ -397,59 +405,36 @@ class Run(_NamedSensors, Shown):
         times = np.asarray(t_ns, dtype=np.int64)
         return np.stack([np.interp(times, imu.t_ns[told], axis) for axis in bias[told].T], axis=-1)
 
-    def stamps_of(self, length: int) -> Integers:
-        """The stamps of so many readings of the IMU, or of samples of the truth, ns.
+    def stamped(self, estimate: Estimate) -> Estimate:
+        """An estimate with its stamps: by default those of the readings of the IMU, or of the samples of the truth.
 
         Raises
         ------
         InputError
-            If neither has that number.
+            If it has none, and neither has its number.
         """
-        if self.imu is not None and len(self.imu.t_ns) == length:
-            return self.imu.t_ns
-        if len(self.t_ns) == length:
-            return self.t_ns
-        readings = 0 if self.imu is None else len(self.imu.t_ns)
+        if estimate.t_ns is not None:
+            return estimate
+        of_imu = np.empty(0, dtype=np.int64) if self.imu is None else self.imu.t_ns
+        for stamps in (of_imu, self.t_ns):
+            if len(stamps) == len(estimate):
+                return replace(estimate, t_ns=stamps)
         raise InputError(
-            f"an estimate of {length} rows goes neither with {readings} readings of the IMU nor with "
+            f"an estimate of {len(estimate)} rows goes neither with {len(of_imu)} readings of the IMU nor with "
             f"{len(self.t_ns)} samples of the truth: give its stamps as t_ns"
         )
 
-    def _within(self, segment: Segment, begin: int, end: int) -> Taken:
-        def inside(t_ns: Integers) -> Booleans:
-            return np.asarray((t_ns >= begin) & (t_ns < end))
-
-        kept = inside(self.t_ns)
+    def _within(self, segment: Segment, begin_ns: int, end_ns: int) -> Taken:
+        """What a segment has, from one time on and before another one."""
+        kept = (self.t_ns >= begin_ns) & (self.t_ns < end_ns)
         states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
-        taken = Taken(
-            Samples(self.t_ns[kept], states),
-            {
-                name: self.sensors[sensor.key].samples(sensor, inside)
-                for name, sensor in SENSORS.items()
-                if sensor.key in self.sensors
-            },
-            tuple(fault for fault in self.faults if begin <= fault.begin_ns < end),
-        )
-        for name, samples in taken.sensors.items():
+        there = {name: sensor for name, sensor in SENSORS.items() if sensor.key in self.sensors}
+        sensors = {name: self.sensors[each.key].samples(each, begin_ns, end_ns) for name, each in there.items()}
+        for name, samples in sensors.items():
             if len(samples) and name not in segment.scenario.sensors.on:
                 raise InputError(
                     f"the run has {len(samples)} readings of a sensor, {name}, that its scenario has not: "
                     "take their topic out of the bag that it is from"
                 )
-        return taken
-
-
-def _faults(name: str, told: FaultMessages) -> tuple[Fault, ...]:
-    """The faults that messages of a bag of that name tell of, in file order; repeats of a text count once."""
-    try:
-        return tuple(map(Fault.from_json, dict.fromkeys(told.texts)))
-    except InputError as error:
-        raise BagError(f"{name}: {error}") from None
-
-
-def _first_after(stamps: Integers, after_s: float) -> int:
-    """Number of the first stamp so many seconds after the first, s."""
-    late = np.flatnonzero(stamps - stamps[0] >= np.round(after_s * 1e9)) if stamps.size else stamps
-    if not late.size:
-        raise InputError(f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time")
-    return int(late[0])
+        faults = tuple(fault for fault in self.faults if begin_ns <= fault.begin_ns < end_ns)
+        return Taken(Samples(self.t_ns[kept], states), sensors, faults)

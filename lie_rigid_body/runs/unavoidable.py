@@ -10,10 +10,10 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Truth
-from lie_rigid_body.evaluation.unavoidable import (
+from lie_rigid_body.evaluation import (
     AttitudeReadings,
     BiasNoise,
+    Truth,
     UnavoidableError,
     VectorReadings,
     unavoidable_error,
@@ -21,8 +21,7 @@ from lie_rigid_body.evaluation.unavoidable import (
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
-from lie_rigid_body.simulation import Segment
-from lie_rigid_body.simulation.segment import SampleClock
+from lie_rigid_body.simulation import SampleClock, Segment
 
 THINNED: Final = 40_000
 """Readings of the IMU at which the bound is computed for a score, in a few seconds at most.
@@ -64,21 +63,20 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
         share = None if most is None else max(FEWEST, most * (end - segment.start_ns) // whole)
         stamps = _stamps(segment, segment.scenario.sensors.imu.rate, end)
         parts += [_of_segment(segment, stamps, end, share)] if len(stamps) else []
+    return _in_turn(parts)
+
+
+def _in_turn(parts: Sequence[UnavoidableError]) -> UnavoidableError | None:
+    """The bounds of several segments as one; None of none."""
     if not parts:
         return None
-    calibrated = [part.calibrated for part in parts if part.calibrated is not None]
-    return _in_turn(parts, _in_turn(calibrated) if calibrated else None)
-
-
-def _in_turn(parts: Sequence[UnavoidableError], calibrated: UnavoidableError | None = None) -> UnavoidableError:
-    """The bounds of several segments as one."""
     return UnavoidableError(
         np.concatenate([part.filtered for part in parts]),
         np.concatenate([part.smoothed for part in parts]),
         np.concatenate([part.gyro_bias for part in parts]),
         np.concatenate([part.stamps_ns for part in parts]),
         next((part.unobserved for part in parts if part.unobserved), ""),
-        calibrated,
+        _in_turn([part.calibrated for part in parts if part.calibrated is not None]),
     )
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from threading import Timer, get_ident
-from typing import Any, BinaryIO, Final, TypeAlias, TypeVar
+from typing import Any, BinaryIO, Final, TypeVar
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.estimators import CommandEstimator, Estimator, FilterError, Source, kill_all
@@ -99,10 +99,6 @@ class Workers:
         return FilterError(f"the filter {fault}")
 
 
-Crew: TypeAlias = Alone | Workers
-"""Those who do jobs."""
-
-
 class Interpreter:
     """Another Python, which is asked something, and replies, by what can be pickled.
 
@@ -134,10 +130,8 @@ class Interpreter:
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
         timer.start()
         try:
-            assert self._process.stdin
-            assert self._process.stdout
             send(self._process.stdin, question)
-            reply = pickle.load(self._process.stdout)
+            reply = pickle.load(self._process.stdout)  # type: ignore[arg-type]  # it is a pipe
         except (EOFError, OSError, pickle.UnpicklingError):
             is_late = time.monotonic() >= end
             self.end()

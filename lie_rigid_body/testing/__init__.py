@@ -134,7 +134,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:
         for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:
-            _require_scenario(scenario, _settings(grade, chosen))
+            try:
+                _key(scenario, {**PARAMETERS, "sensor_grade": grade, **chosen})
+            except InputError as error:
+                _fail(str(error))
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
 
 
@@ -143,22 +146,9 @@ def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
     return [chosen] if isinstance(chosen, str) else chosen or []
 
 
-def _require_scenario(scenario: str | Path | Scenario, settings: dict[str, Any]) -> None:
-    """End the collection of a test whose marker makes no scenario."""
-    try:
-        _key(scenario, settings)
-    except InputError as error:
-        _fail(str(error))
-
-
 def _fail(message: str) -> NoReturn:
     """End the collection with one line and no traceback, as ``parametrize`` does when it refuses its arguments."""
     raise pytest.fail.Exception(f"{FIXTURE}: {message}", pytrace=False) from None
-
-
-def _settings(grade: str, chosen: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `simulate` beside the scenario, for a grade and what a marker gives."""
-    return {**PARAMETERS, "sensor_grade": grade, **chosen}
 
 
 def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
@@ -180,7 +170,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     scenario, grade = request.param if isinstance(request.param, tuple | list) else (request.param, "perfect")
     marker = request.node.get_closest_marker(FIXTURE)
     chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
-    given = _settings(grade, chosen)
+    given = {**PARAMETERS, "sensor_grade": grade, **chosen}
     try:
         key = _key(scenario, given)
         if key not in _runs:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -14,7 +16,7 @@ from lie_rigid_body import Run
 from lie_rigid_body.evaluation import attitude_error
 from lie_rigid_body.league import cases, playing
 from lie_rigid_body.league.cases import CASES, Case
-from lie_rigid_body.league.table import CaseResult, change
+from lie_rigid_body.league.table import CaseResult, reference
 
 SLOW = Case("slow_tumble", "perfect")
 
@@ -111,6 +113,19 @@ def test_the_page_ranks_and_marks(monkeypatch) -> None:
     table = page.reference(plain, plain, bounds)
     assert [(row.filter, row.sees_future) for row in table.rows] == [("ahrs good", True), ("ahrs bad", False)]
     assert [row.overall_deg for row in table.rows] == pytest.approx([0.5, 9.0])
-    assert change(table, table) == []
+    assert page.change(table, table) == []
     worse = page.reference(results("bad", 9.0) + results("good", 0.6), plain, bounds)
-    assert len(change(table, worse)) == len(CASES)
+    assert len(page.change(table, worse)) == len(CASES)
+
+
+def test_what_a_new_reference_set_changes_is_told() -> None:
+    table = reference()
+    case, first = str(CASES[0]), table.rows[0]
+    rows = (replace(first, version="99"), *table.rows[1:])
+    bounds = {name: 2.0 * bound for name, bound in table.best_possible_deg.items()}
+    changed = replace(table, rows=rows, readings={**table.readings, case: "0"}, best_possible_deg=bounds)
+    told = page.change(table, changed)
+    assert told[0] == f"{case}: other readings"
+    assert len(told) == 2 + len(bounds)
+    assert told[-1] == f"{first.name}: version {first.version} is 99 now"
+    assert page.change(table, table) == []

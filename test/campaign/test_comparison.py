@@ -17,7 +17,7 @@ from campaigns import NEEDS_DASK, written
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing, compare
 from lie_rigid_body.campaign.journal import Journal
-from lie_rigid_body.campaign.judging import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
+from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.runs import simulate
 
@@ -105,7 +105,7 @@ def said(folder: Path, scheduler: str) -> list[str]:
 def comparison(folder: Path, said: list[str]) -> Comparison:
     campaign = Campaign.from_table(folder / "out" / "runs.parquet")
     with Journal(campaign, folder / "out") as journal:
-        return compare(campaign, journal.rows)
+        return compare(campaign, journal.rows())
 
 
 def named(comparison: Comparison) -> dict[str, Standing]:
@@ -226,7 +226,7 @@ def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder:
     campaign = Campaign.from_table(folder / "out" / "runs.parquet")
     with Journal(campaign, folder / "out") as journal:
         rows = [*journal.rows()]
-    found = compare(replace(campaign, vary={}, parameters={}), lambda: rows)
+    found = compare(replace(campaign, vary={}, parameters={}), rows)
     assert (found.independent, found.has_covariances) == (False, True)
     assert [one.covariance for one in found.standings] == [None] * 6
 

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import os
+import resource
+import signal
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.judging import SCORES
-from lie_rigid_body.campaign.run import judgements
+from lie_rigid_body.campaign.run import SCORES, judgements
 
 MODULE = """
+import os
+import resource
+import subprocess
+import time
+
 import numpy as np
 from lie_rigid_body.lie import quaternion
+
+children = []
 
 def turned(run):
     return quaternion.multiply(quaternion.exp(np.radians([0.0, 0.0, 2.0])), run.truth.attitude_xyzw)
@@ -45,6 +55,26 @@ def halves(run):
 
 def interrupts(run):
     raise KeyboardInterrupt("enough")
+
+def leaves_a_copy(run):
+    pid = os.fork()
+    if pid == 0:
+        time.sleep(600.0)
+        os._exit(0)
+    children.append(pid)
+    return run.truth.attitude_xyzw
+
+def comes_back_twice(run):
+    children.append(os.fork())
+    return run.truth.attitude_xyzw
+
+def starts_a_program(run):
+    children.append(subprocess.Popen(["sleep", "600"]).pid)
+    return run.truth.attitude_xyzw
+
+def lowers_a_limit(run):
+    resource.setrlimit(resource.RLIMIT_NOFILE, (30, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+    return run.truth.attitude_xyzw
 """
 
 
@@ -52,6 +82,7 @@ def interrupts(run):
 def scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     (tmp_path / "some_estimators.py").write_text(MODULE)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "some_estimators", raising=False)
 
     def of(function: str) -> dict[str, Any]:
         parameters = {"rate": 50.0, "imu_rate": 50.0}
@@ -101,3 +132,36 @@ def test_what_is_no_estimate_costs_the_score(function: str, words: str, scored: 
     assert [found[name] for name in SCORES] == [None] * 4
     assert words in found["estimator_error"]
     assert 0 < len(found["estimator_error"]) <= 200
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_copy_of_the_process_that_still_runs_is_ended_and_costs_the_score(scored: Any) -> None:
+    pytest.importorskip("psutil")
+    assert "leaves copies of its process running (1)" in scored("leaves_a_copy")["estimator_error"]
+    [child] = sys.modules["some_estimators"].children
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_copy_of_the_process_that_comes_back_ends_there(scored: Any) -> None:
+    """It would go on with the work of the process, on the same connections."""
+    scored("comes_back_twice")
+    [child] = sys.modules["some_estimators"].children
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) in (1, -signal.SIGKILL)
+
+
+def test_a_program_that_an_estimator_started_may_go_on_to_its_next_run(scored: Any) -> None:
+    assert scored("starts_a_program")["estimator_error"] is None
+    [child] = sys.modules["some_estimators"].children
+    assert os.waitpid(child, os.WNOHANG) == (0, 0)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+
+
+def test_a_limit_that_an_estimator_lowers_is_set_back_and_costs_the_score(scored: Any) -> None:
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    found = scored("lowers_a_limit")
+    after = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, before)
+    assert after == before
+    assert "it lowers RLIMIT_NOFILE" in found["estimator_error"]

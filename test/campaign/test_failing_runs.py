@@ -17,8 +17,7 @@ from campaigns import NEEDS_DASK, SCORES, finished, table_of, written
 from lie_rigid_body.campaign import Campaign, cluster
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.judging import MORE_SCORES, Judgement
-from lie_rigid_body.campaign.run import Row, carry_out
+from lie_rigid_body.campaign.run import MORE_SCORES, Judgement, Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError, said

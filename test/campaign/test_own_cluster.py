@@ -48,7 +48,9 @@ def own() -> Iterator[Own]:
         workers = {worker["pid"] for worker in client.run(_process).values()}
         assert len(workers & set(there)) == WORKERS  # processes of their own, whose end costs their run only
         assert all(there[worker] for worker in workers)
+        [*left] = client.run(_leave_a_program).values()
         yield Own(client, set().union(*there.values()) - before)
+    assert not [pid for pid in left if is_running(pid)]  # though each has a session of its own
     assert listening().keys() & workers == set()
 
 
@@ -56,6 +58,19 @@ def _process() -> dict[str, int]:
     import os
 
     return {"pid": os.getpid()}
+
+
+def _leave_a_program() -> int:
+    import subprocess
+
+    return subprocess.Popen(["sleep", "600"], start_new_session=True).pid
+
+
+def is_running(pid: int) -> bool:
+    psutil: Any = pytest.importorskip("psutil")
+    with suppress(psutil.NoSuchProcess):
+        return bool(psutil.Process(pid).status() != psutil.STATUS_ZOMBIE)
+    return False
 
 
 def test_nothing_listens_beyond_this_machine(own: Own) -> None:

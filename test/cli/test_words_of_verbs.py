@@ -102,6 +102,7 @@ REFUSED = {
     "check text.mcap": "MCAP",
     "check cut.mcap": "cut.mcap was cut off, or is still being written: .* rescue them with ",
     "check bag.mcap --inertia '1;2;3'": "not numbers between commas",
+    "check bag.mcap --inertia 1_0,20,30": "not numbers between commas",
     "check bag.mcap --inertia 1,1,3": "triangle inequality",
     "check bag.mcap --inertia 1,2": "3 principal moments",
     "check two.mcap --prove 3": "--prove 3: more than one body",

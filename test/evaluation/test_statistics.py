@@ -63,7 +63,7 @@ def test_times_are_read(text, seconds):
     assert time_s(text) == pytest.approx(seconds)
 
 
-@pytest.mark.parametrize("text", ["", "1", "deg", "-1deg", "1s", "nan deg", "1 deg deg", "1e999deg", "1,5deg"])
+@pytest.mark.parametrize("text", ["", "1", "deg", "-1deg", "1s", "nan deg", "1 deg deg", "1e999deg", "1,5deg", "١deg"])
 def test_what_is_no_angle_is_refused(text):
     with pytest.raises(InputError, match="an angle such as 1deg"):
         angle_deg(text)

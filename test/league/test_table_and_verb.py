@@ -15,7 +15,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
 from lie_rigid_body.league.cases import readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
-from lie_rigid_body.league.table import CaseResult, change, rows_of
+from lie_rigid_body.league.table import CaseResult, rows_of
 from lie_rigid_body.runs import Estimate
 from lie_rigid_body.runs.blind import BlindRun
 
@@ -198,19 +198,6 @@ def test_what_is_no_row_of_this_edition_is_refused(tmp_path, capsys, content):
 def test_other_readings_are_told():
     mine = replace(row("mine", 1.0), other_readings=("flips mems",))
     assert "flips mems" in standing(reference().with_rows([mine]), mine)
-
-
-def test_what_a_new_reference_set_changes_is_told():
-    table = reference()
-    case, first = str(CASES[0]), table.rows[0]
-    rows = (replace(first, version="99"), *table.rows[1:])
-    bounds = {name: 2.0 * bound for name, bound in table.best_possible_deg.items()}
-    changed = replace(table, rows=rows, readings={**table.readings, case: "0"}, best_possible_deg=bounds)
-    told = change(table, changed)
-    assert told[0] == f"{case}: other readings"
-    assert len(told) == 2 + len(bounds)
-    assert told[-1] == f"{first.name}: version {first.version} is 99 now"
-    assert change(table, table) == []
 
 
 def test_the_reference_says_of_which_versions_it_is():

@@ -20,7 +20,7 @@ if find_spec("rclpy"):
     from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
     from lie_rigid_body.ros.control.parameters import FIXED, IMMEDIATE
-    from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
+    from lie_rigid_body.ros.control.services import StandardServices, snake_case
     from lie_rigid_body.ros.node import OF_EVERY_NODE
 
 pytestmark = pytest.mark.ros

@@ -15,8 +15,8 @@ import pytest
 if find_spec("rclpy"):
     from peer import Peer
 
-    from lie_rigid_body.ros.control import standard_services
-    from lie_rigid_body.ros.control.standard_services import StandardServices
+    from lie_rigid_body.ros.control import services as of_the_node
+    from lie_rigid_body.ros.control.services import StandardServices
 
 pytestmark = pytest.mark.ros
 
@@ -85,11 +85,11 @@ def test_standard_services_of_the_policy_are_those_of_the_code(monkeypatch: pyte
     services: list[str] = []
     actions: list[str] = []
     monkeypatch.setattr(
-        standard_services, "ActionServer", lambda node, kind, name, *rest, **settings: actions.append(full_name(name))
+        of_the_node, "ActionServer", lambda node, kind, name, *rest, **settings: actions.append(full_name(name))
     )
     node: Any = SimpleNamespace(create_service=lambda kind, name, *rest, **settings: services.append(full_name(name)))
     unused: Any = None
-    StandardServices(unused).offer(node)
+    StandardServices(unused, unused, NODE).offer(node)
     assert sorted(services) == sorted(STANDARD_SERVICES)
     assert allowed("service", "reply") >= STANDARD_SERVICES
     assert set(actions) == STANDARD_ACTIONS == allowed("action", "execute")

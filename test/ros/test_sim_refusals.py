@@ -174,7 +174,7 @@ def test_a_change_of_pace_while_the_node_ends_is_refused_and_not_left_as_a_failu
 
     from lie_rigid_body.ros import session
     from lie_rigid_body.ros.node import SimulatorNode
-    from lie_rigid_body.ros.timing.mailbox import Mailbox
+    from lie_rigid_body.ros.timing.requests import Mailbox
 
     mailbox = Mailbox()
     mailbox.close()

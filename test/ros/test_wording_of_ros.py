@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
@@ -12,13 +13,14 @@ import pytest
 from lie_rigid_body import LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros import launching
-from lie_rigid_body.ros.control.standard_control import StandardControl
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.ros.timing.live_run import LiveRun
-from lie_rigid_body.ros.timing.mailbox import Mailbox
-from lie_rigid_body.ros.timing.step_request import StepRequest
+from lie_rigid_body.ros.timing.requests import Mailbox, StepRequest
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+
+if find_spec("rclpy"):
+    from lie_rigid_body.ros.control.services import StandardServices
 
 SCENARIO = Scenario.from_parameters({"motion": "closed_form"})
 ENDED = SimpleNamespace(process_name="it-3", returncode=-6)
@@ -49,12 +51,25 @@ def closed() -> LiveRun:
     return live(mailbox=mailbox)
 
 
-def standard(*, paused: bool = False, stopped: bool = False) -> StandardControl:
+def standard(service: str, *, paused: bool = False, stopped: bool = False, **request: Any) -> None:
+    """Ask a standard service, and raise what it answers."""
     run = live(paused=paused)
     if stopped:
         run._begin(run.segment)
         run.stop(SCENARIO)
-    return StandardControl(run, lambda: SCENARIO, "top")
+    response = SimpleNamespace(result=SimpleNamespace(), info=SimpleNamespace(category=SimpleNamespace()))
+    answer = getattr(StandardServices(run, lambda: SCENARIO, "top"), service)(SimpleNamespace(**request), response)
+    if answer.result.error_message:
+        raise LieRigidBodyError(answer.result.error_message)
+
+
+def go_to(state: int, *, paused: bool = False, stopped: bool = False) -> None:
+    standard("set_simulation_state", paused=paused, stopped=stopped, state=SimpleNamespace(state=state))
+
+
+def find(pattern: str, *tags: str) -> None:
+    named = {"tags": SimpleNamespace(tags=tags), "bounds": SimpleNamespace(points=[])}
+    standard("get_entities", filters=SimpleNamespace(filter=pattern, categories=[], **named))
 
 
 def put(
@@ -73,7 +88,7 @@ def put(
         SimpleNamespace(linear=fields[2], angular=fields[3]),
     )
     wanted = SimpleNamespace(header=SimpleNamespace(frame_id=frame), pose=pose, twist=twist)
-    standard().set_entity_state("top", wanted, set_pose=True, set_twist=True)
+    standard("set_entity_state", entity="top", state=wanted)
 
 
 def without(package: str) -> None:
@@ -110,63 +125,6 @@ def without(package: str) -> None:
             "the node is ending: start it again",
         ),
         (
-            lambda: standard().reset(4),
-            "scope 4 leaves out the state, which is all that a reset changes: give SCOPE_STATE (2) or SCOPE_ALL (255)",
-        ),
-        (
-            lambda: standard().set_state(9),
-            "state 9 is none of 0 stopped, 1 playing, 2 paused, 3 quit",
-        ),
-        (
-            lambda: standard().set_state(1),
-            "the simulation is playing already",
-        ),
-        (
-            lambda: standard(paused=True).set_state(2),
-            "the simulation is paused already",
-        ),
-        (
-            lambda: standard(stopped=True).set_state(2),
-            "the simulation is stopped: play it before it can be paused",
-        ),
-        (
-            lambda: standard().begin_steps(1),
-            "the run is playing: pause it before a step",
-        ),
-        (
-            lambda: standard().entities("", [], tags=True, bounds=False),
-            "filters by tags and by bounds are unsupported: leave them out",
-        ),
-        (
-            lambda: standard().entities("(", [], tags=False, bounds=False),
-            "filter '(' is no regular expression (missing ), unterminated subpattern at position 0): give another, "
-            "or none",
-        ),
-        (
-            lambda: standard().entity_info("robot"),
-            "there is no entity 'robot': the body is 'top'",
-        ),
-        (
-            lambda: put(frame="moon"),
-            "frame 'moon' is unknown: give pose and twist in 'world', or leave it empty",
-        ),
-        (
-            lambda: put(position=(1.0, 0.0, 0.0)),
-            "position [1.0, 0.0, 0.0] is not 0, where the mass centre stays: give 0",
-        ),
-        (
-            lambda: put(linear=(0.0, 2.0, 0.0)),
-            "linear velocity [0.0, 2.0, 0.0] is not 0: give 0, the mass centre stays",
-        ),
-        (
-            lambda: put(angular=(0.0, 0.0, float("nan"))),
-            "angular velocity [0.0, 0.0, nan] is not finite: give numbers",
-        ),
-        (
-            lambda: put(attitude=(0.0, 0.0, 0.0, 2.0)),
-            "attitude_xyzw: norm 2 is not 1 within 1e-06: divide the quaternion x y z w by its norm",
-        ),
-        (
             lambda: without("rclpy"),
             "rclpy is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, pip install "
             "'.[ros]'; or use 'record'",
@@ -189,6 +147,75 @@ def without(package: str) -> None:
 def test_a_refusal_in_one_line(act: Any, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["ros2", "launch", "lie_rigid_body", "sim.launch.py"])
     monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    with pytest.raises(LieRigidBodyError) as caught:
+        act()
+    assert str(caught.value) == said
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (
+            lambda: standard("reset_simulation", scope=4),
+            "scope 4 leaves out the state, which is all that a reset changes: give SCOPE_STATE (2) or SCOPE_ALL (255)",
+        ),
+        (
+            lambda: go_to(9),
+            "state 9 is none of 0 stopped, 1 playing, 2 paused, 3 quit",
+        ),
+        (
+            lambda: go_to(1),
+            "the simulation is playing already",
+        ),
+        (
+            lambda: go_to(2, paused=True),
+            "the simulation is paused already",
+        ),
+        (
+            lambda: go_to(2, stopped=True),
+            "the simulation is stopped: play it before it can be paused",
+        ),
+        (
+            lambda: standard("step_simulation", steps=1),
+            "the run is playing: pause it before a step",
+        ),
+        (
+            lambda: find("", "x"),
+            "filters by tags and by bounds are unsupported: leave them out",
+        ),
+        (
+            lambda: find("("),
+            "filter '(' is no regular expression (missing ), unterminated subpattern at position 0): give another, "
+            "or none",
+        ),
+        (
+            lambda: standard("get_entity_info", entity="robot"),
+            "there is no entity 'robot': the body is 'top'",
+        ),
+        (
+            lambda: put(frame="moon"),
+            "frame 'moon' is unknown: give pose and twist in 'world', or leave it empty",
+        ),
+        (
+            lambda: put(position=(1.0, 0.0, 0.0)),
+            "position [1.0, 0.0, 0.0] is not 0, where the mass centre stays: give 0",
+        ),
+        (
+            lambda: put(linear=(0.0, 2.0, 0.0)),
+            "linear velocity [0.0, 2.0, 0.0] is not 0: give 0, the mass centre stays",
+        ),
+        (
+            lambda: put(angular=(0.0, 0.0, float("nan"))),
+            "angular velocity [0.0, 0.0, nan] is not finite: give numbers",
+        ),
+        (
+            lambda: put(attitude=(0.0, 0.0, 0.0, 2.0)),
+            "attitude_xyzw: norm 2 is not 1 within 1e-06: divide the quaternion x y z w by its norm",
+        ),
+    ],
+)
+def test_a_refusal_of_a_standard_service_in_one_line(act: Any, said: str) -> None:
     with pytest.raises(LieRigidBodyError) as caught:
         act()
     assert str(caught.value) == said

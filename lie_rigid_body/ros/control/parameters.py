@@ -1,20 +1,23 @@
-"""The parameters of the node: declared from the table of parameters, and validated together as a scenario."""
+"""The parameters of the node: declared from the table of parameters, and changed together, as a scenario."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rclpy.parameter_service import ParameterService
 
-from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.parameters import Parameter, Value
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
-from lie_rigid_body.wording import shortened
+from lie_rigid_body.wording import shortened, suggestion
 
 _NEW_NODE: Final = "start the node anew with it"
 FIXED: Final[Mapping[str, str]] = {
@@ -36,10 +39,14 @@ IMMEDIATE: Final = frozenset({"real_time_factor"})
 """Parameters that take effect without a reset."""
 
 _OF_EVERY_NODE: Final = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+_TYPES: Final = frozenset(kind.value for kind in RosParameter.Type)
 
 
-class NodeParameters:
-    """The parameters of a node.
+class NodeParameters(ParameterService):  # type: ignore[misc]
+    """The parameters of a node, and the services that tell and change them.
+
+    A refusal gives value, limit and remedy, which that of rclpy does not. On a value of an unknown type rclpy's handler
+    fails, and whoever asked waits for ever.
 
     Parameters
     ----------
@@ -58,11 +65,9 @@ class NodeParameters:
         values = read_parameters({**given, **overrides(node)})
         values.update(Scenario.from_parameters(values).parameters())
         for parameter in PARAMETERS:
-            value = values[parameter.name]
-            given_value = list(value) if isinstance(value, tuple) else value  # rclpy wants lists
-            node.declare_parameter(parameter.name, given_value, descriptor(parameter), ignore_override=True)
-        node.add_pre_set_parameters_callback(integers_as_doubles)
-        node.add_on_set_parameters_callback(self._validate)
+            value = _as_ros(values[parameter.name])
+            node.declare_parameter(parameter.name, value, descriptor(parameter), ignore_override=True)
+        super().__init__(node)
 
     def values(self) -> dict[str, Any]:
         """The present value of every parameter, by name."""
@@ -75,86 +80,64 @@ class NodeParameters:
             import scipy.special  # noqa: F401  # noise needs it, and the thread of the samples must not wait for it
         return scenario
 
-    def on_change_of_factor(self, act: Callable[[float], None]) -> None:
-        """Call ``act`` with the new real-time factor when this parameter changes."""
+    def _set_parameters_callback(
+        self, request: SetParameters.Request, response: SetParameters.Response
+    ) -> SetParameters.Response:
+        response.results = [self._set([change]) for change in request.parameters]
+        return response
 
-        def changed(changes: Sequence[RosParameter]) -> None:
-            for change in changes:
-                if change.name == "real_time_factor":
-                    act(float(change.value))
+    def _set_parameters_atomically_callback(
+        self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response
+    ) -> SetParametersAtomically.Response:
+        response.result = self._set(request.parameters)
+        return response
 
-        self._node.add_post_set_parameters_callback(changed)
-
-    def refusal(self, changes: list[RosParameter]) -> SetParametersResult | None:
-        """The reason why a request is refused, or None; rclpy's own says neither why nor what to do."""
-        for change in changes:
-            if change.name in FIXED:
-                return refused(f"{change.name}: fixed at the start, as {FIXED[change.name]}")
-        judged = self._validate(integers_as_doubles(changes))
-        return None if judged.successful else judged
-
-    def _validate(self, changes: Sequence[RosParameter]) -> SetParametersResult:
-        """Accept all changes of a request, or refuse all with the reason."""
-        new = {change.name: change.value for change in changes if change.name in BY_NAME}
+    def _set(self, changes: Sequence[ParameterMessage]) -> SetParametersResult:
+        """Set all of them or none."""
         try:
+            read = [self._read(change) for change in changes]
+            new = {change.name: change.value for change in read if change.name in BY_NAME}
             Scenario.from_parameters({**self.values(), **new})
-        except LieRigidBodyError as error:
-            return refused(str(error))
-        return SetParametersResult(successful=True)
+            return self._node.set_parameters_atomically(read)
+        except LieRigidBodyError as error:  # also of what acts on a change, if it has ended
+            return SetParametersResult(successful=False, reason=shortened(str(error)))
+
+    def _read(self, change: ParameterMessage) -> RosParameter:
+        """A change in its parameter's own type, as in a parameter file: an integer stands for a double."""
+        name, kind = change.name, change.value.type
+        if kind not in _TYPES:
+            raise InputError(f"{name}: type {kind} is none of rcl_interfaces/ParameterType: give 0 to 9")
+        if name in FIXED:
+            raise InputError(f"{name}: fixed at the start, as {FIXED[name]}")
+        if not self._node.has_parameter(name):
+            raise InputError(f"{name}: no such parameter: {suggestion(name, BY_NAME, 'parameters')}")
+        given = RosParameter.from_parameter_msg(change)
+        return RosParameter(name, value=_as_ros(BY_NAME[name].read(given.value))) if name in BY_NAME else given
 
 
-def refused(reason: str) -> SetParametersResult:
-    """The answer to a request that changes nothing."""
-    return SetParametersResult(successful=False, reason=shortened(reason))
+def _as_ros(value: Value) -> Any:
+    """A value as rclpy wants it, with lists."""
+    return list(value) if isinstance(value, tuple) else value
 
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """The description of a parameter for ROS, which ``ros2 param describe`` shows."""
-    fixed = parameter.name in FIXED
-    described = ParameterDescriptor(
-        description=parameter.description,
-        additional_constraints="; ".join([*_constraints(parameter), *_effect(parameter.name)]),
-        read_only=fixed,
-    )
-    if parameter.kind == "double" and math.isfinite(parameter.maximum):
-        described.floating_point_range = [
-            FloatingPointRange(from_value=parameter.minimum, to_value=parameter.maximum, step=0.0)
-        ]
-    if parameter.kind == "int" and math.isfinite(parameter.maximum):
-        described.integer_range = [
-            IntegerRange(from_value=int(parameter.minimum), to_value=int(parameter.maximum), step=0)
-        ]
-    return described
-
-
-def _constraints(parameter: Parameter) -> Iterable[str]:
+    fixed, told = parameter.name in FIXED, []
     if parameter.choices:
-        yield f"one of {', '.join(parameter.choices)}"
+        told.append(f"one of {', '.join(parameter.choices)}")
     if parameter.lengths:
-        yield f"{' or '.join(str(n) for n in parameter.lengths)} finite numbers"
-
-
-def _effect(name: str) -> Iterable[str]:
-    if name in FIXED:
-        yield "fixed at the start"
-    else:
-        yield f"a change takes effect {'at once' if name in IMMEDIATE else 'at the next ~/reset'}"
-
-
-def integers_as_doubles(changes: list[RosParameter]) -> list[RosParameter]:
-    """Take an integer given for a double as that double, as in a parameter file."""
-    return [_as_declared(change) for change in changes]
-
-
-def _as_declared(change: RosParameter) -> RosParameter:
-    parameter = BY_NAME.get(change.name)
-    if parameter is None:
-        return change
-    if parameter.kind == "double" and change.type_ == RosParameter.Type.INTEGER:
-        return RosParameter(change.name, RosParameter.Type.DOUBLE, float(change.value))
-    if parameter.kind == "double_array" and change.type_ == RosParameter.Type.INTEGER_ARRAY:
-        return RosParameter(change.name, RosParameter.Type.DOUBLE_ARRAY, [float(v) for v in change.value])
-    return change
+        told.append(f"{' or '.join(str(n) for n in parameter.lengths)} finite numbers")
+    when = "at once" if parameter.name in IMMEDIATE else "at the next ~/reset"
+    told.append("fixed at the start" if fixed else f"a change takes effect {when}")
+    described = ParameterDescriptor(
+        description=parameter.description, additional_constraints="; ".join(told), read_only=fixed
+    )
+    low, high = parameter.minimum, parameter.maximum
+    if parameter.kind == "double" and math.isfinite(high):
+        described.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
+    if parameter.kind == "int" and math.isfinite(high):
+        described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
+    return described
 
 
 def overrides(node: Node) -> dict[str, object]:

@@ -5,63 +5,46 @@ from __future__ import annotations
 import shlex
 import shutil
 import sys
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
+from lie_rigid_body.messages.batch import POSE, TWIST, sensor_topics
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.wording import counted
 
 
-@dataclass(frozen=True)
-class Names:
-    """Full names of the node, its topics and its reset service, as remapped.
-
-    Parameters
-    ----------
-    node, pose, twist, scenario, reset : str
-    domain : int
-        The ROS domain.
-    sensors : tuple of str
-        Full names of the topics of the sensors that are on, and of their faults.
-    """
-
-    node: str
-    pose: str
-    twist: str
-    scenario: str
-    reset: str
-    domain: int
-    sensors: tuple[str, ...] = ()
-
-
-def announcement(scenario: Scenario, names: Names, record_path: str) -> str:
+def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, record_path: str) -> str:
     """The text, several lines without a last line end.
 
     Parameters
     ----------
     scenario : Scenario
-    names : Names
+    names : mapping of str to str
+        Full names of topics and of the reset service, as remapped, by their relative names; of ``~``, the node.
+    domain : int
+        The ROS domain.
     record_path : str
         The bag that the node records; empty: none.
     """
+    sensors = " ".join(names[topic] for topic in sensor_topics(scenario.sensors))
     twist = "TwistStamped" if scenario.stamped_twist else "Twist"
     lines = [
-        f"{names.node} simulates a torque-free rigid body",
+        f"{names['~']} simulates a torque-free rigid body",
         f"  body      {shape(scenario.body())}, inertia {_numbers(scenario.inertia)} kg m²",
         f"  start     body rate {_numbers(scenario.initial_body_rate)} rad/s, "
         f"attitude {_numbers(scenario.initial_attitude_xyzw)} (x y z w)",
         f"  motion    {_motion(scenario)}",
-        f"publishes {scenario.rate:g} times a second, in ROS domain {names.domain}",
-        f"  {names.pose}  PoseStamped in {scenario.world_frame}",
-        f"  {names.twist}  {twist} in {scenario.body_frame}",
-        f"  {names.scenario}  the whole scenario, latched",
-        *([f"  {' '.join(names.sensors)}  of the sensors"] if names.sensors else []),
+        f"publishes {scenario.rate:g} times a second, in ROS domain {domain}",
+        f"  {names[POSE]}  PoseStamped in {scenario.world_frame}",
+        f"  {names[TWIST]}  {twist} in {scenario.body_frame}",
+        f"  {names['~/scenario']}  the whole scenario, latched",
+        *([f"  {sensors}  of the sensors"] if sensors else []),
         *([f"records {record_path}"] if record_path else []),
         "listen and reset from another terminal",
-        *(f"  {command}" for command in commands(names)),
+        *(f"  {command}" for command in commands(names, domain)),
         "Ctrl-C ends it.",
     ]
     return "\n".join(lines)
@@ -74,16 +57,16 @@ def farewell(node: str, punctuality: Punctuality) -> str:
     return f"{node} ends: {sent} sent, {late if punctuality.missed else 'none of them late'}"
 
 
-def commands(names: Names) -> list[str]:
+def commands(names: Mapping[str, str], domain: int) -> list[str]:
     """Commands for another terminal, to listen and to reset: those of ``ros2`` where it is installed, else `listen`."""
-    domain = f"ROS_DOMAIN_ID={names.domain} " if names.domain else ""
+    prefix = f"ROS_DOMAIN_ID={domain} " if domain else ""
     if shutil.which("ros2"):
         return [
-            f"{domain}ros2 topic echo {names.pose}",
-            f"{domain}ros2 service call {names.reset} std_srvs/srv/Trigger",
+            f"{prefix}ros2 topic echo {names[POSE]}",
+            f"{prefix}ros2 service call {names['~/reset']} std_srvs/srv/Trigger",
         ]
-    listen = f"{domain}{_python()} -m lie_rigid_body.ros.listen"
-    return [f"{listen} --pose {names.pose}", f"{listen} --reset {names.reset}"]
+    listen = f"{prefix}{_python()} -m lie_rigid_body.ros.listen"
+    return [f"{listen} --pose {names[POSE]}", f"{listen} --reset {names['~/reset']}"]
 
 
 def _python() -> str:

@@ -38,7 +38,6 @@ class Diagnostics(Sink):
         self._publisher = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._due_ns: int | None = None
         self._before = (0, Punctuality())
-        self._state: State | None = None
         self._failure = ""
 
     def report_failure(self, reason: str) -> None:
@@ -51,7 +50,7 @@ class Diagnostics(Sink):
         scenario = segment.scenario
         self._rate = scenario.rate
         self._body, self._start = scenario.body(), scenario.start()
-        self._state = None
+        self._state: State = self._start
 
     def write(self, batch: Batch) -> None:
         """Keep the latest state."""
@@ -87,8 +86,6 @@ class Diagnostics(Sink):
 
     def drifts(self) -> tuple[float, float]:
         """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
-        if self._state is None:
-            return 0.0, 0.0
         energies = [float(self._body.kinetic_energy(state)) for state in (self._start, self._state)]
         momenta = [self._body.angular_momentum(state) for state in (self._start, self._state)]
         size = float(np.linalg.norm(momenta[0]))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import struct
 import time
+from collections import deque
 from collections.abc import Iterator
-from importlib import import_module
-from itertools import chain
 from typing import Final
 
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
@@ -22,9 +21,8 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.ros.session import translated_errors
-from lie_rigid_body.ros.timing.pace import FOREVER
-from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
+from lie_rigid_body.ros.session import message_class, translated_errors
+from lie_rigid_body.ros.timing.sink import FOREVER, LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
 
@@ -66,6 +64,11 @@ class SamplePublisher(Sink):
     imu_last : bool, optional
         Whether a reading of the IMU follows all other messages of its time, as the bag has it before other sensors'.
 
+    Attributes
+    ----------
+    publishers : dict of str to Publisher
+        By the relative names of their topics.
+
     Raises
     ------
     InputError
@@ -85,13 +88,13 @@ class SamplePublisher(Sink):
         self._node = node
         self._imu_last = imu_last
         self._history = HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST
-        self._rest: Iterator[tuple[Publisher, bytes]] = iter(())
-        self._blocked: tuple[Publisher, bytes] | None = None
-        self._logger = node.get_logger()
-        types = {POSE: PoseStamped, TWIST: TwistStamped if stamped_twist else Twist}
-        self._publishers = {topic: self._publisher(kind, topic) for topic, kind in types.items()}
-        self._scenario = _publisher(node, String, SCENARIO, _latched(1))
-        self._clock = self._publisher(Clock, CLOCK, CLOCK_DEPTH) if clock else None
+        self._rest = deque[tuple[Publisher, bytes]]()
+        self.publishers: dict[str, Publisher] = {}
+        self._add(POSE, PoseStamped, self._quality())
+        self._add(TWIST, TwistStamped if stamped_twist else Twist, self._quality())
+        self._add(SCENARIO, String, _latched(1))
+        if clock:
+            self._add(CLOCK, Clock, self._quality(CLOCK_DEPTH))
         self._clock_ns = 0
         self._add_sensors(sensors)
         self._unconfirmed = 0
@@ -102,83 +105,59 @@ class SamplePublisher(Sink):
         """Take the real-time factor; 0: as fast as possible."""
         self._is_limited = factor > 0.0
 
-    def _publisher(self, kind: type, topic: str, depth: int = DEPTH) -> Publisher:
-        qos = QoSProfile(history=self._history, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
-        return _publisher(self._node, kind, topic, qos)
+    def _quality(self, depth: int = DEPTH) -> QoSProfile:
+        return QoSProfile(history=self._history, depth=depth, reliability=ReliabilityPolicy.RELIABLE)
 
     def _add_sensors(self, sensors: Sensors) -> None:
         for topic in sensor_topics(sensors):
-            if topic == FAULTS and topic not in self._publishers:
-                self._publishers[topic] = _publisher(self._node, String, FAULTS, _latched(DEPTH))
-            elif topic not in self._publishers:
-                self._publishers[topic] = self._publisher(message_class(SENSOR_TOPICS[topic]), topic)
+            quality = _latched(DEPTH) if topic == FAULTS else self._quality()
+            self._add(topic, message_class(SENSOR_TOPICS[topic]), quality)
 
-    @property
-    def topics(self) -> tuple[str, str, str]:
-        """Full names of the pose, twist and scenario topics, as remapped."""
-        return self._publishers[POSE].topic_name, self._publishers[TWIST].topic_name, self._scenario.topic_name
-
-    @property
-    def sensor_topics(self) -> dict[str, str]:
-        """Full names of the topics of all sensors, also of those that are off, as remapped, by their relative names."""
-        return {topic: self._node.resolve_topic_name(topic) for topic in SENSOR_TOPICS}
-
-    @property
-    def publishers(self) -> dict[str, Publisher]:
-        """Publishers by the full names of their topics."""
-        others = (self._scenario, *([self._clock] if self._clock else ()))
-        return {publisher.topic_name: publisher for publisher in (*self._publishers.values(), *others)}
+    def _add(self, topic: str, kind: type, quality: QoSProfile) -> None:
+        """Create the publisher of a topic, unless there is one."""
+        if topic not in self.publishers:
+            with translated_errors(f"the topic {topic} as {self._node.resolve_topic_name(topic)}"):
+                self.publishers[topic] = self._node.create_publisher(
+                    kind, topic, quality, qos_overriding_options=QoSOverridingOptions.with_default_policies()
+                )
 
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""
         self._add_sensors(segment.scenario.sensors)
-        self._scenario.publish(encode_string(segment.to_json()))
+        self.publishers[SCENARIO].publish(encode_string(segment.to_json()))
 
     def write(self, batch: Batch) -> None:
         """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
-        messages = self._in_order(batch)
-        self._rest = messages if self.ready() else chain(self._rest, messages)
-        self._send_rest()
+        self._rest.extend(self._in_order(batch))
+        self.ready()
         self._unconfirmed += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
         if self._unconfirmed >= LARGEST_BATCH and self._history is HistoryPolicy.KEEP_LAST:
             self._wait_for_confirmation(BATCH_CONFIRMATION_NS)
 
     def ready(self) -> bool:
-        """Send the messages that were kept; return whether there is room for more."""
-        return self._send_rest()
+        """Send the messages that were kept; return whether there is room for more.
+
+        There is none if the history keeps all and stays full as long as the middleware waits. Fast DDS waits 100 ms.
+        """
+        while self._rest:
+            publisher, payload = self._rest[0]
+            try:
+                publisher.publish(payload)
+            except RuntimeError:
+                if self._history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
+                    return False
+                raise
+            self._rest.popleft()
+        return True
 
     def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
-        publishers, clock = self._publishers, self._clock
+        clock = self.publishers.get(CLOCK)
         messages = batch.in_order()
         for stamp, topic, payload in sorted(messages, key=_with_imu_last) if self._imu_last else messages:
             if clock is not None and stamp > self._clock_ns:
                 self._clock_ns = stamp
                 yield clock, clock_bytes(stamp)
-            yield publishers[topic], payload
-
-    def _send_rest(self) -> bool:
-        if self._blocked is not None:
-            if not self._send(*self._blocked):
-                return False
-            self._blocked = None
-        for message in self._rest:
-            if not self._send(*message):
-                self._blocked = message
-                return False
-        return True
-
-    def _send(self, publisher: Publisher, payload: bytes) -> bool:
-        """Publish; return False if the history keeps all and stays full as long as the middleware waits.
-
-        Fast DDS waits 100 ms.
-        """
-        try:
-            publisher.publish(payload)
-        except RuntimeError:
-            if self._history is HistoryPolicy.KEEP_ALL and self._node.context.ok():
-                return False
-            raise
-        return True
+            yield self.publishers[topic], payload
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Log a warning when the samples are late, at most one in ten seconds."""
@@ -187,10 +166,10 @@ class SamplePublisher(Sink):
             self._unconfirmed = 0
         if late > LATE_NS and steady_ns - self._warned_ns > WARNING_INTERVAL_NS:
             self._warned_ns = steady_ns
-            self._logger.warning(f"{late / NS:.1f} s late, catching up; no sample is left out")
+            self._node.get_logger().warning(f"{late / NS:.1f} s late, catching up; no sample is left out")
         return FOREVER
 
-    def finish(self) -> None:
+    def close(self) -> None:
         """Send the messages that were kept, and wait for subscribers to confirm the last ones."""
         end = time.monotonic_ns() + LAST_SENDING_NS
         while not self.ready() and time.monotonic_ns() < end:
@@ -200,17 +179,11 @@ class SamplePublisher(Sink):
     def _wait_for_confirmation(self, longest_ns: int) -> None:
         """Wait until subscribers have confirmed all messages, on each topic at most ``longest_ns``."""
         self._unconfirmed = 0
-        end = time.monotonic_ns() + len(self._publishers) * longest_ns
-        for publisher in self._publishers.values():
+        samples = [publisher for topic, publisher in self.publishers.items() if topic not in (SCENARIO, CLOCK)]
+        end = time.monotonic_ns() + len(samples) * longest_ns
+        for publisher in samples:
             left = min(longest_ns, max(0, end - time.monotonic_ns()))
             publisher.wait_for_all_acked(Duration(nanoseconds=left))
-
-
-def message_class(name: str) -> type:
-    """The class of a message type, by its name in ROS."""
-    package, _, kind = name.partition("/msg/")
-    found: type = getattr(import_module(f"{package}.msg"), kind)
-    return found
 
 
 def _with_imu_last(message: tuple[int, str, bytes]) -> tuple[int, bool]:
@@ -226,10 +199,3 @@ def clock_bytes(stamp_ns: int) -> bytes:
 def _latched(depth: int) -> QoSProfile:
     """The quality of service of a topic whose last messages late subscribers hear as well."""
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def _publisher(node: Node, kind: type, topic: str, qos: QoSProfile) -> Publisher:
-    with translated_errors(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
-        return node.create_publisher(
-            kind, topic, qos, qos_overriding_options=QoSOverridingOptions.with_default_policies()
-        )

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.timing.pace import FOREVER
-from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
 if TYPE_CHECKING:

@@ -91,16 +91,13 @@ class Scores:
         if now < self._due:
             return
         self._due = now + INTERVAL_S
-        if live is not None and live.tally.count and self._is_due(live, now):
-            self._diagnose(live)
         if live is None or not live.tally.count:
             status: Status = DiagnosticStatus.WARN, f"waiting: {missing()}", {}
         else:
+            if live.estimate.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due:
+                self._diagnose(live)
             status = self._status(live)
         self._diagnostics.publish(report(self._node, "attitude error", Clock().now().to_msg(), *status))
-
-    def _is_due(self, live: LiveEstimate, now: float) -> bool:
-        return live.estimate.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due
 
     def _diagnose(self, live: LiveEstimate) -> None:
         begin, self._diagnosed_s = time.monotonic(), live.estimate.span_s

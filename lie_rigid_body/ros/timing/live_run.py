@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from enum import Enum
+from enum import IntEnum
 from fractions import Fraction
 from typing import Final
 
@@ -17,10 +17,9 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
-from lie_rigid_body.ros.timing.mailbox import Mailbox, P, T
-from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Halted, Pace, credit_ns, pace_of
+from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Pace, UpTo, credit_ns, pace_of
+from lie_rigid_body.ros.timing.requests import ControlError, Mailbox, P, StepRequest, T
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
-from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 
@@ -34,14 +33,14 @@ LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
-class RunState(Enum):
-    """Run states: stopped, playing, paused."""
+class RunState(IntEnum):
+    """Run states: stopped, playing, paused, by their numbers in simulation_interfaces/SimulationState."""
 
-    STOPPED = "stopped"
+    STOPPED = 0
     """Simulated time stands still at the start of a segment."""
-    PLAYING = "playing"
+    PLAYING = 1
     """Simulated time passes, as the real-time factor says."""
-    PAUSED = "paused"
+    PAUSED = 2
     """Simulated time stands still, and samples are sent by step requests only."""
 
 
@@ -102,7 +101,7 @@ class LiveRun:
         self._wall = wall
         self.factor = factor
         self._lockstep = lockstep
-        self._take_pace(Halted(simulation.next_stamp_ns - 1))
+        self._take_pace(UpTo(simulation.next_stamp_ns - 1))
         self.state = RunState.PAUSED if paused else RunState.PLAYING
         self._request: StepRequest | None = None
         self.punctuality = Punctuality()
@@ -125,12 +124,16 @@ class LiveRun:
             self._simulation.start_at(self._wall())
         first = self._simulation.next_stamp_ns
         playing = self.state is RunState.PLAYING
-        self._take_pace(pace_of(self.factor, first, steady) if playing else Halted(first - 1))
+        self._take_pace(pace_of(self.factor, first, steady) if playing else UpTo(first - 1))
         self._begin(self._simulation.segment)
         try:
             while not self._interruption.requested:
                 self._send_due()
-                self._carry_out_call(self._wait_ns())
+                wait_ns = self._wait_ns()
+                with self._interruption.allowed():
+                    call = self._mailbox.wait(wait_ns / NS)
+                if call is not None:
+                    call.carry_out()
         except KeyboardInterrupt:
             return  # interrupted while waiting or computing: nothing is lost
         finally:
@@ -167,7 +170,7 @@ class LiveRun:
         segment = self._simulation.reset(scenario)
         self._abandon("reset")
         if self.state is not RunState.PLAYING:
-            self._take_pace(Halted(self._simulation.next_stamp_ns - 1))
+            self._take_pace(UpTo(self._simulation.next_stamp_ns - 1))
         self._begin(segment)
         return segment
 
@@ -191,7 +194,7 @@ class LiveRun:
         """Stop simulated time; return where it stands, ns. A step request under way is abandoned."""
         self._abandon("paused")
         halted = self._present_ns()
-        self._take_pace(Halted(halted))
+        self._take_pace(UpTo(halted))
         self.state = RunState.PAUSED
         return halted
 
@@ -231,7 +234,7 @@ class LiveRun:
             If the last stamp would lie beyond `MAX_EPOCH_NS`.
         """
         if self.state is not RunState.PAUSED:
-            raise ControlError(f"the run is {self.state.value}: pause it before a step")
+            raise ControlError(f"the run is {self.state.name.lower()}: pause it before a step")
         if self._request is not None:
             raise ControlError(f"{self._request.completed} of {self._request.total} steps are done: wait, or pause")
         if count < 1:
@@ -242,7 +245,7 @@ class LiveRun:
             raise ParameterError(
                 "steps", f"{count} lead to {last_ns} ns, beyond the last stamp {MAX_EPOCH_NS}: give fewer"
             )
-        self._take_pace(Halted(last_ns))
+        self._take_pace(UpTo(last_ns))
         self._request = StepRequest(first, count)
         return self._request
 
@@ -346,10 +349,3 @@ class LiveRun:
         if (rest := self._rested_ns - now) >= 0:
             wait = max(wait, rest, BREATH_NS)
         return min(wait, LONGEST_WAIT_NS, *others)
-
-    def _carry_out_call(self, wait_ns: int) -> None:
-        """Wait for a call, at most for a time, and carry it out."""
-        with self._interruption.allowed():
-            call = self._mailbox.wait(wait_ns / NS)
-        if call is not None:
-            call.carry_out()

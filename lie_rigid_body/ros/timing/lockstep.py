@@ -69,7 +69,10 @@ class Lockstep:
             # a longer time than between two looks was a pause, or one in which this process stood still itself
             self._waited_ns += min(steady_ns - self._asked_ns, 2 * LOOK_NS)
             if self._waited_ns > self._timeout_ns:
-                raise LieRigidBodyError(self._silence())
+                missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
+                others = f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns"
+                why = f"{others if self._others else 'none came'}: a filter on a timer cannot be used in lock-step"
+                raise LieRigidBodyError(f"{self._topic}: {missed}; {why}")
         self._asked_ns = steady_ns
         return self.is_waiting
 
@@ -101,10 +104,3 @@ class Lockstep:
             self._waited_ns = 0
         else:
             self._others, self._other_ns = self._others + 1, stamp_ns
-
-    def _silence(self) -> str:
-        missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
-        came = (
-            f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns" if self._others else "none came"
-        )
-        return f"{self._topic}: {missed}; {came}: a filter on a timer cannot be used in lock-step"

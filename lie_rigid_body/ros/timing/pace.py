@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, Protocol
 
-FOREVER: Final = 2**63
-"""A time longer than any wait, and later than any stamp, ns."""
+from lie_rigid_body.ros.timing.sink import FOREVER
+
 CATCH_UP: Final = 1.25
 """Speed of a late run, as a multiple of that of simulated time: a higher one would overrun subscribers."""
 BREATH_NS: Final = 500_000
@@ -76,13 +76,12 @@ class Scaled(Pace):
 
     def due_ns(self, steady_ns: int) -> int:
         """See `Pace`; rounded down."""
-        n, d = self.factor.numerator, self.factor.denominator
-        return self.stamp_ns + (steady_ns - self.steady_ns) * n // d
+        return self.stamp_ns + (steady_ns - self.steady_ns) * self.factor.numerator // self.factor.denominator
 
     def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
         """See `Pace`; rounded up, so that the stamp is due after the wait."""
-        n, d = self.factor.numerator, self.factor.denominator
-        return self.steady_ns - (self.stamp_ns - stamp_ns) * d // n - steady_ns
+        passed = (self.stamp_ns - stamp_ns) * self.factor.denominator // self.factor.numerator
+        return self.steady_ns - passed - steady_ns
 
     def last_ns(self, stamp_ns: int, steady_ns: int, credit_ns: int) -> int:
         """See `Pace`."""
@@ -99,21 +98,10 @@ class Scaled(Pace):
 
 
 @dataclass(frozen=True)
-class Unlimited(Pace):
-    """Real-time factor 0, as fast as possible: every stamp is due at any time."""
+class UpTo(Pace):
+    """Stamps up to a last one are due at any time, later ones never: simulated time stands still there.
 
-    def due_ns(self, steady_ns: int) -> int:
-        """See `Pace`."""
-        return FOREVER
-
-    def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
-        """See `Pace`."""
-        return 0
-
-
-@dataclass(frozen=True)
-class Halted(Pace):
-    """Simulated time stands still: stamps up to a last one are due, later ones never.
+    With `FOREVER` it passes as fast as possible, which is the real-time factor 0.
 
     Parameters
     ----------
@@ -132,7 +120,7 @@ class Halted(Pace):
         return 0 if stamp_ns <= self.stamp_ns else FOREVER
 
 
-def pace_of(factor: float, stamp_ns: int, steady_ns: int) -> Scaled | Unlimited:
+def pace_of(factor: float, stamp_ns: int, steady_ns: int) -> Pace:
     """The pace of a real-time factor.
 
     Parameters
@@ -142,4 +130,4 @@ def pace_of(factor: float, stamp_ns: int, steady_ns: int) -> Scaled | Unlimited:
     stamp_ns, steady_ns : int
         A stamp, and the steady time at which it is due, ns.
     """
-    return Scaled(stamp_ns, steady_ns, Fraction(repr(factor))) if factor > 0.0 else Unlimited()
+    return Scaled(stamp_ns, steady_ns, Fraction(repr(factor))) if factor > 0.0 else UpTo(FOREVER)

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.ros.timing.pace import FOREVER
 from lie_rigid_body.simulation import Segment
 
+FOREVER: Final = 2**63
+"""A time longer than any wait, and later than any stamp, ns."""
 LARGEST_BATCH: Final = 250
 """Largest number of samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
 

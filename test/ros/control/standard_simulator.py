@@ -13,15 +13,14 @@ from fake_time import KeepingSink
 
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.timing.live_run import LiveRun
-from lie_rigid_body.ros.timing.mailbox import Mailbox
+from lie_rigid_body.ros.timing.requests import Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
     from standard_messages import RESPONSES, entity_state
 
-    from lie_rigid_body.ros.control.standard_control import StandardControl
-    from lie_rigid_body.ros.control.standard_services import StandardServices
+    from lie_rigid_body.ros.control.services import StandardServices
 
 UNSUPPORTED, OK, NOT_FOUND, FAILED = 0, 1, 2, 4
 INVALID_POSE = ALREADY_THERE = 101
@@ -48,7 +47,7 @@ class Simulator:
         self.interruption = interruption
         self.sink = KeepingSink(interruption, 2**63)
         self.live = LiveRun(Simulation(SCENARIO, EPOCH), [self.sink], mailbox, interruption, paused=paused)
-        self.services = StandardServices(StandardControl(self.live, lambda: SCENARIO, NAME))
+        self.services = StandardServices(self.live, lambda: SCENARIO, NAME)
 
     def ask(self, service: str, **request: Any) -> Any:
         return getattr(self.services, service)(SimpleNamespace(**request), RESPONSES[service]())

@@ -86,14 +86,14 @@ def test_the_action_can_be_canceled(paused: Simulator) -> None:
 
 def test_a_cancel_that_comes_too_late_stops_nobody_else(paused: Simulator) -> None:
     """Time passes again, or another asks for steps, between its end and the cancel."""
-    control = paused.services._standard
-    over = control.begin_steps(1)
+    live = paused.live
+    over = live.ask(live.step, 1)
     assert over.wait(DEADLINE)
-    under_way = control.begin_steps(10**9)
-    control.cancel_steps(over)
+    under_way = live.ask(live.step, 10**9)
+    live.ask(live.cancel, over)
     assert not under_way.wait(0.01)
     assert paused.go_to(PLAYING) == OK
-    control.cancel_steps(under_way)
+    live.ask(live.cancel, under_way)
     assert paused.state == PLAYING
 
 

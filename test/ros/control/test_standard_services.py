@@ -14,8 +14,7 @@ from lie_rigid_body.scenario import Scenario
 if find_spec("rclpy"):
     from standard_messages import FEATURE_OF, RESPONSES
 
-    from lie_rigid_body.ros.control.standard_control import StandardControl
-    from lie_rigid_body.ros.control.standard_services import StandardServices, snake_case
+    from lie_rigid_body.ros.control.services import StandardServices, snake_case
 
 pytestmark = [pytest.mark.ros, pytest.mark.filterwarnings("error::RuntimeWarning")]
 
@@ -54,7 +53,7 @@ def test_a_parameter_that_makes_no_scenario_is_answered() -> None:
         return Scenario.from_parameters({"rate": -1.0})
 
     with running(paused=True) as simulator:
-        services = StandardServices(StandardControl(simulator.live, broken, NAME))
+        services = StandardServices(simulator.live, broken, NAME)
         for service, request in (
             (services.reset_simulation, SimpleNamespace(scope=0)),
             (services.set_simulation_state, SimpleNamespace(state=SimpleNamespace(state=STOPPED))),
@@ -70,6 +69,6 @@ def test_whatever_goes_wrong_is_answered(paused: Simulator) -> None:
     def broken() -> Scenario:
         raise ZeroDivisionError
 
-    services = StandardServices(StandardControl(paused.live, broken, NAME))
+    services = StandardServices(paused.live, broken, NAME)
     answer = services.reset_simulation(SimpleNamespace(scope=0), RESPONSES["reset_simulation"]()).result
     assert (answer.result, answer.error_message) == (FAILED, "ZeroDivisionError")

@@ -18,7 +18,7 @@ from lie_rigid_body.simulation import Simulation
 if find_spec("rclpy"):
     from visualization_msgs.msg import Marker, MarkerArray
 
-    from lie_rigid_body.ros.publishing.markers import Markers
+    from lie_rigid_body.ros.publishing.views import Markers
 
 pytestmark = pytest.mark.ros
 

@@ -12,8 +12,7 @@ from fake_time import NS, ScriptedRun
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.ros.publishing.recorder import FLUSH_INTERVAL_NS, Recorder
-from lie_rigid_body.ros.timing.pace import FOREVER
-from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 

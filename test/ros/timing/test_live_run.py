@@ -11,7 +11,7 @@ from fake_time import NS, FakeTime, KeepingSink
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun
-from lie_rigid_body.ros.timing.mailbox import Call, ClosedError, Mailbox
+from lie_rigid_body.ros.timing.requests import Call, ClosedError, Mailbox
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation

@@ -15,7 +15,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.lockstep import Lockstep
-from lie_rigid_body.ros.timing.mailbox import Call
+from lie_rigid_body.ros.timing.requests import Call
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.ros.timing.pace import FOREVER, Halted, Scaled, Unlimited, pace_of
+from lie_rigid_body.ros.timing.pace import Scaled, UpTo, pace_of
+from lie_rigid_body.ros.timing.sink import FOREVER
 
 FACTORS = [0.1, 0.3, 1 / 3, 0.7, 0.999, 1.0, 1.1, 2.0, 3.3, 29.97, 1000.0]
 EPOCH = 1_700_000_000_123_456_789
@@ -83,14 +84,14 @@ def test_before_the_first_stamp_nothing_is_due() -> None:
 
 def test_without_a_limit_everything_is_due_at_once() -> None:
     here = pace_of(0.0, EPOCH, START)
-    assert here == Unlimited()
+    assert here == UpTo(FOREVER)
     for now in (0, START, FAR):
         assert here.due_ns(now) >= FOREVER
         assert here.wait_ns(EPOCH + FAR, now) == 0
 
 
 def test_what_is_halted_never_reaches_a_later_stamp() -> None:
-    here = Halted(EPOCH)
+    here = UpTo(EPOCH)
     for now in (0, START, START + FAR):
         assert here.due_ns(now) == EPOCH
         assert (here.wait_ns(EPOCH, now), here.wait_ns(EPOCH + 1, now)) == (0, FOREVER)

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.ros.timing.live_run import SHORTEST_WAIT_NS, RunState
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_NS, STALL_NS
+from lie_rigid_body.ros.timing.requests import ControlError, StepRequest
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
-from lie_rigid_body.ros.timing.step_request import ControlError, StepRequest
 from lie_rigid_body.scenario import Scenario
 
 MS = 1_000_000

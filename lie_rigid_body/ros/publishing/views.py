@@ -1,4 +1,7 @@
-"""``markers``: the body as a box, its angular momentum and velocity as arrows, the polhode as a line."""
+"""What RViz and Foxglove show: ``/tf``, the body's frame in the world, and ``markers``.
+
+The body is a box, its angular momentum and velocity are arrows, and the polhode is a line.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,8 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -18,12 +22,14 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
+from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.ros.timing.pace import FOREVER
-from lie_rigid_body.ros.timing.sink import Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
+TF: Final = "/tf"
+TRANSFORMS_KEPT: Final = 100
 MARKERS_TOPIC: Final = "markers"
 ARROW: Final = 1.0
 """Length of the arrows at the start of a segment, m."""
@@ -33,6 +39,31 @@ BLUE: Final = ColorRGBA(r=0.35, g=0.55, b=0.85, a=0.6)
 ORANGE: Final = ColorRGBA(r=0.95, g=0.55, b=0.1, a=1.0)
 GREEN: Final = ColorRGBA(r=0.1, g=0.65, b=0.35, a=1.0)
 PURPLE: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
+
+
+class Transforms(Sink):
+    """A sink that publishes each attitude as a transform, if tf2_msgs is installed.
+
+    Parameters
+    ----------
+    node : Node
+    """
+
+    def __init__(self, node: Node) -> None:
+        from tf2_msgs.msg import TFMessage
+
+        qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
+        options = QoSOverridingOptions.with_default_policies()
+        self._publisher = node.create_publisher(TFMessage, TF, qos, qos_overriding_options=options)
+
+    def begin_segment(self, segment: Segment) -> None:
+        """Take the names of the frames."""
+        self._encoder = TransformEncoder(segment.scenario.world_frame, segment.scenario.body_frame)
+
+    def write(self, batch: Batch) -> None:
+        """Publish a transform for each sample."""
+        for payload in self._encoder.encode(batch.samples.stamps_ns, batch.samples.states.attitude_xyzw):
+            self._publisher.publish(payload)
 
 
 class Markers(Sink):
