@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import fuzzing
+import mutations
 
 pytestmark = [
     pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork"),
@@ -26,7 +27,7 @@ MINUTES = 1.0
 
 @pytest.fixture(scope="module")
 def bags() -> dict[str, bytes]:
-    return fuzzing.honest()
+    return mutations.honest()
 
 
 @pytest.fixture(scope="module")
@@ -36,12 +37,12 @@ def parent() -> Iterator[ProcessPoolExecutor]:
         yield pool
 
 
-@pytest.mark.parametrize("name", [name for name in fuzzing.VERBS if name != "campaign"])
+@pytest.mark.parametrize("name", [name for name in mutations.VERBS if name != "campaign"])
 def test_honest_files_keep_the_laws_in_each_verb(
     bags: dict[str, bytes], parent: ProcessPoolExecutor, name: str
 ) -> None:
     original = "estimate" if name == "evaluate" else "exact"
-    found = parent.submit(fuzzing.outcome, fuzzing.of_verb(name, bags[original], original), bags).result()
+    found = parent.submit(fuzzing.outcome, mutations.of_verb(name, bags[original], original), bags).result()
     assert (found.status, found.broken) == (0, "")
 
 
@@ -53,11 +54,11 @@ def test_what_broke_a_law_keeps_it(bags: dict[str, bytes], parent: ProcessPoolEx
 
 def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
     """By cases that are made to break it: the fuzzer that cannot fail finds nothing."""
-    case = fuzzing.of_verb("check", bags["exact"], "exact")
+    case = mutations.of_verb("check", bags["exact"], "exact")
     (tmp_path / "x.mcap").write_bytes(bags["exact"])
     found = fuzzing.Outcome(0, "")
 
-    def broken(case: fuzzing.Case, outcome: fuzzing.Outcome = found, out: str = "", err: str = "") -> str:
+    def broken(case: mutations.Case, outcome: fuzzing.Outcome = found, out: str = "", err: str = "") -> str:
         return next(fuzzing.broken_laws(case, outcome, out, err, tmp_path, bags), "")
 
     assert broken(case) == ""
@@ -75,9 +76,9 @@ def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
     (tmp_path / "other").unlink()
     (tmp_path / "x.mcap").write_bytes(b"")
     assert broken(case) == "changed x.mcap"
-    messages = fuzzing.messages_of(bags["exact"])
+    messages = mutations.messages_of(bags["exact"])
     forged = [m._replace(data=m.data[:-1] + b"\x40") if m.topic == "/pose" else m for m in messages]
-    content = fuzzing.rewritten(forged, "lie_rigid_body")
+    content = mutations.rewritten(forged, "lie_rigid_body")
     (tmp_path / "x.mcap").write_bytes(content)
     assert broken(replace(case, files={"x.mcap": content})).startswith("certified another /pose")
 

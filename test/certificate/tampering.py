@@ -30,7 +30,7 @@ Change = Callable[[list[Message]], list[Message]]
 
 def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20) -> Path:
     """Write a changed copy of a bag; the record that counts the samples at its end is kept only if the count stays."""
-    summary, messages = read(source, source.stat().st_mtime_ns)
+    summary, messages = _read(source, source.stat().st_mtime_ns)
     with target.open("wb") as stream:
         writer = Writer(stream, chunk_size=chunk_size)
         writer.start(profile="ros2", library="someone else")
@@ -48,7 +48,7 @@ def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20) 
 
 
 @lru_cache(maxsize=4)
-def read(source: Path, written_ns: int) -> tuple[Summary, tuple[Message, ...]]:
+def _read(source: Path, written_ns: int) -> tuple[Summary, tuple[Message, ...]]:
     """Summary and messages of a bag that is not written again: most are changed in many ways."""
     with source.open("rb") as stream:
         reader = make_reader(stream)
@@ -56,6 +56,11 @@ def read(source: Path, written_ns: int) -> tuple[Summary, tuple[Message, ...]]:
         assert summary is not None
         read_in_order = reader.iter_messages(log_time_order=False)
         return summary, tuple(Message(c.topic, m.log_time, m.data) for _, c, m in read_in_order)
+
+
+def messages_of(bag: Path) -> list[Message]:
+    """Messages in the order of the file."""
+    return [*_read(bag, bag.stat().st_mtime_ns)[1]]
 
 
 def on(topic: str, change: Callable[[list[Message]], list[Message]]) -> Change:

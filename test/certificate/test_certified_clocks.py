@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import struct
-from pathlib import Path
 
 import numpy as np
 import pytest
 from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
-from tampering import Change, Message, at, on, tamper, with_numbers
+from tampering import Change, Message, at, messages_of, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
@@ -132,12 +131,6 @@ def test_a_changed_missing_doubled_or_swapped_reading_is_named(bag, tmp_path, to
         names, said = verdict(lambda ms: [*ms[:37], ms[38], ms[37], *ms[39:]])
         assert names == {stamps}
         assert f"{topic}: out of order, reading 38 stands before 37" in said
-
-
-def messages_of(bag: Path) -> list[Message]:
-    seen: list[Message] = []
-    tamper(bag, bag.with_suffix(".copy"), lambda ms: seen.extend(ms) or ms)  # type: ignore[func-returns-value]
-    return seen
 
 
 def test_the_right_reading_is_found_in_any_time_that_can_be_stamped():

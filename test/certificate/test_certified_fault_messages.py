@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, broken, recorded, write
-from tampering import Change, Message, at, declared, on, tamper
+from tampering import Change, Message, at, declared, messages_of, on, tamper
 from test_certified_faults import EVERY, LATE, LATER, LOST, START
 
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
@@ -112,12 +112,6 @@ def test_another_field_is_named(bag, tmp_path, field, index):
 
 def count(bag: Path) -> int:
     return len([m for m in messages_of(bag) if m.topic == FAULTS])
-
-
-def messages_of(bag: Path) -> list[Message]:
-    seen: list[Message] = []
-    tamper(bag, bag.with_suffix(".copy"), lambda ms: seen.extend(ms) or ms)  # type: ignore[func-returns-value]
-    return seen
 
 
 @pytest.mark.parametrize("index", [0, 20, -1])

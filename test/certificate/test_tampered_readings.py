@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import struct
-from pathlib import Path
 
 import numpy as np
 import pytest
 from sensor_bags import AT, BIAS, EPOCH, IMU, MAG, TOPICS, VALUES, broken, certificate, laws
-from tampering import Message, at, on, tamper, with_numbers
+from tampering import Message, at, messages_of, on, with_numbers
 
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, OFF_GRID
 
@@ -53,12 +52,6 @@ def test_a_missing_reading_is_named(bag, tmp_path, topic, index):
     assert broken(found) == {name}
     [law] = laws(found, name)
     assert (law.unit, law.sample, law.worst) == (GAP, index % count, 1)
-
-
-def messages_of(bag: Path) -> list[Message]:
-    seen: list[Message] = []
-    tamper(bag, bag.with_suffix(".copy"), lambda ms: seen.extend(ms) or ms)  # type: ignore[func-returns-value]
-    return seen
 
 
 @pytest.mark.parametrize("topic", TOPICS)

@@ -327,6 +327,7 @@ OTHERS = {
     ),
     "nothing": (b"", "is empty: record it again, it holds nothing to rescue"),
     "text": (b"hello", "is not an MCAP file: it does not begin as one: give a bag"),
+    "the beginning of a beginning": (MAGIC[:-1], "is not an MCAP file: it does not begin as one: give a bag"),
     "ROS 1": (b"#ROSBAG V2.0\n", "is not an MCAP file: it is a ROS 1 bag: convert it with 'mcap convert'"),
     "SQLite": (
         b"SQLite format 3\x00...",
