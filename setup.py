@@ -61,7 +61,7 @@ SIMULATORS = [
     f"pybullet==3.2.7{PYBULLET_WHEELS_EXIST}",
 ]
 PLOTLY = "plotly>=6"
-CAMPAIGN = ["cryptography>=41", "dask>=2024.5", "distributed>=2024.5", "pyarrow>=15"]
+CAMPAIGN = ["cryptography>=41", "dask>=2024.5", "distributed>=2024.5", "psutil>=5.9", "pyarrow>=15"]
 PYTHON_FLINT = "python-flint>=0.9"
 # For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
 FLINT_WHEELS_EXIST = (
