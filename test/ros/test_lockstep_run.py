@@ -268,7 +268,7 @@ def test_sixty_seconds_with_a_fast_filter_take_less_than_ten(domain: int, durati
             peer.spin_until(lambda: begun, "a reading")
             before = cpu_seconds(sim.process.pid)
             peer.spin_until(lambda: judge.process.poll() is not None, "the score")
-            spent = cpu_seconds(sim.process.pid) - before + begun[count] - begun[0]
+            of_simulator = cpu_seconds(sim.process.pid) - before
     assert judge.wait() == 0, judge.complained
     assert json.loads("\n".join(judge.said))["samples"] == count + 1
-    assert spent < duration / 6
+    assert of_simulator + begun[count] - begun[0] < duration / 6
