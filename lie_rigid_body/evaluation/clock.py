@@ -260,6 +260,8 @@ def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, T
         few = covered.few(most)
         clock = fit([few], clock, steps=4)
     moved, own = undone(few, clock).known(), few.known()
+    if len(moved.stamps_ns) < FEWEST:  # the last fit leaves the truth's times
+        return []
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
     allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2))

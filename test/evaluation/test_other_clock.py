@@ -199,3 +199,11 @@ def test_a_body_that_turns_little_is_no_evidence_of_a_mounting():
     truth = ExactTruth(lambda t_ns: slow.at(t_ns).attitude_xyzw, 0, int(TEN[-1]))
     fixed = np.tile(quaternion.exp([1.0, 1.0, -0.5]), (len(TEN), 1))
     assert set(told(evaluate(TEN, fixed, truth))) <= {"stuck"}
+
+
+def test_a_clock_whose_fit_leaves_the_truth_is_none():
+    run = simulate("tumbling_cubesat", duration=4.0)
+    for count in range(360, 384, 3):
+        stamps = run.t_ns[:count]
+        truth = SampledTruth(stamps, run.truth.attitude_xyzw[:count])
+        assert set(told(evaluate(stamps, np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)), truth))) <= {"stuck"}

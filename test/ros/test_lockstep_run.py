@@ -269,6 +269,6 @@ def test_sixty_seconds_with_a_fast_filter_take_less_than_ten(domain: int, durati
             before = cpu_seconds(sim.process.pid)
             peer.spin_until(lambda: judge.process.poll() is not None, "the score")
             of_simulator = cpu_seconds(sim.process.pid) - before
-    assert judge.wait() == 0, judge.complained
+    assert judge.wait() == 0, "\n".join(judge.complained)
     assert json.loads("\n".join(judge.said))["samples"] == count + 1
     assert of_simulator + begun[count] - begun[0] < duration / 6
