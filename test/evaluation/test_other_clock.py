@@ -203,7 +203,6 @@ def test_a_body_that_turns_little_is_no_evidence_of_a_mounting():
 
 def test_a_clock_whose_fit_leaves_the_truth_is_none():
     run = simulate("tumbling_cubesat", duration=4.0)
-    for count in range(360, 384, 3):
-        stamps = run.t_ns[:count]
-        truth = SampledTruth(stamps, run.truth.attitude_xyzw[:count])
-        assert set(told(evaluate(stamps, np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)), truth))) <= {"stuck"}
+    truth = SampledTruth(run.t_ns[:74], run.truth.attitude_xyzw[:74])
+    stamps = np.arange(370) * 10_000_000 + int(run.t_ns[0])
+    assert set(told(evaluate(stamps, np.tile([0.0, 0.0, 0.0, 1.0], (370, 1)), truth))) <= {"stuck"}
