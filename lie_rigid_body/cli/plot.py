@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room
 
 
@@ -28,6 +29,8 @@ from lie_rigid_body.recording.output_file import require_room
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
+    if not (given.out or Path(given.bag).name):
+        raise InputError(f"{given.bag}: a folder without a name gives the picture none: give -o OUT.png")
     out = given.out or str(Path(given.bag).with_suffix(".png"))
     console.require_suffix("-o", out, ".png")
 

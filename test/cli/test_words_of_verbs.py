@@ -123,6 +123,7 @@ REFUSED = {
     "check absent.mcap --report a.pdf": "only HTML is written",
     "plot absent.mcap -o picture.png": "--force",
     "plot bag.mcap -o out.pdf": "only PNG is written: let the name end in .png",
+    "plot .": "give -o OUT.png",
     "plot absent.mcap -o nowhere/out.png": "make it, or give another",
     "plot absent.mcap -o out.png": "absent.mcap does not exist",
     "plot two.mcap -o out.png": "holds 2 bodies, /a, /b: say which, as by --topic pose:=/a/pose",
