@@ -334,6 +334,8 @@ SCENARIO: Final = (
 )
 """Options that `scenario` reads."""
 
+FORCE_PAGE: Final = argument("--force", action="store_true", help="replace OUT.html if it exists")
+"""Option of the verbs that write a page."""
 TOPIC: Final = argument(
     "--topic",
     metavar="NAME:=/TOPIC",

@@ -38,7 +38,7 @@ def _workers(text: str) -> int:
         type=console.path,
         help="write the runs and the sizes of their residuals as one page (needs plotly)",
     ),
-    console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
+    console.FORCE_PAGE,
     either=(
         console.argument(
             "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"

@@ -36,7 +36,7 @@ from lie_rigid_body import console
         type=console.path,
         help="write laws, drifts and the motion in 3-D as one page (needs plotly)",
     ),
-    console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
+    console.FORCE_PAGE,
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
+from lie_rigid_body.cli.estimators import ESTIMATOR, WORKERS, given_estimator
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
 
@@ -16,8 +16,8 @@ from lie_rigid_body.errors import InputError
     *ESTIMATOR,
     console.argument("--json", action="store_true", help="print what is found for programs"),
     console.argument("--report", metavar="OUT.html", type=console.path, help="write what is found as one page"),
-    console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
-    console.argument("--workers", metavar="N", type=int, help="processes; one per core if absent"),
+    console.FORCE_PAGE,
+    WORKERS,
     console.argument(
         "--max-runs",
         metavar="N",

@@ -30,6 +30,7 @@ ESTIMATOR: Final = (
         "process a run, in lock-step",
     ),
 )
+WORKERS: Final = argument("--workers", metavar="N", type=int, help="processes; one per core if absent")
 """Arguments that `given_estimator` reads."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, given_estimator
+from lie_rigid_body.cli.estimators import ESTIMATOR, WORKERS, given_estimator
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
@@ -23,8 +23,8 @@ from lie_rigid_body.diagnosis.examination import TIMEOUT_S
     ),
     console.argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
     console.argument("--report", metavar="OUT.html", type=console.path, help="write the table as one page"),
-    console.argument("--force", action="store_true", help="replace OUT.html if it exists"),
-    console.argument("--workers", metavar="N", type=int, help="processes; one per core if absent"),
+    console.FORCE_PAGE,
+    WORKERS,
     console.argument(
         "--timeout",
         metavar="SECONDS",

@@ -5,9 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import Final
 
 from lie_rigid_body.errors import InputError
 
+try:
+    import resource
+except ImportError:
+    resource = None  # type: ignore[assignment]
+
+_LIMITED: Final = [name for name in dir(resource) if name.startswith("RLIMIT_")]
+"""Names of the limits that the system has, none without such limits."""
 Limits = dict[str, tuple[int, int]]
 """Soft and hard limits of a process, by their names."""
 
@@ -55,12 +63,7 @@ def leaving_the_process_alone() -> Iterator[None]:
 
 
 def _limits() -> Limits:
-    try:
-        import resource
-    except ImportError:
-        return {}
-    names = [name for name in dir(resource) if name.startswith("RLIMIT_")]
-    return {name: resource.getrlimit(getattr(resource, name)) for name in names}
+    return {name: resource.getrlimit(getattr(resource, name)) for name in _LIMITED}
 
 
 def _set_back(before: Limits) -> list[str]:
@@ -68,8 +71,6 @@ def _set_back(before: Limits) -> list[str]:
     now = _limits()
     lowered = [name for name, limits in before.items() if any(map(_is_lower, now[name], limits))]
     for name in lowered:
-        import resource
-
         try:
             resource.setrlimit(getattr(resource, name), before[name])
         except (OSError, ValueError):
