@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias, cast
 
 from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.wording import short_repr, shown, suggestion
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown, suggestion
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "string_array", "bool"]
 Vector: TypeAlias = tuple[float, ...]
@@ -69,7 +69,7 @@ def exact_duration(given: object, name: str, example: str, *, is_text: bool = Fa
     return Fraction(value)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Parameter:
     """One parameter: its type, default, limits and description.
 
@@ -97,8 +97,6 @@ class Parameter:
     minimum: float = -math.inf
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
-
-    __repr__ = short_repr
 
     def read(self, value: object) -> Value:
         """The value in this parameter's own type.

@@ -205,24 +205,6 @@ def suggestion(name: str, known: Collection[str], kind: str) -> str:
     return f"did you mean {' or '.join(near)}?" if near else f"the {kind} are {listed(known)}"
 
 
-def short_repr(instance: Any) -> str:
-    """A repr of a dataclass or a named tuple that stays on one line, whatever its fields hold.
-
-    A class takes it by ``__repr__ = short_repr``.
-
-    Parameters
-    ----------
-    instance : dataclass or namedtuple
-
-    Returns
-    -------
-    str
-        Of at most `LONGEST_LINE` characters.
-    """
-    names = getattr(instance, "_fields", None) or [f.name for f in instance.__dataclass_fields__.values() if f.repr]
-    return call_repr(instance, {name: getattr(instance, name) for name in names})
-
-
 def call_repr(instance: object, arguments: Mapping[str, object]) -> str:
     """A repr in the form of a call of the instance's class, with as many arguments, `shown`, as there is room for.
 

@@ -27,6 +27,7 @@ BAG = SCENARIO | {"simulation", "messages", "recording"}
 EDGE = BAG | {"certificate", "evaluation", "runs", "report", "console", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "wording": set(),
+    "short_dataclass": set(),
     "errors": set(),
     "arrays": set(),
     "bounded_input": set(),
@@ -60,7 +61,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},
     "__main__": {"console", "report"},
 }
-FOR_ALL = {"wording", "errors", "arrays", "showing"}
+FOR_ALL = {"wording", "short_dataclass", "errors", "arrays", "showing"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}

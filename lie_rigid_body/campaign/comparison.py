@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, Final, NamedTuple
 
@@ -18,7 +17,7 @@ from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
 from lie_rigid_body.evaluation.statistics import Difference, of_runs
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 MOST_SERIES: Final = 1000
 """Number of runs, the first ones, of which errors over time are looked at, with their covariances."""
@@ -30,7 +29,7 @@ _CONSTANTS: Final = ("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron
 """Ends of the names of parameters of errors that stay, and that no filter knows."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Point:
     """One point of a grid, on the runs of even number.
 
@@ -46,10 +45,8 @@ class Point:
     mean_deg: float
     failures: int
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Standing:
     """An estimator over the runs in which it is scored: all, or with a grid those of odd number.
 
@@ -86,8 +83,6 @@ class Standing:
     gyro_bias: Honesty | None
     points: tuple[Point, ...]
 
-    __repr__ = short_repr
-
     @property
     def name(self) -> str:
         """Name of the estimator."""
@@ -121,7 +116,7 @@ class Best(NamedTuple):
     rms_deg: float
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Comparison:
     """Estimators of a campaign.
 
@@ -150,8 +145,6 @@ class Comparison:
     independent: bool
     has_covariances: bool
     fixed_constants: tuple[str, ...]
-
-    __repr__ = short_repr
 
 
 def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:

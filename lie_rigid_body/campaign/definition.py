@@ -8,7 +8,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
@@ -25,7 +25,8 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.wording import short_repr, shown, suggestion
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown, suggestion
 
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
@@ -48,7 +49,7 @@ _LONGEST_NAME: Final = 40
 _KEYS_OF_ONE: Final = ("function", "command", "parameters", "grid")
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Campaign:
     """Runs of one scenario, each with parameters of its own.
 
@@ -86,8 +87,6 @@ class Campaign:
     vary: Mapping[str, object] = field(default_factory=dict, hash=False)
     estimator: str | None = None
     estimators: Mapping[str, object] = field(default_factory=dict, hash=False)
-
-    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("runs", "seed", "duration"):
@@ -241,7 +240,7 @@ def _remade(text: str) -> Campaign:
     return Campaign(*json.loads(text))
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Contender:
     """One of the estimators of a campaign.
 
@@ -261,8 +260,6 @@ class Contender:
     command: str | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     grid: Mapping[str, list[Any]] = field(default_factory=dict)
-
-    __repr__ = short_repr
 
     @property
     def entries(self) -> Iterator[Entry]:
@@ -294,7 +291,7 @@ class Contender:
             raise InputError(f"estimators.{self.name}: {self.function} takes no {shown(unknown[0])}: {remedy}")
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Entry:
     """An estimator with the keyword arguments that it is called with.
 
@@ -306,8 +303,6 @@ class Entry:
 
     contender: Contender
     parameters: Mapping[str, Any]
-
-    __repr__ = short_repr
 
     def load(self) -> Estimator:
         """The estimator as a function of a run.

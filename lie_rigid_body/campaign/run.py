@@ -26,8 +26,9 @@ from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.wording import short_repr, shortened
+from lie_rigid_body.wording import shortened
 
 BAGS: Final = "bags"
 """Name of the folder of the bags in the folder of a campaign."""
@@ -158,7 +159,7 @@ def judgements(campaign: Campaign, scenario: Scenario) -> list[dict[str, Any]]:
     return [vars(judged(entry, run)) for entry in campaign.entries]
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Judgement:
     """What an estimator is worth in one run, of which JSON is made.
 
@@ -185,8 +186,6 @@ class Judgement:
     axes: str = "world"
     covariance: list[list[float]] = field(default_factory=list)
     gyro_bias: list[list[float]] = field(default_factory=list)
-
-    __repr__ = short_repr
 
     @classmethod
     def read(cls, content: Any) -> Judgement:

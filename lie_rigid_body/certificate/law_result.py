@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 _SHOWN: Final = 4
 """Number of samples of a broken law that are listed."""
@@ -17,7 +16,7 @@ INTERVALS: Final = 400
 """Most intervals of time of which the largest residual is kept."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class LawResult:
     """The result of one law on one segment, or on a bag as a whole.
 
@@ -52,8 +51,6 @@ class LawResult:
     broken: int
     checked: int
     message: str = ""
-
-    __repr__ = short_repr
 
     @property
     def holds(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -14,14 +13,14 @@ from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks, seconds_since_start
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import short_repr
 
 MOST_SAMPLES: Final = 10_000
 """Largest number of samples to prove; takes half a minute."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class ProvedSample:
     """Proved bounds of the errors of one sample.
 
@@ -50,21 +49,17 @@ class ProvedSample:
     rate_at_most: float
     limit: float
 
-    __repr__ = short_repr
-
     @property
     def holds(self) -> bool:
         """Whether the true error may be within the limit."""
         return self.at_least <= self.limit
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Proof:
     """What is proved of the samples of a bag that were enclosed."""
 
     samples: tuple[ProvedSample, ...]
-
-    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:

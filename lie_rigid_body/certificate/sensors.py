@@ -17,7 +17,6 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 from lie_rigid_body.certificate.law_result import LawResult, Watch
 from lie_rigid_body.certificate.readings import Replays
@@ -32,11 +31,11 @@ from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.segments import PlacedMessages, SensorClocks
 from lie_rigid_body.recording.topic_messages import FaultMessages, OfSensor, TopicMessages
 from lie_rigid_body.sensors import SENSORS
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import short_repr
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class SensorFindings:
     """What is found of the sensors of a bag.
 
@@ -65,8 +64,6 @@ class SensorFindings:
     not_certified: tuple[str, ...]
     logged_otherwise: int
     are_exact: bool
-
-    __repr__ = short_repr
 
 
 class SensorLaws:

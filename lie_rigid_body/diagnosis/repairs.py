@@ -19,13 +19,13 @@ from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator, called
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Sensors by the names that codes have, and their readings."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Repair:
     """A change of the readings.
 
@@ -51,8 +51,6 @@ class Repair:
     change: Callable[[Readings], Readings] = field(compare=False)
     fact: str
     deed: str
-
-    __repr__ = short_repr
 
 
 def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
@@ -223,7 +221,7 @@ ORDER: Final = (
 """Mistakes in the order in which they are named where several do as well and cost as much."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class Answer:
     """What a filter made of a course.
 
@@ -244,8 +242,6 @@ class Answer:
     attitude_xyzw: Array
     broken: Integers
     given: Estimate
-
-    __repr__ = short_repr
 
     @property
     def track(self) -> Track:

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown
-from lie_rigid_body.wording import counted, short_repr, shortened
+from lie_rigid_body.wording import counted, shortened
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Mistake:
     """A mistake of a filter, named after the repair that undoes it.
 
@@ -36,10 +37,8 @@ class Mistake:
     rms_deg_after: float
     or_else: tuple[str, ...] = ()
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Probe:
     """Whether a filter has an ability.
 
@@ -57,10 +56,8 @@ class Probe:
     message: str
     value: float | None = None
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Note:
     """Something about a filter that is no mistake.
 
@@ -75,10 +72,8 @@ class Note:
     message: str
     value: float | str
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class ErrorOverTime:
     """The total error in the first course, after a repair and those before it.
 
@@ -96,8 +91,6 @@ class ErrorOverTime:
     t_s: Array
     error_deg: Array
     rms_deg: float
-
-    __repr__ = short_repr
 
 
 @dataclass(frozen=True)

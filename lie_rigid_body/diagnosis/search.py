@@ -6,7 +6,7 @@ Those of the output are tried first, then single ones of the input, then pairs, 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Final
 
@@ -17,7 +17,7 @@ from lie_rigid_body.diagnosis.course import KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs, silent
 from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, Track, Tracks, error_of, undone
 from lie_rigid_body.runs.estimators import FilterError
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 FLOOR: Final = 0.1
 """Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
@@ -53,7 +53,7 @@ Outputs = tuple[Part, ...]
 """Repairs of the output, in the order in which they are applied."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class Trial:
     """Runs with one kind of gyro and with repairs, and the error that they leave.
 
@@ -77,8 +77,6 @@ class Trial:
     kind: str
     error: float
     parts: tuple[float, ...] = ()
-
-    __repr__ = short_repr
 
     @property
     def joint(self) -> bool:
@@ -109,14 +107,12 @@ class Trial:
         return inputs + [(self.repairs, self.outputs[: count + 1]) for count in range(len(self.outputs))]
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Choice:
     """The trial that names the mistakes, and those that do as well with as many repairs."""
 
     named: Trial
     others: tuple[Trial, ...]
-
-    __repr__ = short_repr
 
     def or_else(self, code: str) -> tuple[str, ...]:
         """Codes that stand in the place of one of the named ones where the others stay."""

@@ -26,7 +26,8 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import FARTHEST_NS, read_series, unit
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import components, short_repr, shown
+from lie_rigid_body.short_dataclass import short_repr
+from lie_rigid_body.wording import components, shown
 
 ROUND_OFF: Final = 2e-15
 """Round-off of the components of a product of unit quaternions: smaller z and w tell no heading, as their ratio is

@@ -35,7 +35,8 @@ from lie_rigid_body.evaluation.attitudes import (
 )
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import components, short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import components
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
@@ -45,7 +46,7 @@ FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body 
 """What is said of a cause that a mistake at the input of the filter may feign."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class Track:
     """Attitudes that were estimated, beside the truth.
 
@@ -65,8 +66,6 @@ class Track:
     attitude_xyzw: Array
     truth: Truth
     origin_ns: int | None = None
-
-    __repr__ = short_repr
 
     @property
     def origin(self) -> int:
@@ -177,7 +176,7 @@ Part = tuple[Cause, Array]
 """A cause with its constants."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Finding:
     """Mistake in an estimate, with what to do.
 
@@ -196,8 +195,6 @@ class Finding:
     code: str
     message: str
     rms_deg_after: float = np.nan
-
-    __repr__ = short_repr
 
 
 def error_of(tracks: Tracks) -> float:

@@ -7,7 +7,7 @@ X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigatio
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,7 +18,8 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, real_numbers
 from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
-from lie_rigid_body.wording import short_repr, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown
 
 AXES: Final = {"world": "body", "body": "world"}
 """Names of the axes that a covariance may be about, each with the name of the others."""
@@ -33,7 +34,7 @@ ASYMMETRY: Final = 1e-6
 """Largest difference between a covariance and its transpose, relative to the standard deviations, that is round-off."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Consistency:
     """NEES of a run with its χ² bounds.
 
@@ -64,8 +65,6 @@ class Consistency:
     share_inside: float
     probability: float
     remark: str = ""
-
-    __repr__ = short_repr
 
     @property
     def verdict(self) -> str:

@@ -22,7 +22,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.consistency import nees_and_logarithm, require_axes
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 LEVEL: Final = 0.05
 """Probability that an honest covariance is called something else."""
@@ -50,7 +50,7 @@ class Interval:
     verdict: str
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Honesty:
     """Verdict about a covariance over many runs.
 
@@ -86,8 +86,6 @@ class Honesty:
     cause: str
     factor: float
     factor_bounds: tuple[float, float]
-
-    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:

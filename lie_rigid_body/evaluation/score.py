@@ -24,8 +24,9 @@ from lie_rigid_body.evaluation.statistics import (
     largest,
 )
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown, data_frame, report
-from lie_rigid_body.wording import counted, listed, short_repr
+from lie_rigid_body.wording import counted, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +40,7 @@ HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 """Headings of the columns of statistics."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class BiasEstimate:
     """Estimated biases of a gyro beside the true ones, rad/s.
 
@@ -53,10 +54,8 @@ class BiasEstimate:
     estimate: Array
     truth: Array
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class BestPossible:
     """Bounds of the total error at the samples of a score.
 
@@ -81,8 +80,6 @@ class BestPossible:
     unobserved: str
     beaten: bool
     calibrated: BestPossible | None = None
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, bound: UnavoidableError, stamps_ns: Integers, rms_deg: float) -> BestPossible:

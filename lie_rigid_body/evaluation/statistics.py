@@ -11,7 +11,7 @@ independent, whole runs are drawn again.
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
@@ -22,7 +22,8 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, quantity
 from lie_rigid_body.lie import vectors
-from lie_rigid_body.wording import short_repr, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown
 
 SMALLEST_LIMIT: Final = 1e-3
 """Least default limit of convergence, degrees."""
@@ -50,7 +51,7 @@ MOST_BLOCKS: Final = 500
 _NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*", re.ASCII)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Statistics:
     """Statistics of a non-negative error, in the unit of the error.
 
@@ -65,8 +66,6 @@ class Statistics:
     p95: float
     max: float
     final: float
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, errors: Array) -> Statistics:
@@ -148,7 +147,7 @@ def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
     return float(t_s[first] - t_s[0]) if first < len(errors) else None
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Limits:
     """Limits to the total error.
 
@@ -168,8 +167,6 @@ class Limits:
 
     max_rms_deg: float | None = None
     max_after: tuple[tuple[float, float], ...] = ()
-
-    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         if self.max_rms_deg is not None:
@@ -224,7 +221,7 @@ def _read(text: str, wanted: str) -> float:
     return float(match[1]) * units[match[2]]
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Difference:
     """Difference of the RMS errors of two estimates: below 0 where the first is better.
 
@@ -246,8 +243,6 @@ class Difference:
     better: int
     runs: int
     left_out: int = 0
-
-    __repr__ = short_repr
 
     @property
     def is_sure(self) -> bool:

@@ -37,7 +37,8 @@ from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.kalman_covariances import Steps, covariances
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat, right_jacobian
-from lie_rigid_body.wording import components, short_repr, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import components, shown
 
 LARGEST_DEVIATION: Final = 1e50
 """Largest standard deviation: squares and their ratios stay finite."""
@@ -83,7 +84,7 @@ class BiasNoise:
             deviation(name, value, or_zero=True)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class VectorReadings:
     """Readings of a vector that is constant in the world, such as gravity or the magnetic field.
 
@@ -105,8 +106,6 @@ class VectorReadings:
     bias: BiasNoise = BiasNoise()
     linear_errors: ArrayLike | None = None
 
-    __repr__ = short_repr
-
     def __post_init__(self) -> None:
         read_stamps("VectorReadings", self.stamps_ns)
         _matrices("linear_errors", self.linear_errors)
@@ -118,7 +117,7 @@ class VectorReadings:
             raise InputError(f"bias: {shown(self.bias)} is no BiasNoise: give for example BiasNoise(turn_on=0.03)")
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class AttitudeReadings:
     """Readings of the whole attitude, as of a star tracker.
 
@@ -132,8 +131,6 @@ class AttitudeReadings:
     stamps_ns: ArrayLike
     covariance: ArrayLike
 
-    __repr__ = short_repr
-
     def __post_init__(self) -> None:
         read_stamps("AttitudeReadings", self.stamps_ns)
         self.whitening()
@@ -146,7 +143,7 @@ class AttitudeReadings:
         return np.asarray(np.linalg.inv(factor_of(covariance)))
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class UnavoidableError:
     """Bounds of the attitude's error at each sample, for estimators that do not know the constants of the sensors.
 
@@ -171,8 +168,6 @@ class UnavoidableError:
     stamps_ns: Integers
     unobserved: str = ""
     calibrated: UnavoidableError | None = None
-
-    __repr__ = short_repr
 
     @staticmethod
     def rms(covariance: Array) -> float:

@@ -5,7 +5,6 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
@@ -17,7 +16,7 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.mechanics.array_input import as_numbers, require_finite
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
@@ -67,7 +66,7 @@ def dual_basis(flat: Array) -> Array:
     return np.asarray(dual)
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class MatrixLieAlgebra:
     """The real span of matrices Tᵃ with [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42).
 
@@ -78,8 +77,6 @@ class MatrixLieAlgebra:
     """
 
     generators: Matrix
-
-    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         self.generators.setflags(write=False)

@@ -12,7 +12,6 @@ Pattern Analysis and Machine Intelligence 13 (1991) 376-380, eqs. 38-43, with th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -21,7 +20,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.mechanics.array_input import real_array, require_share
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""
@@ -29,7 +28,7 @@ _THIN: Final = 1e-2
 """Squared width over squared length below which the width of a body is compared with the noise of the points."""
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class Displacement:
     """A displacement x ↦ A x + t of a rigid body in n dimensions: eq. (3), with the translation.
 
@@ -52,8 +51,6 @@ class Displacement:
     translation: Array
     residual: float
     determinacy: float
-
-    __repr__ = short_repr
 
     def apply(self, points: ArrayLike) -> Array:
         """The positions of displaced points of the body, whose distances are unchanged: eqs. (1) and (2).

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, Final, NoReturn
 
 import numpy as np
@@ -19,7 +18,8 @@ from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
-from lie_rigid_body.wording import call_repr, short_repr, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import call_repr, shown
 
 GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The Runge–Kutta methods of every group, by the public names of their steppers."""
@@ -28,7 +28,7 @@ STEPS_BETWEEN_PROJECTIONS: Final = 100
 """Steps between two projections onto the group; between them only round-off moves the element off it."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class GroupState:
     """A group element and the rate in its own frame, of one instant or of many.
 
@@ -42,8 +42,6 @@ class GroupState:
 
     element: NDArray[Any]
     rate: Array
-
-    __repr__ = short_repr
 
 
 class GroupMovingChart:

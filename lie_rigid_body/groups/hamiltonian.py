@@ -18,7 +18,8 @@ from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 from lie_rigid_body.mechanics.array_input import symmetrised
-from lie_rigid_body.wording import call_repr, short_repr
+from lie_rigid_body.short_dataclass import short_repr
+from lie_rigid_body.wording import call_repr
 
 
 class HamiltonsEquations(NamedTuple):

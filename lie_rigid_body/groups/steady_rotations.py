@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
@@ -14,7 +13,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 STEADY_TOLERANCE: Final = 1e-9
 """Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
@@ -41,7 +40,7 @@ class Stability(Enum):
     """The linearised motion grows exponentially."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class RelativeEquilibrium:
     """A steady rotation (relative equilibrium), the eigenvalues of the motion linearised about it, and its stability.
 
@@ -58,8 +57,6 @@ class RelativeEquilibrium:
     rate: Array
     eigenvalues: NDArray[np.complex128]
     stability: Stability
-
-    __repr__ = short_repr
 
     @property
     def growth_rate(self) -> float:

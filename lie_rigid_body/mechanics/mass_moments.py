@@ -5,8 +5,6 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -14,10 +12,10 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics.array_input import orthogonal_matrix, positive, real_array, symmetrised
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class MassMoments:
     """The moments of a mass distribution of orders 0, 1 and 2, the last of them K of eq. (10).
 
@@ -50,8 +48,6 @@ class MassMoments:
     mass: float
     centre: Array
     central_second_moment: Array
-
-    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         mass, central = float(positive("mass", self.mass, "kg")), second_moment_matrix(self.central_second_moment)

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -20,7 +19,7 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.mechanics.inertia import MOMENT_ROUND_OFF
 from lie_rigid_body.mechanics.rigid_body import RigidBody
 from lie_rigid_body.mechanics.state import State
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 KindOfTop: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
 Verdict: TypeAlias = Literal["stable", "unstable", "neutral"]
@@ -82,7 +81,7 @@ def conserved_body_axes(body: RigidBody) -> Array:
     return np.empty((0, 3)) if axis is None else body.principal_axes[:, [axis]].T.copy()
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class SymmetricTop:
     """Free motion of a symmetric top with moments I, I across its axis and J along it: two uniform rotations.
 
@@ -112,8 +111,6 @@ class SymmetricTop:
     rate_to_axis_rad: float
     rate_to_momentum_rad: float
 
-    __repr__ = short_repr
-
     @classmethod
     def of(cls, body: RigidBody, start: State) -> SymmetricTop | None:
         """The rates and angles of the motion, eq. (29), from a start, or None for a body that is no symmetric top."""
@@ -136,7 +133,7 @@ class SymmetricTop:
         )
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class SpinStability:
     """Stability of the steady spin about one principal axis, by eq. (29), under a small disturbance.
 
@@ -157,8 +154,6 @@ class SpinStability:
     spin_rate_rad_s: float
     growth_rate_1_s: float
     wobble_rate_rad_s: float
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, moments: Sequence[float], axis: int, spin_rate: float) -> SpinStability:

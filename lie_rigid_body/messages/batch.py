@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import Final
 
@@ -17,8 +16,8 @@ from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault, Sensors
 from lie_rigid_body.sensors.fault import LONGEST_TEXT
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Samples, Taken
-from lie_rigid_body.wording import short_repr
 
 POSE: Final = "pose"
 TWIST: Final = "twist"
@@ -32,7 +31,7 @@ Messages of equal times come in this order, after those of the truth.
 """
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Messages:
     """Messages of one topic.
 
@@ -48,8 +47,6 @@ class Messages:
     topic: str
     times_ns: Integers
     payloads: Payloads
-
-    __repr__ = short_repr
 
     def between(self, begin_ns: int, end_ns: int) -> Messages:
         """Those that are sent from one time on and before another one, ns."""
@@ -67,7 +64,7 @@ class Messages:
         return cls(parts[0].topic, np.concatenate([part.times_ns for part in parts]), Payloads(template, words))
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Batch:
     """The messages of what was taken from a simulation at once.
 
@@ -82,8 +79,6 @@ class Batch:
     poses: Payloads
     twists: Payloads
     sensors: tuple[Messages, ...] = ()
-
-    __repr__ = short_repr
 
     @property
     def topics(self) -> tuple[Messages, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -15,7 +14,7 @@ from lie_rigid_body.bounded_input import LONGEST_NAME, LONGEST_STRING
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.layout import FRAME, numbers_after
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 Bytes: TypeAlias = NDArray[np.uint8]
 """Rows of bytes, one payload in each, shape (N, size)."""
@@ -26,7 +25,7 @@ _ENCAPSULATION: Final = 2
 """Number of these bytes, without which a message has no layout."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Decoded:
     """Messages of one type.
 
@@ -46,8 +45,6 @@ class Decoded:
     numbers: Array
     frame_ids: tuple[str, ...]
     frames: Integers
-
-    __repr__ = short_repr
 
 
 def decode(payloads: Sequence[bytes], numbers: int, *, stamped: bool) -> Decoded:

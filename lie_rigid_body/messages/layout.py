@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Final, overload
 
@@ -13,7 +12,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.messages.template import Template
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
 """First bytes of a payload: plain CDR, little-endian, no options."""
@@ -42,7 +41,7 @@ def text(value: str) -> bytes:
     return struct.pack("<I", len(data) + 1) + data + b"\x00"
 
 
-@dataclass(frozen=True, eq=False)
+@short_dataclass(frozen=True, eq=False)
 class Payloads(Sequence[bytes]):
     """Messages of one size. Their bytes are laid out when they are asked for, or straight where they are wanted.
 
@@ -56,8 +55,6 @@ class Payloads(Sequence[bytes]):
 
     template: Template
     words: Integers
-
-    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.words)

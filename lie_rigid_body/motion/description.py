@@ -6,7 +6,7 @@ They are found without computing a state; ``explain`` prints them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from decimal import Decimal
 from typing import Final, Literal, TypeAlias, cast
 
@@ -26,7 +26,7 @@ from lie_rigid_body.mechanics.top import (
 )
 from lie_rigid_body.motion.closed_form.decimal_constants import Periods, Polhode, frame_and_polhode, precession_rate
 from lie_rigid_body.motion.closed_form.decimal_frames import PrincipalFrame, digits_for, is_steady, principal_axes
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 Vector: TypeAlias = tuple[float, float, float]
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
@@ -39,7 +39,7 @@ LINGERING: Final = 0.01
 the time, while that of a nearly symmetric top circles evenly."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Flips:
     """When the body rate along the intermediate axis changes its sign, so that this axis turns over.
 
@@ -61,10 +61,8 @@ class Flips:
     nearest_angle_rad: float
     sudden: bool
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Circulation:
     """How a motion that is not steady circulates about a principal axis.
 
@@ -98,17 +96,13 @@ class Circulation:
     tilt_max_rad: float
     flips: Flips | None
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class MotionConstants:
     """The regime of a motion, and its circulation unless it is steady."""
 
     regime: Regime
     circulation: Circulation | None
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, body: RigidBody, start: State) -> MotionConstants:
@@ -165,7 +159,7 @@ def _angle(across: Decimal, along: Decimal) -> float:
     return math.atan2(float(across / size), float(along / size))
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class PrincipalAxis:
     """One principal axis: its moment, its direction in the body frame, and the stability of a spin about it.
 
@@ -176,10 +170,8 @@ class PrincipalAxis:
     direction: Vector
     spin: SpinStability
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class FixedAxisRotation:
     """A rotation about a fixed axis.
 
@@ -197,20 +189,16 @@ class FixedAxisRotation:
     principal: tuple[int, ...]
     turn_s: float
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class BodyMomentum:
     """A component of the body momentum Mω that stays constant, along a direction of the body frame."""
 
     direction: Vector
     momentum_kg_m2_s: float
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Description:
     """Everything about a body and its motion that does not depend on time.
 
@@ -250,8 +238,6 @@ class Description:
     circulation: Circulation | None
     symmetric_top: SymmetricTop | None
     conserved_body_momenta: tuple[BodyMomentum, ...]
-
-    __repr__ = short_repr
 
 
 def describe(body: RigidBody, start: State) -> Description:

@@ -19,7 +19,6 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
@@ -32,10 +31,11 @@ from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_inte
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, WorkingMemory, nanoseconds, samples_within
 from lie_rigid_body.motion.moving_ensemble import InitialConditions, Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
-from lie_rigid_body.wording import call_repr, short_repr, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import call_repr, shown
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Method:
     """A stepper of rotations.
 
@@ -55,8 +55,6 @@ class Method:
     order: int
     integrators: Callable[[InitialConditions, float], Sequence[Integrator]]
     largest_turn: float = math.inf
-
-    __repr__ = short_repr
 
 
 def _munthe_kaas(tableau: Tableau) -> Method:

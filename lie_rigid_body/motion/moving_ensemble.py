@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -13,10 +12,10 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.motion import batch_shape, flat_batch
 from lie_rigid_body.motion.time_steps import TimeSteps, require_order
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class InitialConditions:
     """B bodies, each with its state at time 0.
 
@@ -37,8 +36,6 @@ class InitialConditions:
     inverse_inertia: Array
     attitude_xyzw: Array
     body_rate: Array
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, body: RigidBody, start: State) -> InitialConditions:

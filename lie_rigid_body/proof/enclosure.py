@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -29,7 +28,7 @@ from lie_rigid_body.proof.balls import (
 from lie_rigid_body.proof.exact_solution import exact_state
 from lie_rigid_body.proof.start import Start
 from lie_rigid_body.proof.taylor import taylor_state
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 WIDTH: Final = 2.0**-80
 """8e-25: how wide an `Enclosure` is at most, unless asked otherwise."""
@@ -38,7 +37,7 @@ _FIRST_BITS: Final = 128
 _MOST_BITS: Final = 1 << 16
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Enclosure:
     """Balls that hold the true state at one time.
 
@@ -55,8 +54,6 @@ class Enclosure:
     attitude_xyzw: Balls
     body_rate: Balls
     bits: int
-
-    __repr__ = short_repr
 
     def __reduce__(self) -> tuple[Callable[..., Enclosure], tuple[object, ...]]:
         """The balls as integers: python-flint does not pickle them, and rounds a radius up when it is made anew."""

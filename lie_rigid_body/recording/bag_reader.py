@@ -38,8 +38,8 @@ from lie_rigid_body.recording.topic_messages import (
     topic_messages,
 )
 from lie_rigid_body.sensors import SENSORS
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SOFTWARE, Segment
-from lie_rigid_body.wording import short_repr
 
 _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
@@ -53,7 +53,7 @@ NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})
 """Names for a bag whose topics have their usual ones."""
 
 
-@dataclass(kw_only=True)
+@short_dataclass(kw_only=True)
 class BagFacts:
     """Facts of a bag beside its poses, twists and readings.
 
@@ -97,8 +97,6 @@ class BagFacts:
     was_cut_off: bool = False
     sensors: Mapping[str, RawTrack] = field(default_factory=dict)
     name: str = UNNAMED
-
-    __repr__ = short_repr
 
     @property
     def as_written(self) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -16,7 +15,8 @@ from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
 from lie_rigid_body.recording.bag_files import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, TrackKey
 from lie_rigid_body.recording.topic_messages import texts
-from lie_rigid_body.wording import listed, short_repr, shortened, shown, suggestion
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import listed, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
 TRUTH: Final = (POSE, TWIST, SCENARIO)
@@ -33,7 +33,7 @@ def topic_types() -> dict[str, tuple[str, ...]]:
     return truth | {name: (kind,) for name, kind in SENSOR_TOPICS.items()}
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Body:
     """The topics of one body.
 
@@ -51,8 +51,6 @@ class Body:
     name: str
     tracks: Tracks
     fault: str = ""
-
-    __repr__ = short_repr
 
 
 def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> list[Body]:

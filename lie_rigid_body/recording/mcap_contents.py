@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Integers, windows
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 _NONE: Final = np.empty(0, dtype=np.int64)
 TrackKey: TypeAlias = tuple[str, str]
@@ -113,7 +113,7 @@ class RawTrack:
         return self.topic, self.message_type
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class FileSpan:
     """Number of messages in a file, and from when to when they were logged, ns."""
 
@@ -121,8 +121,6 @@ class FileSpan:
     count: int
     first_ns: int
     last_ns: int
-
-    __repr__ = short_repr
 
 
 def of_types(types: Container[str]) -> Wanted:
@@ -139,7 +137,7 @@ def unheard(count: int) -> None:
     """Take no notice of progress."""
 
 
-@dataclass
+@short_dataclass()
 class McapContents:
     """Messages and metadata of a file, or of several that continue each other.
 
@@ -171,8 +169,6 @@ class McapContents:
     files: list[FileSpan] = field(default_factory=list)
     again: list[Callable[[Collection[TrackKey]], Parts]] = field(default_factory=list)
     without_checksum: int = 0
-
-    __repr__ = short_repr
 
     def read(self, keys: Collection[TrackKey], progress: Progress = unheard) -> Iterator[Found]:
         """Messages of some tracks, part by part, perhaps among others: those that were kept, or else read again.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import struct
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Final
@@ -35,7 +35,7 @@ from lie_rigid_body.recording.records import (
     records,
     require,
 )
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
@@ -61,7 +61,7 @@ class NothingWholeError(BagError):
     """Error for a file without any whole message."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Recovery:
     """Account of what was recovered of a file.
 
@@ -87,8 +87,6 @@ class Recovery:
     of_the_last: int
     damaged: tuple[int, ...]
     rewritten: tuple[int, ...] = ()
-
-    __repr__ = short_repr
 
 
 def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:

@@ -21,8 +21,8 @@ from lie_rigid_body.recording.segments import (
     with_inertia,
 )
 from lie_rigid_body.recording.topic_messages import TakeReadings, TopicMessages
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.wording import short_repr
 
 Batches: TypeAlias = Iterable[tuple[TopicMessages, TopicMessages]]
 """Poses and twists in file order."""
@@ -38,7 +38,7 @@ _CLOSE: Final = 0.05
 """Largest turn, rad, that a line may stand for."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Block:
     """Samples that have both pose and twist, in the order of their stamps.
 
@@ -54,8 +54,6 @@ class Block:
     samples: Integers
     stamps_ns: Integers
     states: State
-
-    __repr__ = short_repr
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
         states = State.trusted(self.states.attitude_xyzw[rows], self.states.body_rate[rows])

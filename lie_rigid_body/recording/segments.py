@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -19,8 +19,8 @@ from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.errors import BagError, InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.topic_messages import TopicMessages
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.wording import short_repr
 
 MOST_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
@@ -136,7 +136,7 @@ def grid(clock: SampleClock, numbers: Integers) -> Integers:
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class PlacedMessages:
     """Messages of a sensor's topic that belong to one segment.
 
@@ -155,8 +155,6 @@ class PlacedMessages:
     messages: TopicMessages
     numbers: Integers
     times_ns: Integers
-
-    __repr__ = short_repr
 
 
 _Part: TypeAlias = tuple[int, slice | Integers | Booleans, Integers, Integers]

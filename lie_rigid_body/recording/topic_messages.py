@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -34,7 +34,8 @@ from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometr
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.sensors import SENSORS, Field, Topic
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import listed
 
 TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
 """Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""
@@ -66,7 +67,7 @@ Kind: TypeAlias = tuple[str | None, bytes]
 fields that are no values."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class TopicMessages:
     """Messages of a topic of float64 fields, in file order, with every field.
 
@@ -89,8 +90,6 @@ class TopicMessages:
     values: Array
     kinds: tuple[Kind, ...]
     kind: Integers
-
-    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.stamps_ns)
@@ -126,7 +125,7 @@ class TopicMessages:
         return cls(none, none, np.empty((0, width)), (), none)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class FaultMessages:
     """Messages of the topic of faults, in file order.
 
@@ -138,8 +137,6 @@ class FaultMessages:
 
     log_times_ns: Integers
     texts: tuple[str, ...]
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
@@ -230,7 +227,7 @@ def value_columns(topic: Topic, field: Field) -> Integers:
     return np.asarray(np.searchsorted(varying, numbers_of(topic, field)), dtype=np.int64)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class AttitudeTrack:
     """The attitudes of one topic, in file order.
 
@@ -254,8 +251,6 @@ class AttitudeTrack:
     covariance: Array | None
     frame: str
     child_frame: str = ""
-
-    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.stamps_ns)

@@ -13,7 +13,8 @@ from typing import Final
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.report import certificates, figures, html_page
-from lie_rigid_body.wording import counted, printable, short_repr, shortened
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import counted, printable, shortened
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
 _COLUMNS: Final = "{:<9} {:>9} {:>8} {:<34} {:>7}  {}"
@@ -25,7 +26,7 @@ MOST_MESSAGES: Final = 100
 """Largest number of broken laws that are told in words."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Verdict:
     """Certificate of one body of a bag, or the reason why there is none.
 
@@ -44,8 +45,6 @@ class Verdict:
     body: str | None
     certificate: Certificate | None
     reason: str = ""
-
-    __repr__ = short_repr
 
     @property
     def name(self) -> str:

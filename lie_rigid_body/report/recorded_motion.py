@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -12,7 +11,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.samples import RecordedSegment
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
 """Colours of the x, y and z components, distinct in every kind of colour vision."""
@@ -126,7 +125,7 @@ VIEWS: Final = tuple(
 """Views that a polhode may be seen from: off the axes, so that all three are seen."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Ellipsoid:
     """Ellipsoid ½ Σ Iᵢωᵢ² = H of the kinetic energy, on which the body rate runs in the principal frame.
 
@@ -140,8 +139,6 @@ class Ellipsoid:
 
     radii: Array
     polhode: Array
-
-    __repr__ = short_repr
 
     @classmethod
     def of(cls, piece: RecordedSegment, most: int) -> Ellipsoid | None:

@@ -13,7 +13,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, BinaryIO, Final, TypeAlias
@@ -26,7 +26,8 @@ from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
 from lie_rigid_body.runs.run import Run
-from lie_rigid_body.wording import printable, short_repr, shortened, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import printable, shortened, shown
 
 Estimator: TypeAlias = Callable[[Run], Any]
 
@@ -82,7 +83,7 @@ def told(error: BaseException) -> str:
     return f"the filter failed, {line}{said(error)}{remedy}"
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class NamedFunction:
     """A function that any process of this machine finds by the names of its module and its own.
 
@@ -93,8 +94,6 @@ class NamedFunction:
     """
 
     name: str
-
-    __repr__ = short_repr
 
     def load(self) -> Estimator:
         """The function, in a module of the working directory or one that is installed.
@@ -119,7 +118,7 @@ class NamedFunction:
         return found
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class CommandEstimator:
     """An estimator that starts a program for each run.
 
@@ -133,8 +132,6 @@ class CommandEstimator:
 
     command: str
     timeout_s: float = 60.0
-
-    __repr__ = short_repr
 
     def load(self) -> Estimator:
         """The estimator itself, for a process that is told where one is."""

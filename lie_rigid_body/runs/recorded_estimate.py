@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -34,14 +34,15 @@ from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, Kept
 from lie_rigid_body.runs.run import OWN_TOPICS, Run
 from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.wording import listed
 
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class RecordedEstimate:
     """The attitudes of a topic, and their truth.
 
@@ -66,8 +67,6 @@ class RecordedEstimate:
     notes: tuple[str, ...] = ()
     left_out: int = 0
     gyro_bias: BiasEstimate | None = None
-
-    __repr__ = short_repr
 
     @property
     def covariance(self) -> Array | None:

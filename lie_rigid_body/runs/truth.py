@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +15,9 @@ from lie_rigid_body.evaluation.consistency import covariance_fault
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.definitions import IMU
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import short_repr, shown
+from lie_rigid_body.wording import shown
 
 
 class ScenarioTruth(Truth):
@@ -124,7 +124,7 @@ class _Correction(SampledTruth):
         return max(before, super().uncertainty_at(stamps_ns))
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class TrueMotion:
     """True motion as it is told: by scenarios, poses, or both.
 
@@ -137,8 +137,6 @@ class TrueMotion:
 
     segments: tuple[Segment, ...]
     poses: AttitudeTrack | None
-
-    __repr__ = short_repr
 
     @property
     def frames(self) -> tuple[str, str] | None:

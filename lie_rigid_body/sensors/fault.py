@@ -15,7 +15,8 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.sensors.noise import Draws
 from lie_rigid_body.sensors.parameters import Values, values_of
-from lie_rigid_body.wording import short_repr, shown
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -38,7 +39,7 @@ END_OF_TIME: Final = 2**62
 """A time since a start that no run reaches, ns."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Fault:
     """One fault of a sensor, from its begin to its end.
 
@@ -64,8 +65,6 @@ class Fault:
     begin_ns: int
     end_ns: int | None
     size: float | None = None
-
-    __repr__ = short_repr
 
     def later(self, by_ns: int) -> Fault:
         """Move the fault to a later time, by so many ns."""

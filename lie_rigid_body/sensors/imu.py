@@ -29,7 +29,7 @@ from lie_rigid_body.sensors.parameters import (
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -40,7 +40,7 @@ LARGEST_TURN_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class OrientationModel:
     """The model of an orientation: exp(n_k) ⊗ A, with A the attitude and n_k a small rotation in the world frame.
 
@@ -54,8 +54,6 @@ class OrientationModel:
 
     inclination_noise: float
     heading_noise: float
-
-    __repr__ = short_repr
 
     @property
     def covariance(self) -> tuple[float, ...]:

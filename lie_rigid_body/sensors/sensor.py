@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field, is_dataclass
+from dataclasses import KW_ONLY, field, is_dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,7 +17,7 @@ from lie_rigid_body.parameters import Parameter, Vector
 from lie_rigid_body.sensors.fault import Delivery, Faulty
 from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signal
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -84,7 +84,7 @@ class Instrument(ABC):
         return parts[0] if len(parts) == 1 else {n: np.concatenate([part[n] for part in parts]) for n in parts[0]}
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class VectorAid:
     """A vector known in the world that a sensor reads in the body frame: it tells of the attitude.
 
@@ -108,15 +108,13 @@ class VectorAid:
     bias_step: float = 0.0
     linear_errors: Array = field(default_factory=lambda: np.zeros((0, 3, 3)), compare=False)
 
-    __repr__ = short_repr
-
     @property
     def is_exact(self) -> bool:
         """Whether there is no noise."""
         return not self.noise
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class AttitudeAid:
     """An attitude that a sensor reads, worst about one axis of the body.
 
@@ -132,15 +130,13 @@ class AttitudeAid:
     about: float
     across: float
 
-    __repr__ = short_repr
-
     @property
     def is_exact(self) -> bool:
         """Whether a rotation about some axis has no noise."""
         return not (self.about and self.across)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class SensorModel:
     """A sensor as its parameters describe it; each kind adds what is particular to it.
 
@@ -158,8 +154,6 @@ class SensorModel:
     seed: int
     _: KW_ONLY
     delivery: Delivery | None = None
-
-    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
@@ -204,7 +198,7 @@ def _faulty_in(part: object) -> Iterator[Faulty]:
             yield from _faulty_in(value)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Field:
     """A field of a sensor's message that differs from reading to reading.
 
@@ -235,15 +229,13 @@ class Field:
     numbers: tuple[int, ...] = ()
     shape: tuple[int, ...] = ()
 
-    __repr__ = short_repr
-
 
 def diagonal(variance: float) -> tuple[float, ...]:
     """Covariance, row by row, of three independent components of one variance."""
     return (variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Topic:
     """A topic of a sensor: messages of a std_msgs/Header and float64 numbers.
 
@@ -271,10 +263,8 @@ class Topic:
     frame: str = "body_frame"
     fixed: Callable[[Any], Mapping[str, tuple[float, ...]]] | None = None
 
-    __repr__ = short_repr
 
-
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Sensor:
     """An entry of the table of sensors: everything particular to one sensor.
 
@@ -317,8 +307,6 @@ class Sensor:
     attribute: str = ""
     prefixes: tuple[str, ...] = ()
     switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-
-    __repr__ = short_repr
 
     @property
     def switch(self) -> str:

@@ -13,7 +13,7 @@ from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.parameters import Values, values_of
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 FINEST_RESOLUTION: Final = 1e-18
 """Finest step of a converter, in the sensor's unit: far finer than any instrument, and no count of steps overflows."""
@@ -91,7 +91,7 @@ class Converter:
         return self.resolution * self.resolution / 12.0
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Conditioning:
     """What decides how far a signal may differ: its round-off, and what errors of the body's state make of it.
 
@@ -107,8 +107,6 @@ class Conditioning:
 
     numbers: Array
     span: float = 0.0
-
-    __repr__ = short_repr
 
     @classmethod
     def of(
@@ -128,7 +126,7 @@ class Conditioning:
         return replace(self, numbers=self.numbers + parts)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Signal:
     """One quantity of an instrument before its converter.
 
@@ -146,8 +144,6 @@ class Signal:
     values: Array
     converter: Converter | None = None
     condition: Callable[[], Conditioning] | None = None
-
-    __repr__ = short_repr
 
     def read(self) -> Array:
         """The readings, of the shape of the values."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any, Final, cast
 
 from lie_rigid_body.errors import ParameterError
@@ -16,7 +15,8 @@ from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
 from lie_rigid_body.sensors.parameters import WINDOW_PARAMETERS, fault_switches
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
-from lie_rigid_body.wording import listed, short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import listed
 
 SLOWEST_RATE: Final = 1e-6
 """Smallest sampling rate of a sensor, Hz."""
@@ -93,7 +93,7 @@ SENSORS: Final = SensorTable(IMU, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
 """The sensors that there can be on a body."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Sensors:
     """The sensors on the body. Build them with `from_parameters`, which validates.
 
@@ -106,8 +106,6 @@ class Sensors:
     """
 
     models: tuple[tuple[str, SensorModel], ...] = ()
-
-    __repr__ = short_repr
 
     @classmethod
     def from_parameters(cls, given: Mapping[str, object] | None = None) -> Sensors:

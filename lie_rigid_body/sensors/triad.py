@@ -18,7 +18,7 @@ from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty, nanoseco
 from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.sensors.signal import Converter, Signal
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 LARGEST_SCALE_FACTOR: Final = 1e6
 
@@ -201,7 +201,7 @@ class FaultyTriad:
         return signal
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class TriadModel:
     """The model of a triad that measures the true quantity x, given in the body frame.
 
@@ -239,8 +239,6 @@ class TriadModel:
     misalignment: Vector
     converter: Converter
     faults: TriadFaults | None = None
-
-    __repr__ = short_repr
 
     @classmethod
     def from_values(cls, sensor: str, values: Values) -> TriadModel:

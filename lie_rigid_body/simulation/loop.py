@@ -17,11 +17,12 @@ from lie_rigid_body.motion import Motion
 from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation.fault_log import FaultLog
 from lie_rigid_body.simulation.measurement import Measurement
 from lie_rigid_body.simulation.samples import SampleQueue, Samples, SensorSamples
 from lie_rigid_body.simulation.segment import SampleClock, Segment
-from lie_rigid_body.wording import call_repr, short_repr
+from lie_rigid_body.wording import call_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
 """A function that makes the motions of a scenario; see `motions_of`."""
@@ -32,7 +33,7 @@ STEPS_AHEAD: Final = 64
 """Largest number of integrator steps for samples that are not wanted yet, about 1 ms."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Taken:
     """Samples of the truth and readings of the sensors that were taken from a simulation at once, all of one segment.
 
@@ -52,8 +53,6 @@ class Taken:
     sensors: Mapping[str, SensorSamples] = field(default_factory=dict)
     faults: tuple[Fault, ...] = ()
     scenario: Scenario | None = None
-
-    __repr__ = short_repr
 
 
 class _RunningSegment:

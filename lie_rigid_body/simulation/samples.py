@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -11,11 +10,11 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import State
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation.segment import Arrivals, SampleClock
-from lie_rigid_body.wording import short_repr
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Samples:
     """States and their stamps.
 
@@ -28,8 +27,6 @@ class Samples:
 
     stamps_ns: Integers
     states: State
-
-    __repr__ = short_repr
 
     @property
     def times_ns(self) -> Integers:
@@ -49,7 +46,7 @@ class Samples:
         return Samples(np.concatenate([self.stamps_ns, later.stamps_ns]), State.trusted(attitude, body_rate))
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class SensorSamples:
     """Readings of a sensor with their times.
 
@@ -69,8 +66,6 @@ class SensorSamples:
     stamps_ns: Integers
     lost: Booleans
     arrays: Mapping[str, Array]
-
-    __repr__ = short_repr
 
     def __len__(self) -> int:
         return len(self.times_ns)

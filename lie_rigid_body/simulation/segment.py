@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any, Final
@@ -16,7 +15,7 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Delivery
-from lie_rigid_body.wording import short_repr
+from lie_rigid_body.short_dataclass import short_dataclass
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
@@ -24,7 +23,7 @@ LONGEST_TEXT: Final = 64 * 1024
 """Largest length of a scenario message that is read, characters; this package writes about 2000."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class SampleClock:
     """Stamps by sample number: ``epoch_ns + round(k · 1e9 / rate)``, in exact arithmetic.
 
@@ -38,8 +37,6 @@ class SampleClock:
 
     epoch_ns: int
     rate: float
-
-    __repr__ = short_repr
 
     @cached_property
     def period_ns(self) -> Fraction:
@@ -95,7 +92,7 @@ class SampleClock:
         return min(max(end, self.stamp_ns(count - 1)), self.stamp_ns(count) - 1)
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Segment:
     """The torque-free motion between two resets, as a bag declares it.
 
@@ -112,8 +109,6 @@ class Segment:
     scenario: Scenario
     first_sample: int
     start_ns: int
-
-    __repr__ = short_repr
 
     def to_json(self) -> str:
         """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""
