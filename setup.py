@@ -84,8 +84,6 @@ EXTRAS = {
     "campaign": CAMPAIGN,
     # check --report, campaign --report: pages with figures that can be turned and played
     "report": [PLOTLY],
-    # bags that rosbag2 wrote with SQLite
-    "sqlite": ["rosbags>=0.11"],
     "test": [
         *CAMPAIGN,
         "ahrs",

@@ -37,7 +37,6 @@ EXTRAS = {
     "proof": ("flint",),
     "report": ("plotly",),
     "ros": ("rclpy",),
-    "sqlite": ("rosbags",),
 }
 """Extras of the package, and the modules that each brings."""
 

@@ -20,5 +20,5 @@ def progress_bar(bags: Iterable[str | Path], passes: int = 3) -> Any:
 def size(bag: str | Path) -> int:
     """Number of bytes of a bag's files; 0 where there are none."""
     path = Path(bag)
-    files = [*path.glob("*.mcap"), *path.glob("*.db3")] if path.is_dir() else [path]
+    files = path.glob("*.mcap") if path.is_dir() else [path]
     return sum(file.stat().st_size for file in files if file.is_file())

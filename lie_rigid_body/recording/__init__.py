@@ -8,7 +8,7 @@
 - `inflation`: the records of a chunk, within bounds;
 - `recovery`: what is whole of a file, or of a folder of them, that was cut off;
 - `mcap_contents`, `mcap_reader`: a file as raw messages;
-- `bag_files`: the files of a bag, held against the metadata of their folder, those in SQLite, and the bags of a folder;
+- `bag_files`: the files of a bag, held against the metadata of their folder, and the bags of a folder;
 - `topic_messages`: raw messages of a topic as arrays;
 - `bodies`, `bag_reader`: the bodies of a bag, and each as arrays;
 - `segments`, `samples`: a bag as samples, segment by segment, and the readings of its sensors by their clocks.

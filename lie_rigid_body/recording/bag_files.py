@@ -1,17 +1,12 @@
-"""The files that a bag is made of, held against the metadata.yaml of their folder, and the bags in a folder.
-
-SQLite files of rosbag2 are read where the library `rosbags` is installed.
-"""
+"""The files that a bag is made of, held against the metadata.yaml of their folder, and the bags in a folder."""
 
 from __future__ import annotations
 
 import os
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from functools import partial
-from itertools import islice
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,33 +14,17 @@ from lie_rigid_body.bounded_input import LARGEST_METADATA, as_path, load_yaml, r
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
-from lie_rigid_body.recording.mcap_contents import (
-    FileSpan,
-    McapContents,
-    Parts,
-    Progress,
-    RawMessages,
-    RawTrack,
-    TrackKey,
-    Wanted,
-    unheard,
-)
+from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
-from lie_rigid_body.recording.records import LAST_TIME
 from lie_rigid_body.wording import shown
 
 METADATA: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""
 
-SQLITE: Final = ".db3"
-SUFFIXES: Final = (".mcap", SQLITE)
-"""Suffixes of the names of bags."""
+SUFFIXES: Final = (".mcap", ".db3")
+"""Suffixes of the names of bags: those in SQLite are found as well, and refused with the remedy."""
 
-_KINDS: Final = {str: "text", float: "a real number", int: "an integer", bytes: "a blob"}
-"""Words for the types of values in the tables of SQLite."""
-_AT_ONCE: Final = 4096
-"""Number of messages of an SQLite file that are read together."""
 _TOLERANCE_NS: Final = NS
 """A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
 _PER_MESSAGE: Final = 100
@@ -61,7 +40,7 @@ class BagFiles:
     Parameters
     ----------
     path : str or Path
-        An MCAP file, or an SQLite file of rosbag2, or a rosbag2 folder of either.
+        An MCAP file, or a rosbag2 folder of them.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass.
 
@@ -98,7 +77,7 @@ class BagFiles:
         contents = McapContents(wanted)
         for file in self.files:
             kept = 0
-            for size, found in (_read_database if file.suffix == SQLITE else read_file)(file, contents):
+            for size, found in read_file(file, contents):
                 contents.kept.append(found)
                 kept += sum(len(messages.data) + len(messages) * _PER_MESSAGE for messages in found.values())
                 if kept > max(_KEPT_AT_LEAST, _KEPT_PER_BYTE * file.stat().st_size):
@@ -154,7 +133,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
         return [path / str(name) for name in information["relative_file_paths"]]
     files = sorted((file for suffix in SUFFIXES for file in path.glob(f"*{suffix}")), key=natural_order)
     if not files:
-        raise BagError(f"{path} is a folder without MCAP or SQLite files: give a bag")
+        raise BagError(f"{path} is a folder without MCAP files: give a bag")
     if len(files) > 1 and not is_one_bag(path):
         raise BagError(f"{path} holds {len(files)} bags, not one recording: give one of them")
     return [file for file in files if file.suffix == SUFFIXES[0]] or files
@@ -215,8 +194,7 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
     present = {path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")}
     for name in sorted(present - {str(name) for name in said["relative_file_paths"]}):
         yield f"relative_file_paths: {name} is left out"
-    storage = "sqlite3" if spans[0].name.endswith(SQLITE) else "mcap"
-    yield from _differs("storage_identifier", said.get("storage_identifier", storage), storage)
+    yield from _differs("storage_identifier", said.get("storage_identifier", "mcap"), "mcap")
     yield from _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")
     yield from _span_misfits("", said, whole)
     if "topics_with_message_count" in said:
@@ -257,7 +235,7 @@ def natural_order(path: Path) -> list[tuple[int, str]]:
 
 
 def bags_in(folder: Path) -> list[Path]:
-    """The bags in a folder and the folders below it: MCAP and SQLite files, and rosbag2 folders, each as one.
+    """The bags in a folder and the folders below it: files and rosbag2 folders, each as one.
 
     Folders that are hidden, or symbolic links, are left out.
 
@@ -292,91 +270,3 @@ def files_of(bag: str | Path) -> Iterator[Path]:
         with suppress(BagError):
             yield from BagFiles(each).files
         yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
-
-
-def _read_database(path: Path, contents: McapContents) -> Parts:
-    """Read a file, and count its messages, some thousand at a time, in the order of their log times.
-
-    Parameters
-    ----------
-    path : Path
-    contents : McapContents
-        What it holds is added there.
-
-    Yields
-    ------
-    size : int
-        Bytes that were read, about.
-    found : Found
-        Those messages among the last ones that are wanted.
-
-    Raises
-    ------
-    BagError
-        If the file cannot be read, or rosbags is not installed.
-    """
-    with _opened(path) as reader:
-        tracks = {(track := _track(connection, contents)).key: track for connection in reader.connections}
-        count, first, last = 0, LAST_TIME, 0
-        for size, found in _read(path, reader, tracks):
-            for key, messages in found.items():
-                tracks[key].count += len(messages)
-                count += len(messages)
-                first, last = min(first, int(messages.log_times_ns.min())), max(last, int(messages.log_times_ns.max()))
-            yield size, {key: messages for key, messages in found.items() if contents.wanted(*key)}
-    contents.files.append(FileSpan(path.name, count, first, last))
-    contents.again.append(partial(_read_again, path))
-    contents.without_checksum += 1
-
-
-def _read_again(path: Path, keys: Collection[TrackKey]) -> Parts:
-    with _opened(path) as reader:
-        yield from _read(path, reader, keys)
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """Context of a reader of the file, whose errors are told in one line."""
-    try:
-        from rosbags.rosbag2 import Reader
-    except ModuleNotFoundError:
-        raise BagError(
-            f"{path} is an SQLite bag: install the library that reads it, pip install 'lie-rigid-body[sqlite]', or "
-            "record with 'ros2 bag record -s mcap'"
-        ) from None
-    if not path.exists():
-        raise BagError(f"{path} does not exist: give the path of a bag")
-    try:
-        with Reader(path) as reader:
-            yield reader
-    except (BagError, MemoryError):
-        raise
-    except Exception as error:  # the library's, and those of the library below it
-        what = " ".join(f"{type(error).__name__}: {error}".split())
-        if isinstance(error, AttributeError | KeyError | TypeError):  # SQLite takes values of any type in any column
-            what = "a column of its tables has a value of another type, or one that is unknown"
-        raise BagError(f"{path} cannot be read as an SQLite bag: {what:.80}: restore a copy, or record again") from None
-
-
-def _read(path: Path, reader: Any, keys: Collection[TrackKey]) -> Parts:
-    """Bytes that were read, about, and messages of some tracks, some thousand at a time."""
-    own = [connection for connection in reader.connections if (connection.topic, connection.msgtype) in keys]
-    messages, size = reader.messages(own), path.stat().st_size
-    total = max(1, sum(connection.msgcount for connection in own))
-    while own and (some := list(islice(messages, _AT_ONCE))):
-        by_track: dict[TrackKey, list[tuple[int, bytes]]] = {}
-        for connection, time, data in some:
-            for column, value, kind in (("timestamp", time, int), ("data", data, bytes)):
-                if not isinstance(value, kind):
-                    raise BagError(
-                        f"{path} is damaged: a message on {connection.topic} has {_KINDS.get(type(value), 'nothing')} "
-                        f"in the column {column}, where {_KINDS[kind]} belongs: restore a copy, or record again"
-                    )
-            by_track.setdefault((connection.topic, connection.msgtype), []).append((time, data))
-        yield size * len(some) // total, {key: RawMessages.of_payloads(of) for key, of in by_track.items()}
-
-
-def _track(connection: Any, contents: McapContents) -> RawTrack:
-    key, encoding = (connection.topic, connection.msgtype), connection.ext.serialization_format
-    kind = "ros2msg" if connection.msgdef.format.name == "MSG" else ""
-    return contents.tracks.setdefault(key, RawTrack(*key, encoding, (kind, connection.msgdef.data.encode())))

@@ -16,6 +16,7 @@ from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body import Run
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.recording.bag_files import bags_in
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
@@ -151,13 +152,24 @@ def test_a_folder_of_several_bags_is_not_one(make_bag: MakeBag, tmp_path: Path) 
 
 
 def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BagError, match="is a folder without MCAP or SQLite files"):
+    with pytest.raises(BagError, match="is a folder without MCAP files"):
         read_bag(tmp_path)
     with pytest.raises(BagError, match=r"none.mcap does not exist"):
         read_bag(folder(tmp_path, "none.mcap"))
     (tmp_path / "folder" / "metadata.yaml").write_text("[")
     with pytest.raises(BagError, match="reindex"):
         read_bag(tmp_path / "folder")
+
+
+@pytest.mark.parametrize("with_metadata", [True, False])
+def test_a_bag_in_sqlite_is_found_and_refused(tmp_path: Path, with_metadata: bool) -> None:
+    bag = folder(tmp_path, "folder_0.db3")
+    (bag / "folder_0.db3").write_bytes(b"SQLite format 3\x00...")
+    if not with_metadata:
+        (bag / "metadata.yaml").unlink()
+    assert bags_in(tmp_path) == [bag]
+    with pytest.raises(BagError, match="folder_0.db3 is not an MCAP file: it is an SQLite bag"):
+        read_bag(bag)
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
