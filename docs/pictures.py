@@ -29,9 +29,9 @@ from lie_rigid_body.groups import (
 )
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.recording.bag_reader import read_bag
-from lie_rigid_body.recording.samples import recorded_segments
 from lie_rigid_body.report import write_plot
 from lie_rigid_body.report.recording_picture import draw
+from lie_rigid_body.report.thinned import thinned_segments
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -134,7 +134,7 @@ def dzhanibekov() -> Figure:
     with TemporaryDirectory() as folder:
         bag = f"{folder}/flips.mcap"
         record([bag, "--scenario", "dzhanibekov", "--duration", "60", "--quiet"])
-        return draw(recorded_segments(read_bag(bag)))
+        return draw(thinned_segments(read_bag(bag)))
 
 
 def first_score() -> Score:

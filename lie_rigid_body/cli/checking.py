@@ -18,7 +18,6 @@ from typing import Final
 from lie_rigid_body import console
 from lie_rigid_body.bounded_input import real
 from lie_rigid_body.certificate.certification import certify, passes
-from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
@@ -27,10 +26,10 @@ from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import topic_types
-from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_page
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
+from lie_rigid_body.report.thinned import ResidualsOverTime, thinned_segments
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import listed
 
@@ -56,9 +55,9 @@ def check(given: argparse.Namespace) -> int:
             bar.total = size(name) * (1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag)))
             verdicts = judge_bodies(name, bodies, inertia)
         else:
-            bar.total = size(name) * (1 + passes(first, residuals) + 2 * (residuals is not None))
+            bar.total = size(name) * (1 + passes(first, residuals) + (residuals is not None))
             certificate = certify(first, inertia, residuals)
-            pieces = thinned_segments(first, inertia) if residuals and certificate.segments else []
+            pieces = thinned_segments(first, certificate) if residuals and certificate.segments else []
     if others or isinstance(first, BagError):
         return _answer(given, verdicts)
     proof = None

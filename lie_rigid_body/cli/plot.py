@@ -42,9 +42,9 @@ def main(given: argparse.Namespace) -> int:
 
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.recording.bag_reader import Bag
-    from lie_rigid_body.recording.samples import thinned_segments
     from lie_rigid_body.report.drawing import answer, png
     from lie_rigid_body.report.recording_picture import draw
+    from lie_rigid_body.report.thinned import thinned_segments
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))

@@ -63,7 +63,9 @@ _Place: TypeAlias = tuple[int, int, dict[TrackKey, list[int]]]
 """Bytes where a part with messages begins and ends, and the channels in it by their tracks."""
 _PROFILES: Final = ("ros2", "")
 _OTHER_FORMATS: Final = {
-    b"SQLite format 3\x00": "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it with 'ros2 bag convert'",
+    b"SQLite format 3\x00": (
+        "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it with 'ros2 bag convert'"
+    ),
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
     ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
 }

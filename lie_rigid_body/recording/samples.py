@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -30,12 +29,6 @@ Topics: TypeAlias = tuple[TopicMessages, ...]
 """Poses and twists with their stamps, or none of either."""
 _HELD_BACK: Final = 1024
 """Number of samples that wait for others which stand behind them in the file, though they come first."""
-_ALL_OF: Final = 20_000
-"""Number of samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
-_BUCKETS: Final = 2000
-"""Number of pieces of a long bag of which the extreme samples are drawn: a picture has as many columns."""
-_CLOSE: Final = 0.05
-"""Largest turn, rad, that a line may stand for."""
 
 
 @short_dataclass(frozen=True)
@@ -127,30 +120,6 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
             f"{bag.name}: {bag.twist_count} twists without stamps cannot be paired with {bag.pose_count} poses: "
             "run the node with stamped_twist true, or record with it"
         )
-
-
-@dataclass(frozen=True)
-class RecordedSegment(Block):
-    """Samples of one segment, as recorded. See `Block` for the other parameters.
-
-    Parameters
-    ----------
-    segment : Segment
-        As the bag declares it.
-    count : int
-        Number of samples that the bag has of it: more than N where they were thinned.
-    close : int
-        Number of samples, from the first one on, that follow each other so closely that a line between them is a curve.
-    """
-
-    segment: Segment
-    count: int
-    close: int
-
-    @classmethod
-    def of(cls, segment: Segment, blocks: Sequence[Block], count: int, close: int) -> RecordedSegment:
-        """A segment with samples in blocks that follow each other."""
-        return cls(**vars(Block.joined(blocks)), segment=segment, count=count, close=close)
 
 
 def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[Segment]:
@@ -260,8 +229,8 @@ def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count
         raise BagError(f"{name}: no sample has both a pose and a twist of the same stamp: record both topics together")
 
 
-def recorded_segments(bag: Bag | Recording) -> list[RecordedSegment]:
-    """Segments of a bag with all their samples, in memory; those without a sample, that a reset followed, left out.
+def recorded_segments(bag: Bag | Recording) -> list[tuple[Segment, Block]]:
+    """Segments of a bag with all their samples; those without a sample, that a reset followed, left out.
 
     Raises
     ------
@@ -272,81 +241,17 @@ def recorded_segments(bag: Bag | Recording) -> list[RecordedSegment]:
     """
     segments = bag_segments(bag)
     blocks: list[list[Block]] = [[] for _ in segments]
-    places = _read(bag, segments, lambda i, block: blocks[i].append(block))
-    counts = [sum(len(block.samples) for block in own) for own in blocks]
-    return [RecordedSegment.of(segments[i], blocks[i], counts[i], counts[i]) for i in places]
-
-
-def thinned_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[RecordedSegment]:
-    """Segments of a bag with so few of their samples that they can be drawn, and look as all would.
-
-    Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
-    momentum or in energy. A curve through them has the envelope of all. See `recorded_segments` for errors.
-
-    Parameters
-    ----------
-    bag : Bag or Recording
-    inertia : sequence of float, optional
-        Principal moments in place of the declared inertia, kg m².
-    """
-    segments = bag_segments(bag, inertia)
-    counts = Counter[int]()
-    places = _read(bag, segments, lambda i, block: counts.update({i: len(block.samples)}))
-    size = -(-counts.total() // _BUCKETS)
-    thinning = [_Thinning(segment, counts[i], size) for i, segment in enumerate(segments)]
-    for i, block in numbered_blocks(bag, segments):
-        thinning[i].add(block)
-    return [thinning[i].result() for i in places]
-
-
-def _read(bag: Bag | Recording, segments: Sequence[Segment], take: Callable[[int, Block], object]) -> list[int]:
-    """Read a bag, and have its numbered samples taken; return the places of the segments that have or lack samples."""
-    seen, count, first_ns = set[int](), 0, int(np.iinfo(np.int64).max)
+    seen, first_ns = set[int](), int(np.iinfo(np.int64).max)
     for topics, block, _ in paired(bag, segments, bag.batches()):
         for topic in topics:
             seen.update(i for i, _ in segment_parts(segments, topic.stamps_ns))
         for topic in topics[: 1 + bag.stamped]:
             first_ns = int(topic.stamps_ns.min(initial=first_ns))
         for i, part in numbered(segments, [block]):
-            count += len(part.samples)
-            take(i, part)
-    require_samples(bag.name, segments, first_ns, count)
-    return [i for i, _ in segments_with_samples(segments, seen, whole=bag.as_written)]
-
-
-class _Thinning:
-    """Samples of a segment as they come: of the first ones enough for a curve, of all the extreme ones."""
-
-    def __init__(self, segment: Segment, count: int, size: int) -> None:
-        scenario = segment.scenario
-        turn = scenario.rate_bound() / scenario.rate
-        self._segment, self._count, self._size, self._body = segment, count, size, scenario.body()
-        self._stride = 1 if count <= _ALL_OF else max(1, int(min(_CLOSE, count * turn) / (turn or 1.0)))
-        self._resolved = _ALL_OF * self._stride
-        self._kept: list[Block] = []
-        self._taken = self._close = 0
-
-    def add(self, block: Block) -> None:
-        """Take the samples that come next."""
-        for i in range(0, len(block.samples), self._size):
-            bucket = block[i : i + self._size]
-            places = self._taken + np.arange(len(bucket.samples))
-            of_curve = np.flatnonzero((places % self._stride == 0) & (places < self._resolved))
-            chosen = np.union1d(self._extreme(bucket), of_curve)
-            self._close += int(np.count_nonzero(places[chosen] < self._resolved))
-            self._kept.append(bucket[chosen])
-            self._taken += len(places)
-
-    def _extreme(self, bucket: Block) -> Integers:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
-            energy = self._body.kinetic_energy(bucket.states)
-            momentum = self._body.angular_momentum(bucket.states)
-        columns = np.column_stack([bucket.states.body_rate, energy, momentum])
-        return np.unique([columns.argmin(axis=0), columns.argmax(axis=0)])
-
-    def result(self) -> RecordedSegment:
-        """Return the segment with what was kept."""
-        return RecordedSegment.of(self._segment, self._kept, self._count, self._close)
+            blocks[i].append(part)
+    require_samples(bag.name, segments, first_ns, sum(len(part.samples) for own in blocks for part in own))
+    places = [i for i, _ in segments_with_samples(segments, seen, whole=bag.as_written)]
+    return [(segments[i], Block.joined(blocks[i])) for i in places]
 
 
 def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:

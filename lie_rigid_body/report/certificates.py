@@ -11,10 +11,9 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
-from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof
-from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report import figures, html_page
+from lie_rigid_body.report.thinned import RecordedSegment, ResidualsOverTime
 from lie_rigid_body.wording import counted, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")

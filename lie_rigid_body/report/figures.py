@@ -11,11 +11,9 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
-from lie_rigid_body.certificate.law_result import LawOverTime, ResidualsOverTime
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
-from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.html_page import (
     Figure,
     axis,
@@ -46,6 +44,7 @@ from lie_rigid_body.report.recorded_motion import (
     usable,
     world_rates,
 )
+from lie_rigid_body.report.thinned import LawOverTime, RecordedSegment, ResidualsOverTime
 
 _POINTS: Final = 3000
 """Largest number of points of a polhode or herpolhode."""

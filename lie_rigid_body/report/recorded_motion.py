@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.recording.samples import RecordedSegment
+from lie_rigid_body.report.thinned import RecordedSegment
 from lie_rigid_body.short_dataclass import short_dataclass
 
 COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")

@@ -14,7 +14,6 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
-from lie_rigid_body.recording.samples import RecordedSegment
 from lie_rigid_body.report.recorded_motion import (
     CIRCLES,
     COLOURS,
@@ -30,6 +29,7 @@ from lie_rigid_body.report.recorded_motion import (
     reset_times,
     times,
 )
+from lie_rigid_body.report.thinned import RecordedSegment
 from lie_rigid_body.wording import counted
 
 INTERVALS: Final = 60

@@ -151,11 +151,11 @@ class Run(_NamedSensors, Shown):
             recording = Bag(path, topics=topics, in_memory=True).load()
         except BagError as error:
             raise for_python(error) from None
-        pieces, declared = recorded_segments(recording), bag_segments(recording)
-        whole = Block.joined(pieces)
+        segments, blocks = zip(*recorded_segments(recording), strict=True)
+        whole, declared = Block.joined(blocks), bag_segments(recording)
         found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
         told = recording.readings.get(FAULTS)
-        has_faults = any(piece.segment.scenario.sensors.have_faults for piece in pieces)  # else they are of others
+        has_faults = any(segment.scenario.sensors.have_faults for segment in segments)  # else they are of others
         texts = dict.fromkeys(told.texts) if has_faults and isinstance(told, FaultMessages) else ()
         try:
             faults = tuple(map(Fault.from_json, texts))
@@ -165,7 +165,7 @@ class Run(_NamedSensors, Shown):
             whole.stamps_ns,
             whole.states,
             {key: arrays for key, arrays in found.items() if arrays is not None},
-            tuple(piece.segment for piece in pieces),
+            segments,
             faults,
             recording,
         )

@@ -12,13 +12,12 @@ from tampering import at, flipped, on, scaled_rate, tamper
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.certification import passes
-from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording import bag_reader, samples
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.samples import recorded_segments, thinned_segments
+from lie_rigid_body.report.thinned import ResidualsOverTime
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Simulation, Taken
 
@@ -112,21 +111,6 @@ def test_every_pass_tells_how_far_it_is(honest):
     assert 0.8 * size < sum(told) <= size
     list(bag.batches())
     assert 1.6 * size < sum(told) <= 2 * size
-
-
-def test_a_thinned_bag_keeps_its_envelope(honest, monkeypatch):
-    monkeypatch.setattr(samples, "_ALL_OF", 10)
-    monkeypatch.setattr(samples, "_BUCKETS", 12)
-    for whole, thin in zip(recorded_segments(read_bag(honest)), thinned_segments(Bag(honest)), strict=True):
-        assert thin.count == COUNT
-        assert thin.close >= 10
-        assert np.diff(thin.samples[: thin.close]).max() * thin.segment.scenario.rate_bound() / 100 < 0.05
-        assert len(thin.samples) < COUNT / 4
-        for extreme in (np.min, np.max):
-            np.testing.assert_array_equal(
-                extreme(thin.states.body_rate, axis=0), extreme(whole.states.body_rate, axis=0)
-            )
-        assert np.isin(thin.samples, whole.samples).all()
 
 
 @given(st.lists(st.integers(0, 12), min_size=1, max_size=30), st.integers(1, 7))

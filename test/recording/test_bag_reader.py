@@ -168,7 +168,7 @@ def test_a_bag_in_sqlite_is_found_and_refused(tmp_path: Path, with_metadata: boo
     if not with_metadata:
         (bag / "metadata.yaml").unlink()
     assert bags_in(tmp_path) == [bag]
-    with pytest.raises(BagError, match="folder_0.db3 is not an MCAP file: it is an SQLite bag"):
+    with pytest.raises(BagError, match=r"folder_0\.db3 is not an MCAP file: it is an SQLite bag"):
         read_bag(bag)
 
 

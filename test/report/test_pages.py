@@ -24,11 +24,11 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import figures as of_pages
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import extremes, path
+from lie_rigid_body.report.thinned import thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 

@@ -17,9 +17,9 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.samples import recorded_segments
 from lie_rigid_body.report.recorded_motion import Ellipsoid
 from lie_rigid_body.report.recording_picture import INTERVALS, draw, envelope
+from lie_rigid_body.report.thinned import thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 from lie_rigid_body.simulation import Simulation, Taken
@@ -36,7 +36,7 @@ def title(figure) -> str:
 
 
 def test_it_shows_rate_drifts_and_polhode_with_units(bag):
-    figure = draw(recorded_segments(read_bag(bag)))
+    figure = draw(thinned_segments(read_bag(bag)))
     rate, energy, momentum = figure.axes[:3]
     polhode: Any = figure.axes[3]
     assert "rad/s" in rate.get_ylabel()
@@ -54,7 +54,7 @@ def test_it_shows_rate_drifts_and_polhode_with_units(bag):
 def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     """Every point of the drawn path obeys ½ Σ Iᵢωᵢ² = H in the axes' own, principal, coordinates."""
     bag = write_bag(tmp_path / "bag.mcap", inertia=inertia, initial_body_rate=[0.4, -1.2, 0.7])
-    pieces = recorded_segments(read_bag(bag))
+    pieces = thinned_segments(read_bag(bag))
     body = pieces[0].segment.scenario.body()
     polhode: Any = draw(pieces).axes[3]
     paths = [line for line in polhode.get_lines() if line.get_linewidth() > 2]
@@ -70,11 +70,11 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     "parameters", [{"initial_body_rate": [0, 0, 0]}, {"inertia": [2, 2, 2]}, {"initial_body_rate": [0, 0, 3]}]
 )
 def test_degenerate_motions_are_drawn(parameters, tmp_path):
-    draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
+    draw(thinned_segments(read_bag(write_bag(tmp_path / "bag.mcap", 5, **parameters)))).canvas.draw()
 
 
 def test_a_single_sample_is_seen(tmp_path):
-    figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
+    figure = draw(thinned_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
     figure.canvas.draw()
     assert "1 sample at" in title(figure)
     for axes in figure.axes[:3]:
@@ -83,7 +83,7 @@ def test_a_single_sample_is_seen(tmp_path):
 
 def test_many_samples_do_not_hide_each_other(tmp_path):
     few, many = (
-        draw(recorded_segments(read_bag(write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form"))))
+        draw(thinned_segments(read_bag(write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form"))))
         for n in (99, 30_000)
     )
     assert few.axes[0].get_lines()[0].get_alpha() is None
@@ -132,7 +132,7 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets, said):
             simulation.reset(scenario)
         bag.begin_segment(simulation.segment)
         bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
-    figure = draw(recorded_segments(read_bag(tmp_path / "bag.mcap")))
+    figure = draw(thinned_segments(read_bag(tmp_path / "bag.mcap")))
     assert said in title(figure)
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
     heights = [np.ptp(path[:, 1]) for path in marks.get_segments()]
@@ -144,7 +144,7 @@ def segments(tmp_path, *counts: int) -> list:
     """Pieces of recordings of the given numbers of samples; 0 for one whose poses and twists do not pair."""
     pieces = []
     for number, count in enumerate(counts):
-        [piece] = recorded_segments(
+        [piece] = thinned_segments(
             read_bag(write_bag(tmp_path / f"{number}.mcap", max(1, count), inertia=[1, 2, 2.5 + 0.5 * number]))
         )
         none = slice(0, count)
@@ -172,7 +172,7 @@ def test_of_several_segments_the_first_is_named(tmp_path):
 
 
 def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
-    figure = draw(recorded_segments(read_bag(bag)))
+    figure = draw(thinned_segments(read_bag(bag)))
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     *others, polhode = cast(Any, figure.axes)
@@ -183,7 +183,7 @@ def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
 def test_words_and_numbers_keep_clear_of_an_ellipsoid_seen_from_below(tmp_path):
     """Its axes lie above it; slow rates are in units that make short numbers."""
     slow = read_parameter_file(scenario_files()["tumbling_cubesat"])
-    figure = draw(recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1200, **slow))))
+    figure = draw(thinned_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1200, **slow))))
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     polhode, renderer = cast(Any, figure.axes[3]), canvas.get_renderer()
@@ -201,7 +201,7 @@ def test_words_and_numbers_keep_clear_of_an_ellipsoid_seen_from_below(tmp_path):
 
 @pytest.mark.parametrize("inertia", [[3.0, 1.0, 2.0], [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]])
 def test_surface_circles_and_polhode_have_the_energy_of_the_start(inertia, tmp_path):
-    [piece] = recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 60, inertia=inertia)))
+    [piece] = thinned_segments(read_bag(write_bag(tmp_path / "bag.mcap", 60, inertia=inertia)))
     scenario = piece.segment.scenario
     body = scenario.body()
     ellipsoid = Ellipsoid.of(piece, 50)

@@ -1,15 +1,19 @@
-"""Residuals over time: the largest of each interval, whatever the blocks they come in, and no other certificate."""
+"""What is drawn of a long recording: its extreme samples, and the largest residuals, whatever the blocks are."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.law_result import INTERVALS, LawOverTime, ResidualsOverTime
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.samples import recorded_segments
+from lie_rigid_body.report import thinned
+from lie_rigid_body.report.thinned import INTERVALS, LawOverTime, ResidualsOverTime, thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -49,15 +53,45 @@ def test_the_order_of_stamps_changes_nothing() -> None:
     assert broken[0]
 
 
-def test_to_watch_changes_nothing_and_sees_the_worst(tmp_path):
-    scenario = Scenario.from_parameters({"motion": "closed_form"})
+@pytest.fixture(scope="module")
+def two_segments(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bags") / "bag.mcap"
+    scenario = Scenario.from_parameters({"motion": "closed_form", "initial_body_rate": [0.3, 1.0, 0.2]})
     simulation = Simulation(scenario)
-    with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
+    with BagWriter(path, stamped_twist=True, chunk_size=10_000) as bag:
         for count in (1500, 700):
             bag.begin_segment(simulation.segment)
             bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(count))))
             simulation.reset(scenario)
-    recording, watch = read_bag(tmp_path / "bag.mcap"), ResidualsOverTime()
+    return path
+
+
+def test_a_thinned_bag_keeps_its_envelope(two_segments, monkeypatch):
+    monkeypatch.setattr(thinned, "_ALL_OF", 10)
+    monkeypatch.setattr(thinned, "_BUCKETS", 12)
+    thin_segments = thinned_segments(Bag(two_segments))
+    for (segment, whole), thin in zip(recorded_segments(read_bag(two_segments)), thin_segments, strict=True):
+        assert (thin.segment, thin.count) == (segment, len(whole.samples))
+        assert thin.close >= 10
+        assert np.diff(thin.samples[: thin.close]).max() * segment.scenario.rate_bound() / 100 < 0.05
+        assert len(thin.samples) < thin.count / 4
+        for extreme in (np.min, np.max):
+            np.testing.assert_array_equal(
+                extreme(thin.states.body_rate, axis=0), extreme(whole.states.body_rate, axis=0)
+            )
+        assert np.isin(thin.samples, whole.samples).all()
+
+
+def test_a_certificate_tells_the_segments_that_are_thinned(two_segments):
+    recording = read_bag(two_segments)
+    found, told = thinned_segments(recording), thinned_segments(recording, certify(recording))
+    assert [(each.segment, each.count, each.close) for each in found] == [
+        (each.segment, each.count, each.close) for each in told
+    ]
+
+
+def test_to_watch_changes_nothing_and_sees_the_worst(two_segments):
+    recording, watch = read_bag(two_segments), ResidualsOverTime()
     certificate = certify(recording, watch=watch)
     assert certificate == certify(recording)
     assert set(watch.laws) == {law.name for law in certificate.segments[0].laws} - {"stamps"}
