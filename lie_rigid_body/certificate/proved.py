@@ -12,7 +12,7 @@ from lie_rigid_body.certificate.survey import survey
 from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.bag_reader import Bag, Recording
-from lie_rigid_body.recording.samples import Block, numbered_blocks, seconds_since_start
+from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 
@@ -129,7 +129,7 @@ def _prove_samples(number: int, segment: Segment, chosen: Block, limits: Toleran
     from lie_rigid_body.proof import enclose
 
     scenario = segment.scenario
-    t = seconds_since_start(segment, chosen.stamps_ns)
+    t = np.asarray((chosen.stamps_ns - segment.start_ns) * 1e-9, dtype=np.float64)
     for i, stamp_ns in enumerate(chosen.stamps_ns.tolist()):
         truth = enclose(
             scenario.inertia,

@@ -29,7 +29,7 @@ from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.segments import PlacedMessages, SensorClocks
-from lie_rigid_body.recording.topic_messages import FaultMessages, OfSensor, TopicMessages
+from lie_rigid_body.recording.topic_messages import OfSensor, TopicMessages
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
@@ -124,7 +124,7 @@ class SensorLaws:
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Take the messages that come next, by relative topic names."""
         own, faults = self._surveyed.as_written, readings.get(FAULTS)
-        if isinstance(faults, FaultMessages) and self._faults is not None:
+        if isinstance(faults, list) and self._faults is not None:
             self._faults.add(faults)
         for name, sensor in SENSORS.items():
             placed: dict[int, dict[str, PlacedMessages]] = defaultdict(dict)

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from lie_rigid_body.recording.segments import (
     number_samples,
     segment_parts,
     segments_with_samples,
-    with_inertia,
 )
 from lie_rigid_body.recording.topic_messages import TakeReadings
 from lie_rigid_body.simulation import Segment
@@ -266,7 +265,7 @@ class Surveyor:
         declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag, self._own, self._counts = bag, bag.as_written, Counts()
         self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
-        self._segments = tuple(with_inertia(segment, inertia) for segment in declared.values())
+        self._segments = tuple(_with_inertia(segment, inertia) for segment in declared.values())
         self._tallies = [SegmentTally(segment) for segment in self._segments]
 
     def foreseen(self) -> Survey | None:
@@ -335,3 +334,11 @@ class Surveyor:
         for i, following in segments_with_samples(self._segments, seen, whole=own):
             yield self._tallies[i].result(following, late_start=late_start, open_end=not own, cut_off=cut_off)
             late_start = False
+
+
+def _with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
+    """Replace the inertia of a segment's body, kg m², if another one is given."""
+    if inertia is None:
+        return segment
+    parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
+    return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))

@@ -19,7 +19,6 @@ from lie_rigid_body.certificate.readings import BLOCK, ROUNDINGS
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.drift import U
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.recording.topic_messages import FaultMessages
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.fault_log import FaultLog
@@ -127,9 +126,9 @@ class FaultLaw:
         """Whether there are too many readings to look through."""
         return self._expected.is_too_far
 
-    def add(self, messages: FaultMessages) -> None:
-        """Take the messages that come next in the file."""
-        for time_ns, text in zip(messages.log_times_ns.tolist(), messages.texts, strict=True):
+    def add(self, messages: Iterable[tuple[int, str]]) -> None:
+        """Take the messages that come next in the file: log time, ns, and text of each."""
+        for time_ns, text in messages:
             try:
                 fault = Fault.from_json(text)
             except InputError:

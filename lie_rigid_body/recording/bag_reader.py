@@ -30,7 +30,6 @@ from lie_rigid_body.recording.mcap_contents import (
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, UNNAMED
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
-    FaultMessages,
     OfSensor,
     TakeReadings,
     TopicMessages,
@@ -121,8 +120,8 @@ class Recording(BagFacts):
     Parameters
     ----------
     poses, twists : TopicMessages
-    readings : dict of str to TopicMessages or FaultMessages
-        Messages of the sensors by their relative names.
+    readings : dict of str to OfSensor
+        Messages of the sensors, and about their faults, by their relative names.
     """
 
     poses: TopicMessages
@@ -256,7 +255,7 @@ class Bag(BagFacts):
         """
         told = self._faults() if FAULTS in sensors else iter(())
         while some := list(itertools.islice(told, _TEXTS_AT_ONCE)):
-            take({FAULTS: FaultMessages.of(some)})
+            take({FAULTS: some})
         for readings in self._decoded([name for name in sensors if name != FAULTS]):
             poses, twists = readings.pop(POSE), readings.pop(TWIST)
             take(readings)
@@ -289,7 +288,7 @@ class Bag(BagFacts):
         whole = {name: TopicMessages.joined([part[name] for part in parts]) for name in (POSE, TWIST, *names)}
         poses, twists, readings = whole.pop(POSE), whole.pop(TWIST), dict[str, OfSensor](whole)
         if FAULTS in self.sensors:
-            readings[FAULTS] = FaultMessages.of([*self._faults()])
+            readings[FAULTS] = [*self._faults()]
         facts = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
         return Recording(**facts, poses=poses, twists=twists, readings=readings)
 

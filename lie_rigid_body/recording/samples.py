@@ -8,17 +8,11 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
-from lie_rigid_body.recording.segments import (
-    declared_segments,
-    number_samples,
-    segment_parts,
-    segments_with_samples,
-    with_inertia,
-)
+from lie_rigid_body.recording.segments import number_samples, segment_parts
 from lie_rigid_body.recording.topic_messages import TakeReadings, TopicMessages
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
@@ -122,26 +116,6 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
         )
 
 
-def bag_segments(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> list[Segment]:
-    """Segments that a bag declares, in the order of their starts.
-
-    Parameters
-    ----------
-    bag : Bag or Recording
-    inertia : sequence of float, optional
-        Principal moments in place of the declared inertia, kg m².
-
-    Raises
-    ------
-    BagError
-        If a scenario message cannot be read.
-    ParameterError
-        If a declared scenario or the given inertia is impossible.
-    """
-    texts = (text for _, text in bag.scenario_texts)
-    return [with_inertia(segment, inertia) for segment in declared_segments(texts, bag.name).values()]
-
-
 def paired(
     bag: Bag | Recording, segments: Sequence[Segment], batches: Batches
 ) -> Iterator[tuple[Topics, Block, Integers]]:
@@ -151,7 +125,7 @@ def paired(
     ----------
     bag : Bag or Recording
     segments : sequence of Segment
-        See `bag_segments`.
+        All that the bag declares, in the order of their starts.
     batches : iterable of (TopicMessages, TopicMessages)
         Poses and twists of the bag, in file order.
 
@@ -227,33 +201,3 @@ def require_samples(name: str, segments: Sequence[Segment], first_ns: int, count
         )
     if not count:
         raise BagError(f"{name}: no sample has both a pose and a twist of the same stamp: record both topics together")
-
-
-def recorded_segments(bag: Bag | Recording) -> list[tuple[Segment, Block]]:
-    """Segments of a bag with all their samples; those without a sample, that a reset followed, left out.
-
-    Raises
-    ------
-    BagError
-        If a scenario message cannot be read, samples precede the first segment, or no pose has a twist.
-    ParameterError
-        If a declared scenario is impossible.
-    """
-    segments = bag_segments(bag)
-    blocks: list[list[Block]] = [[] for _ in segments]
-    seen, first_ns = set[int](), int(np.iinfo(np.int64).max)
-    for topics, block, _ in paired(bag, segments, bag.batches()):
-        for topic in topics:
-            seen.update(i for i, _ in segment_parts(segments, topic.stamps_ns))
-        for topic in topics[: 1 + bag.stamped]:
-            first_ns = int(topic.stamps_ns.min(initial=first_ns))
-        for i, part in numbered(segments, [block]):
-            blocks[i].append(part)
-    require_samples(bag.name, segments, first_ns, sum(len(part.samples) for own in blocks for part in own))
-    places = [i for i, _ in segments_with_samples(segments, seen, whole=bag.as_written)]
-    return [(segments[i], Block.joined(blocks[i])) for i in places]
-
-
-def seconds_since_start(segment: Segment, stamps_ns: Integers) -> Array:
-    """Times since the segment's start, s."""
-    return np.asarray((stamps_ns - segment.start_ns) * 1e-9, dtype=np.float64)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -57,14 +56,6 @@ def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict
     except InputError as error:
         raise BagError(f"{bag} does not explain itself: {error}: record it anew") from None
     return dict(sorted(segments.items(), key=lambda item: item[1].start_ns))
-
-
-def with_inertia(segment: Segment, inertia: Sequence[float] | None) -> Segment:
-    """Replace the inertia of a segment's body, kg m², if another one is given."""
-    if inertia is None:
-        return segment
-    parameters: dict[str, object] = {**segment.scenario.parameters(), "inertia": list(inertia)}
-    return replace(segment, scenario=type(segment.scenario).from_parameters(parameters))
 
 
 def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:

@@ -125,26 +125,8 @@ class TopicMessages:
         return cls(none, none, np.empty((0, width)), (), none)
 
 
-@short_dataclass(frozen=True)
-class FaultMessages:
-    """Messages of the topic of faults, in file order.
-
-    Attributes
-    ----------
-    log_times_ns : ndarray of int64, shape (N,)
-    texts : tuple of str
-    """
-
-    log_times_ns: Integers
-    texts: tuple[str, ...]
-
-    @classmethod
-    def of(cls, found: Sequence[tuple[int, str]]) -> FaultMessages:
-        """Make them of pairs of log time, ns, and text."""
-        return cls(np.array([time for time, _ in found], dtype=np.int64), tuple(text for _, text in found))
-
-
-OfSensor: TypeAlias = TopicMessages | FaultMessages
+OfSensor: TypeAlias = TopicMessages | list[tuple[int, str]]
+"""Readings of a sensor; or log times, ns, and texts of messages about faults, in file order."""
 TakeReadings: TypeAlias = Callable[[Mapping[str, OfSensor]], object]
 """Function that takes messages of sensors, and about their faults, by relative topic names."""
 

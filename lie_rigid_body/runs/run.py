@@ -31,9 +31,8 @@ from lie_rigid_body.recording.bag_writer import (
     BagWriter,
 )
 from lie_rigid_body.recording.bodies import for_python, require_topics
-from lie_rigid_body.recording.samples import Block, bag_segments, recorded_segments
+from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.recording.topic_messages import FaultMessages
 from lie_rigid_body.runs.estimate import BIAS, Estimate, messages_of_score, vectors
 from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
@@ -145,18 +144,22 @@ class Run(_NamedSensors, Shown):
         ParameterError
             If it declares a scenario that cannot be.
         """
+        from lie_rigid_body.certificate.survey import Surveyor
+
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
         try:
             recording = Bag(path, topics=topics, in_memory=True).load()
         except BagError as error:
             raise for_python(error) from None
-        segments, blocks = zip(*recorded_segments(recording), strict=True)
-        whole, declared = Block.joined(blocks), bag_segments(recording)
-        found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
+        surveyor = Surveyor(recording)
+        whole, surveyed = Block.joined([*surveyor.samples()]), surveyor.result()
+        segments = tuple(each.segment for each in surveyed.segments)
+        sensors = SENSORS.values()
+        found = {each.key: SensorArrays.of_recording(each, recording, surveyed.declared) for each in sensors}
         told = recording.readings.get(FAULTS)
         has_faults = any(segment.scenario.sensors.have_faults for segment in segments)  # else they are of others
-        texts = dict.fromkeys(told.texts) if has_faults and isinstance(told, FaultMessages) else ()
+        texts = dict.fromkeys(text for _, text in told) if has_faults and isinstance(told, list) else ()
         try:
             faults = tuple(map(Fault.from_json, texts))
         except InputError as error:
