@@ -262,7 +262,7 @@ class Surveyor:
     """A survey of a bag that is made while the samples pass. See `survey` for parameters and errors."""
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
-        declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
+        self._declared = declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag, self._own, self._counts = bag, bag.as_written, Counts()
         self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
         self._segments = tuple(_with_inertia(segment, inertia) for segment in declared.values())
@@ -321,9 +321,8 @@ class Surveyor:
         """Starts of segments of which another scenario came too late to be that of a second reset at once, ns."""
         logged = {tally.segment.start_ns: tally.logged_ns for tally in self._tallies}
         latest = {text: time for time, text in self._bag.scenario_texts}
-        declared = declared_segments(latest, self._bag.name)
-        texts = Counter(segment.start_ns for segment in {s.to_json(): s for s in declared.values()}.values())
-        for text, segment in declared.items():
+        texts = Counter(segment.start_ns for segment in {s.to_json(): s for s in self._declared.values()}.values())
+        for text, segment in self._declared.items():
             if texts[segment.start_ns] > 1 and latest[text] > logged[segment.start_ns] + NS:
                 yield segment.start_ns
 

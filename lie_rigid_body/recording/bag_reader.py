@@ -154,7 +154,8 @@ class Bag(BagFacts):
     Parameters
     ----------
     path : str or Path
-        An MCAP file, or a rosbag2 folder of them. It is read once to its end, and what is damaged refused.
+        An MCAP file, or a rosbag2 folder of them, of one body; `all_of` reads several. It is read once to its end, and
+        what is damaged refused.
     progress : callable, optional
         Called with the number of bytes that were read since it was called last, in every pass, perhaps by another
         thread.
@@ -165,8 +166,6 @@ class Bag(BagFacts):
 
     Attributes
     ----------
-    body : str
-        Namespace of its body, which has to be the only one; `all_of` reads the others.
     pose_count, twist_count : int
         Messages of each.
 
@@ -219,7 +218,7 @@ class Bag(BagFacts):
     def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
         if body.fault:
             raise BagError(body.fault)
-        self._path, self._contents, self._progress, self.body = files.path, contents, files.progress, body.name
+        self._path, self._contents, self._progress = files.path, contents, files.progress
         for track in body.tracks.values():
             require_cdr(self._path, track)
         pose, twist, scenario = (body.tracks[name] for name in TRUTH)

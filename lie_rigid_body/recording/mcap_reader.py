@@ -25,6 +25,7 @@ from lie_rigid_body.recording.mcap_contents import FileSpan, Found, McapContents
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
     HEAD,
+    LARGEST_RECORD,
     MAGIC,
     NO_HINTS,
     RECORD_HEAD,
@@ -42,8 +43,6 @@ from lie_rigid_body.recording.records import (
 from lie_rigid_body.recording.summary import Summary, SummaryCheck
 from lie_rigid_body.wording import counted
 
-LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
-"""Largest size of a record, bytes."""
 _TOGETHER: Final[Mapping[tuple[int, int], int]] = {
     (Opcode.CHUNK, Opcode.MESSAGE_INDEX): 2 * LARGEST_RECORD,
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Integers, windows
 from lie_rigid_body.bounded_input import (
     LARGEST_ATTACHMENT,
+    LARGEST_CHUNK,
     LARGEST_DEFINITION,
     LARGEST_METADATA,
     LONGEST_NAME,
@@ -60,6 +61,8 @@ HEAD: Final = np.dtype(
 """Fields before the payload of a message record."""
 LAST_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
+LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
+"""Largest size of a record, bytes."""
 _SHORTEST: Final = HEAD.itemsize - RECORD_HEAD.size
 """Length of the content of a message without payload."""
 NO_HINTS: Final = np.empty(0, dtype=np.int64)

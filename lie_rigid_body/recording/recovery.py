@@ -16,7 +16,6 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
-from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
 from lie_rigid_body.recording.bag_writer import CUT_OFF
@@ -24,6 +23,7 @@ from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.output_file import reason, require_other, written
 from lie_rigid_body.recording.records import (
+    LARGEST_RECORD,
     MAGIC,
     NO_HINTS,
     RECORD_HEAD,
@@ -39,8 +39,6 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
-_LARGEST_PART: Final = LARGEST_CHUNK + 2**16
-"""Largest number of bytes of an unfinished chunk that are looked at."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
@@ -177,7 +175,7 @@ class _Salvage:
         return end, is_whole
 
     def _take(self, place: Place) -> None:
-        require(place.end - place.begin <= _LARGEST_PART, "a record is larger than what is read")
+        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
         content = self._given[place.begin : place.end]
         if place.opcode == Opcode.MESSAGE:
             channel, *_ = _MESSAGE.unpack_from(content)
@@ -214,7 +212,7 @@ class _Salvage:
     def _take_part(self, begin: int) -> None:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
         if self._given[begin : begin + 1] == bytes([Opcode.CHUNK]):
-            raw = self._given[begin + RECORD_HEAD.size : begin + _LARGEST_PART]
+            raw = self._given[begin + RECORD_HEAD.size : begin + LARGEST_RECORD]
             with suppress(*_DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 table = self._whole_messages(salvaged(chunk))
