@@ -34,6 +34,7 @@ WITHOUT_EQUATION = {
     "MassMoments.dimension",
     "MassMoments.first_moment",
     "RigidBody.batch_shape",
+    "RigidBody.trusted",
     "State.trusted",
     "norm",  # of vectors
     "equal_moments",

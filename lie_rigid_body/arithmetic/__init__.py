@@ -5,6 +5,5 @@ Modules:
 - `numbers`: types and elementary operations on floats, on arrays and compiled;
 - `double_double`: sums, products, quotients and roots to 32 digits;
 - `elementary`: sine, cosine, exponential and arctangent of one set of bits on floats, on arrays and compiled;
-- `decimals`: decimal arithmetic of many digits and unlimited range;
-- `symmetric_eigenproblem`: eigenvalues and axes of a symmetric 3×3 matrix in decimals.
+- `decimals`: decimal arithmetic of many digits and unlimited range, and the axes of a symmetric 3×3 matrix in it.
 """

@@ -25,7 +25,7 @@ from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.motion.drift import U
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.simulation.measurement import Measurement
+from lie_rigid_body.simulation.samples import Measurement
 
 ROUNDINGS: Final = 64.0
 """Roundings of a reading, in units of u and of the size of its parts. With normal deviates 16 u off, as of another

@@ -21,7 +21,7 @@ from lie_rigid_body.motion.drift import U
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.simulation.fault_log import FaultLog
+from lie_rigid_body.simulation.loop import FaultLog
 
 FAULT_LAW: Final = "faults"
 MOST_LOOKED_THROUGH: Final = 200_000_000

@@ -10,15 +10,12 @@ goes on in Python.
 
 Modules:
 
-- `kernels`: the decorator of functions called from compiled code;
 - `cache`: the folder of compiled code;
-- `compiler`: the process that compiles;
-- `work`: a function that runs compiled as soon as that pays;
-- `loop`: such a function that advances a state through samples.
+- `compiler`: the decorator of functions called from compiled code, and the process that compiles;
+- `work`: a function that runs compiled as soon as that pays, as a loop that advances a state through samples.
 """
 
-from lie_rigid_body.compilation.kernels import kernel, kernel_of
-from lie_rigid_body.compilation.loop import Loop
-from lie_rigid_body.compilation.work import Work
+from lie_rigid_body.compilation.compiler import kernel, kernel_of
+from lie_rigid_body.compilation.work import Loop, Work
 
 __all__ = ["Loop", "Work", "kernel", "kernel_of"]

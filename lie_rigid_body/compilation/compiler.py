@@ -1,4 +1,4 @@
-"""The compiler: another process, which leaves its result in the cache for this one."""
+"""The functions that compiled code may call, and the compiler: another process, which fills the cache."""
 
 from __future__ import annotations
 
@@ -10,15 +10,46 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from lie_rigid_body.compilation.cache import cache_folder, mark
-from lie_rigid_body.compilation.kernels import register_kernels
 from lie_rigid_body.system import lock
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 _LOCK: Final = threading.RLock()
 """Held while numba's configuration is changed, which is one for the whole process."""
 _FILL: Final = "import sys; sys.path[:] = sys.argv[4:]; from {} import fill; fill(*sys.argv[1:4])"
+_WAITING: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
+"""Marked functions that numba has not been told of yet, each with the function that is compiled in its place."""
+
+
+def kernel(function: Function) -> Function:
+    """Let compiled code call a function of numbers. The function itself is not changed."""
+    return kernel_of(function)(function)
+
+
+def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
+    """Let compiled code call another function, which gives the same bits, in place of the decorated one."""
+
+    def mark(function: Function) -> Function:
+        _WAITING.append((function, compiled))
+        return function
+
+    return mark
+
+
+def register_kernels(extending: Any) -> None:
+    """Tell numba of the marked functions that it does not know yet; ``extending`` is its module of that name."""
+    while _WAITING:
+        function, compiled = _WAITING.pop(0)
+        _register(extending, function, compiled)
+
+
+def _register(extending: Any, function: Callable[..., Any], compiled: Callable[..., Any]) -> None:
+    extending.overload(function, jit_options={"forceinline": True, "error_model": "numpy"}, strict=False)(
+        lambda *_, **__: compiled
+    )
 
 
 def started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes] | None:

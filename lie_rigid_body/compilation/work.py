@@ -1,17 +1,34 @@
-"""A function that runs compiled as soon as there was enough work to pay for compiling."""
+"""A function that runs compiled as soon as there was enough work to pay for compiling, and such a loop over samples."""
 
 from __future__ import annotations
 
 import subprocess
 import threading
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Iterator
+from typing import Any, Final
 
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.compilation.cache import is_kept
 from lie_rigid_body.compilation.compiler import loaded, started
 
 LONG_CALL: Final = 1_000
 """Smallest number of units of work in a call that counts: those of a live node are shorter and start no compiler."""
+
+STEPS_FOR_COMPILING: Final = 150_000
+"""Steps in long calls after which compiling pays: Python takes some two seconds for them, and compiling four, once."""
+
+STEPS_FOR_LOADING: Final = 40_000
+"""Steps after which loading pays, where they are compiled already: Python takes as long for them as numba to load."""
+
+STEPS_PER_CALL: Final = 1_000_000
+"""Largest number of steps in one call of compiled code, which lets no signal through: a tenth of a second."""
+
+STEPS_IN_PYTHON: Final = 20_000
+"""Largest number of steps in one call of plain code, after which it is asked again whether the compiler is done."""
+
+SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
 
 
 class Work:
@@ -71,3 +88,70 @@ class Work:
             self._compiler = started(self._plain, self._signature)
             if self._compiler is None:
                 self.compile()
+
+
+class Loop(Work):
+    """A loop over samples that advances a state, in Python until there was much work, compiled from then on.
+
+    Parameters
+    ----------
+    plain : callable
+        A function of ``state`` (list or array of float, changed in place), ``constants`` (floats), ``spans``,
+        ``counts``, ``takes`` and ``out`` (array with a row for each sample). The three before ``out`` are integers for
+        each sample. They are the time since the sample before, ns, the number of steps that divide it, and how many of
+        these to take now.
+    """
+
+    def __init__(self, plain: Callable[..., None]) -> None:
+        super().__init__(plain, SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Loop, (self._plain,)
+
+    def run(
+        self,
+        state: list[float],
+        constants: list[float],
+        spans: Integers,
+        counts: Integers,
+        out: Array,
+        work: int | None = None,
+    ) -> None:
+        """Advance the state, and fill a row of ``out`` for each sample.
+
+        Parameters
+        ----------
+        state : list of float
+            Changed in place.
+        constants : list of float
+        spans, counts : ndarray of int64, shape (N,)
+            Time since the sample before, ns, and the number of steps that divide it.
+        out : ndarray, shape (N, K)
+        work : int, optional
+            Steps that this call counts as when it is judged whether compiling pays; by default its own. Of many calls
+            that make one piece of work, the first may count as all of them.
+        """
+        compiled = self.compiled_for(int(counts.sum()) if work is None else work)
+        for some, takes in self._pieces(counts):
+            compiled = compiled or self.compiled_for(0)
+            if compiled is None:
+                self._plain(state, constants, spans[some].tolist(), counts[some].tolist(), takes.tolist(), out[some])
+                continue
+            moved, fixed = np.array(state), np.array(constants)
+            compiled(moved, fixed, spans[some], counts[some], takes, out[some])
+            state[:] = moved.tolist()
+
+    def _pieces(self, counts: Integers) -> Iterator[tuple[slice, Integers]]:
+        """Short pieces of the work: samples and the steps to take in them; a sample of many steps is many pieces."""
+        ends, begin = np.cumsum(counts), 0
+        while begin < len(counts):
+            at_once = STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON
+            reached = ends[begin] - counts[begin]
+            end = max(begin + 1, int(np.searchsorted(ends, reached + at_once, side="right")))
+            takes = counts[begin:end]
+            while takes[0] > at_once:
+                yield slice(begin, end), np.array([at_once])
+                takes = takes - at_once
+                at_once = STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON
+            yield slice(begin, end), takes
+            begin = end

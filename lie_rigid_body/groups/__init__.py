@@ -1,7 +1,7 @@
 """The paper on any matrix Lie group: Chasles, algebra, Lagrangian, Hamiltonian, conserved quantities, moving chart.
 
 The paper is A. Lucas, *Lagrangian mechanics on Lie groups: a pedagogical approach*, arXiv 1111.1275. In its order:
-`chasles`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `connection`; `hamiltonian`; and of
+`chasles`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `hamiltonian`; and of
 the appendices `group_chart`, `algebra`, `matrix_lie_group` and `classical_groups`. The motion is integrated in
 `group_moving_chart`. The table of docs/paper.md leads from each equation to its function.
 
@@ -13,7 +13,6 @@ from lie_rigid_body.groups import double_cover
 from lie_rigid_body.groups.chasles import Displacement, chasles
 from lie_rigid_body.groups.classical_groups import SO, SU, U1
 from lie_rigid_body.groups.coadjoint import coadjoint_action, invariant_form, killing_form
-from lie_rigid_body.groups.connection import christoffel_symbols, connection_coefficients
 from lie_rigid_body.groups.group_chart import ChartReach, chart_metric, chart_reach
 from lie_rigid_body.groups.group_moving_chart import GROUP_METHODS, GroupMovingChart, GroupState
 from lie_rigid_body.groups.hamiltonian import (
@@ -33,7 +32,7 @@ from lie_rigid_body.groups.invariants import (
     rotation_casimirs,
     unitary_casimirs,
 )
-from lie_rigid_body.groups.lagrangian import Lagrangian, metric_at
+from lie_rigid_body.groups.lagrangian import Lagrangian, christoffel_symbols, connection_coefficients, metric_at
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import mass_matrix, metric_derivative, require_metric
 from lie_rigid_body.groups.product import product

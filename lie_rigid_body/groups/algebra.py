@@ -5,8 +5,9 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
+from dataclasses import fields
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,8 +82,8 @@ class MatrixLieAlgebra:
     def __post_init__(self) -> None:
         self.generators.setflags(write=False)
 
-    def __reduce__(self) -> tuple[type[MatrixLieAlgebra], tuple[Matrix]]:
-        return MatrixLieAlgebra, (self.generators,)
+    def __reduce__(self) -> tuple[type[MatrixLieAlgebra], tuple[Any, ...]]:
+        return type(self), tuple(getattr(self, field.name) for field in fields(self))
 
     @property
     def dimension(self) -> int:
@@ -118,20 +119,21 @@ class MatrixLieAlgebra:
 
     @cached_property
     def adjoint_representation(self) -> Array:
-        """Matrices of ad Tᵃ, shape (d, d, d), eq. (43) transposed; see `MatrixLieGroup.adjoint_representation`."""
+        """Matrices of ad Tᵃ, shape (d, d, d), with entry [a, c, b] equal to fᵃᵇᶜ; they obey the algebra of the Tᵃ.
+
+        Eq. (43) prints the transposed matrices, which obey the algebra with −f.
+        """
         return self.structure_constants.transpose(0, 2, 1)
 
     @cached_property
     def _adjoint_rows(self) -> Array:
         return self.adjoint_representation.reshape(self.dimension, -1)
 
-    def trace_metric(self, scale: float) -> Array:
+    def scaled_trace(self, scale: float) -> Array:
         """The matrix scale · Re tr(Tᵃ†Tᵇ), shape (d, d)."""
-        metric = scale * np.real(self._rows.conj() @ self._rows.T)
-        metric.setflags(write=False)
-        return metric
+        return np.asarray(scale * np.real(self._rows.conj() @ self._rows.T))
 
-    def as_coordinates(self, x: ArrayLike, name: str = "coordinates") -> Array:
+    def as_components(self, x: ArrayLike, name: str = "coordinates") -> Array:
         """The argument as float64 components along the generators: coordinates, rates, momenta or gradients.
 
         Parameters
@@ -160,8 +162,17 @@ class MatrixLieAlgebra:
         return x.astype(np.float64, copy=False)
 
     def hat(self, x: ArrayLike) -> Matrix:
-        """The matrix xᵃTᵃ, shape (..., n, n), of coordinates x, shape (..., d); Ȧ = A hat(ω) in eq. (8)."""
-        x = self.as_coordinates(x)
+        """The matrix xᵃTᵃ of the algebra, of coordinates x; Ȧ = A hat(ω) in eq. (8).
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        x = self.as_components(x)
         matrices: Matrix = (x @ self._rows).reshape(*x.shape[:-1], self.size, self.size)
         return matrices
 
@@ -175,7 +186,7 @@ class MatrixLieAlgebra:
         """Frobenius distance of matrices from the span, shape (...)."""
         return frobenius(X - self.hat(self.coordinates(X)))
 
-    def vee(self, X: Matrix) -> Array:
+    def vee(self, X: Any) -> Array:
         """Coordinates of matrices of the algebra; inverse of `hat`. Refuses matrices outside the span.
 
         A matrix is outside if its distance from the span exceeds 1e-9 of its own size. Round-off of a product of
@@ -203,16 +214,51 @@ class MatrixLieAlgebra:
         return x
 
     def ad(self, x: ArrayLike) -> Array:
-        """The matrix of y ↦ [x, y] in coordinates, xᵃfᵃᵇᶜ at [c, b], shape (..., d, d)."""
-        x = self.as_coordinates(x)
+        """The matrix of y ↦ [x, y] in coordinates: xᵃfᵃᵇᶜ at [c, b].
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+        """
+        x = self.as_components(x)
         return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
 
     def dexp(self, x: ArrayLike) -> Array:
-        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x): 1 at x = 0, eqs. (11), (15); see `MatrixLieGroup.dexp`."""
+        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x), which is 1 at x = 0: eqs. (11) and (15).
+
+        It is φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm. For SO(3) this is `so3.left_jacobian`; with
+        exp(x) hat(J ẋ) instead, J is ``dexp(-x)`` (Iserles et al., Acta Numerica 9 (2000), section 2.3).
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+        """
         return exponential.phi(self.ad(x))
 
     def dexpinv(self, x: ArrayLike) -> Array:
-        """The inverse of `dexp`; see `MatrixLieGroup.dexpinv`."""
+        """The inverse of `dexp`, the rate of chart coordinates: ẋ = dexpinv(x) ω where exp(x) turns with rate ω.
+
+        Parameters
+        ----------
+        x : array_like, shape (..., d)
+
+        Returns
+        -------
+        ndarray, shape (..., d, d)
+
+        Raises
+        ------
+        InputError
+            Where dexp is singular: an eigenvalue of ad(x) is a non-zero multiple of 2πi.
+        """
         inverse = exponential.phi_inverse(self.ad(x))
         largest = np.max(np.abs(inverse), initial=0.0)
         if not largest <= DEXPINV_LIMIT:

@@ -153,12 +153,18 @@ def _closest_rotation(body: tuple[Array, float], world: tuple[Array, float], n: 
     limit = float(np.linalg.norm(x) * np.linalg.norm(y)) * (x_error + y_error)
     rank = int(np.sum(sigma > limit))
     if rank < n - 1:
-        raise InputError(_too_flat(rank, n))
+        raise InputError(
+            f"the rotation is not determined: about their centre the points and their images span rank {rank} in "
+            f"{n} dimensions, and at least {n - 1} is needed: add points off their common subspace"
+        )
     if sigma[-2] < _THIN * sigma[0]:
         _require_width(x, y, left @ right, float(sigma[-2]))
     gap = float(sigma[-2] + sign * sigma[-1])
     if not gap > limit:
-        raise InputError(_no_mirror(sigma))
+        raise InputError(
+            f"not determined for a mirror image: the smallest singular values {sigma[-2]:.6g} and {sigma[-1]:.6g} "
+            f"(largest {sigma[0]:.6g}) must differ: undo the reflection, or add points that break the symmetry"
+        )
     left[:, -1] *= sign
     return left @ right, gap / float(sigma[0])
 
@@ -174,17 +180,3 @@ def _require_width(x: Array, y: Array, orthogonal: Array, variance: float) -> No
             f"the rotation is not determined: the images miss the points by {noise / width:.3g} times the width of the "
             "body, which may be noise alone: add points off their common subspace, or measure them better"
         )
-
-
-def _too_flat(rank: int, n: int) -> str:
-    return (
-        f"the rotation is not determined: about their centre the points and their images span rank {rank} in "
-        f"{n} dimensions, and at least {n - 1} is needed: add points off their common subspace"
-    )
-
-
-def _no_mirror(sigma: Array) -> str:
-    return (
-        f"not determined for a mirror image: the smallest singular values {sigma[-2]:.6g} and {sigma[-1]:.6g} "
-        f"(largest {sigma[0]:.6g}) must differ: undo the reflection, or add points that break the symmetry"
-    )

@@ -44,7 +44,7 @@ def SO(n: int) -> MatrixLieGroup:  # noqa: N802
     """
     n = whole_number("n", n, 2)
     algebra = MatrixLieAlgebra(_so_generators(n))
-    return MatrixLieGroup(f"SO({n})", algebra, algebra.trace_metric(0.5), OrthogonalElements(n))
+    return MatrixLieGroup(algebra.generators, f"SO({n})", algebra.scaled_trace(0.5), OrthogonalElements(n))
 
 
 def SU(n: int) -> MatrixLieGroup:  # noqa: N802
@@ -61,13 +61,13 @@ def SU(n: int) -> MatrixLieGroup:  # noqa: N802
     """
     n = whole_number("n", n, 2)
     algebra = MatrixLieAlgebra(_su_generators(n))
-    return MatrixLieGroup(f"SU({n})", algebra, algebra.trace_metric(2.0), SpecialUnitaryElements(n))
+    return MatrixLieGroup(algebra.generators, f"SU({n})", algebra.scaled_trace(2.0), SpecialUnitaryElements(n))
 
 
 def U1() -> MatrixLieGroup:  # noqa: N802
     """The circle: phases e^{iθ} as 1×1 matrices, with the generator i; the coordinate is the angle θ."""
     algebra = MatrixLieAlgebra(np.array([[[1j]]]))
-    return MatrixLieGroup("U(1)", algebra, algebra.trace_metric(1.0), PhaseElements())
+    return MatrixLieGroup(algebra.generators, "U(1)", algebra.scaled_trace(1.0), PhaseElements())
 
 
 def _so_generators(n: int) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Final, NoReturn
 
 import numpy as np
@@ -18,6 +18,7 @@ from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+from lie_rigid_body.motion.time_steps import require_order
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
 
@@ -117,8 +118,8 @@ class GroupMovingChart:
             turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
+        require_order(np.atleast_1d(times), self._time_ns)
         flat = np.atleast_1d(times).tolist()
-        self._require_forward(flat)
         group = self._lagrangian.group
         n, d = group.size, group.dimension
         elements, momenta = np.empty((len(flat), n, n), group.generators.dtype), np.empty((len(flat), d))
@@ -127,16 +128,6 @@ class GroupMovingChart:
             elements[i], momenta[i] = self._element, self._momentum
         rates = self._lagrangian.rates(momenta)
         return GroupState(elements, rates) if times.ndim else GroupState(elements[0], rates[0])
-
-    def _require_forward(self, times_ns: Sequence[int]) -> None:
-        previous = self._time_ns
-        for t in times_ns:
-            if t < previous:
-                raise InputError(
-                    f"t_ns {t} lies before {previous}, which is already reached: give times that do not decrease, "
-                    "or start a new motion"
-                )
-            previous = t
 
     def _advance_to(self, t_ns: int) -> None:
         span = 1e-9 * (t_ns - self._time_ns)
@@ -157,16 +148,13 @@ class GroupMovingChart:
             self._element = self._lagrangian.group.restored(self._element)
 
     def _end(self, h: float) -> Array:
-        """Coordinates and momentum at the end of a step, infinite where a stage overflows."""
+        """Coordinates and momentum at the end of a step from coordinates 0, infinite where a stage overflows."""
+        centre = np.concatenate([np.zeros_like(self._momentum), self._momentum])
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                return runge_kutta_step(self._tableau, self._chart.field, self._centre(), h)
+                return runge_kutta_step(self._tableau, self._chart.field, centre, h)
         except np.linalg.LinAlgError:
             return np.full(2 * len(self._momentum), np.inf)
-
-    def _centre(self) -> Array:
-        """The present point: coordinates 0 and the momentum."""
-        return np.concatenate([np.zeros_like(self._momentum), self._momentum])
 
     def _refuse(self, h: float) -> NoReturn:
         # at the centre of the chart the rate of its coordinates is that of the motion
@@ -194,9 +182,9 @@ def runge_kutta_step(tableau: Tableau, field: Callable[[Array], Array], start: A
     -------
     ndarray, shape (m,)
     """
-    slopes = np.empty((len(tableau.b), len(start)))
-    for stage, weights in enumerate(tableau.a):
-        slopes[stage] = field(start + h * (np.array(weights, dtype=np.float64) @ slopes[:stage]))
+    slopes = np.zeros((len(tableau.b), len(start)))
+    for stage, weight in enumerate(tableau.a):
+        slopes[stage] = field(start + h * (float(weight) * slopes[stage - 1]))
     return np.asarray(start + h * (np.array(tableau.b, dtype=np.float64) @ slopes))
 
 

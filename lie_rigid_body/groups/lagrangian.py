@@ -11,6 +11,14 @@ Components are those of the body frame, and [Tᵃ, Tᵇ] = f[a,b,c] Tᶜ. Equati
   equations hold on any group.
 - Derivatives by coordinates of the chart are taken at constant velocity of these coordinates, which makes them half of
   the printed ones; see `Lagrangian.chart_force`.
+
+Free motion is geodesic motion for every metric M: the remark after eq. (32) has the case M ∝ 1 and leaves open how
+Christoffel symbols and structure constants belong together.
+
+References
+----------
+J. Milnor, "Curvatures of left invariant metrics on Lie groups", Advances in Mathematics 21 (1976) 293, section 5, for
+the Levi-Civita connection of a left-invariant metric.
 """
 
 from __future__ import annotations
@@ -210,3 +218,43 @@ def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
     group = lagrangian.group
     to_body = group.Ad(group.inverse(element))
     return symmetrised(np.swapaxes(to_body, -1, -2) @ lagrangian.metric @ to_body)
+
+
+def connection_coefficients(lagrangian: Lagrangian) -> Array:
+    """The connection of the metric M in the frame of the left-invariant fields Tᵃ: ∇_Tᵃ Tᵇ = Γ[a,b,c] Tᶜ.
+
+    By Koszul's formula 2⟨∇_X Y, Z⟩ = ⟨[X, Y], Z⟩ − ⟨[Y, Z], X⟩ + ⟨[Z, X], Y⟩, with ⟨X, Y⟩ = MᵃᵇXᵃYᵇ. Geodesics have the
+    rates ω̇ᶜ = −Γ[a,b,c] ωᵃωᵇ, which is eq. (21); it is what the text after eq. (32) leaves open. For a bi-invariant
+    metric Γ[a,b,c] = ½ f[a,b,c], and ω is constant.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+        The group, of dimension d, and M.
+
+    Returns
+    -------
+    ndarray, shape (d, d, d)
+    """
+    bracket = lagrangian.group.structure_constants @ lagrangian.metric  # ⟨[Tᵃ, Tᵇ], Tᶜ⟩
+    lowered = 0.5 * (bracket - np.einsum("bca->abc", bracket) + np.einsum("cab->abc", bracket))
+    return np.asarray(lowered @ lagrangian.inverse_metric)
+
+
+def christoffel_symbols(lagrangian: Lagrangian) -> Array:
+    """The Christoffel symbols Γᶜ_ab at the centre of the chart A₀ exp(βᵃTᵃ), as [a, b, c]: symmetric in a and b.
+
+    There β̈ᶜ = −Γᶜ_ab β̇ᵃβ̇ᵇ, as the text after eq. (32) asks for. They are the part of `connection_coefficients` that
+    is symmetric in the first two indices, since ω̇ = β̈ at the centre. They vanish for a bi-invariant metric, whose
+    geodesics are straight in this chart.
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+
+    Returns
+    -------
+    ndarray, shape (d, d, d)
+    """
+    connection = connection_coefficients(lagrangian)
+    return np.asarray(0.5 * (connection + np.swapaxes(connection, 0, 1)))

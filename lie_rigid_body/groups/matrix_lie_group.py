@@ -30,17 +30,17 @@ ELEMENT_TOLERANCE: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class MatrixLieGroup:
-    """A group of n×n matrices with its Lie algebra in coordinates.
+class MatrixLieGroup(MatrixLieAlgebra):
+    """A group of n×n matrices: its Lie algebra in coordinates, and its elements.
 
     Made by `SO`, `SU`, `U1`, `product` and `MatrixLieGroup.from_generators`.
 
     Parameters
     ----------
+    generators : ndarray, shape (d, n, n)
+        See `MatrixLieAlgebra`.
     name : str
         Name in messages and plots.
-    algebra : MatrixLieAlgebra
-        Generators and structure constants.
     trace_metric : ndarray, shape (d, d)
         gᵃᵇ = c Re tr(Tᵃ†Tᵇ), positive definite. For the antisymmetric and anti-Hermitian generators of a compact group
         it is −c tr(TᵃTᵇ). The scale c is ½ for SO(n) and 2 for SU(n), for which g is the identity in their bases. It is
@@ -52,10 +52,13 @@ class MatrixLieGroup:
     """
 
     name: str
-    algebra: MatrixLieAlgebra
     trace_metric: Array
     elements: Elements
     factors: tuple[MatrixLieGroup, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.trace_metric.setflags(write=False)
 
     @classmethod
     def from_generators(cls, generators: ArrayLike, *, name: str = "G") -> MatrixLieGroup:
@@ -85,35 +88,7 @@ class MatrixLieGroup:
             message names it.
         """
         algebra = closed_algebra(generators)
-        return cls(name, algebra, algebra.trace_metric(1.0), GeneratedElements(algebra))
-
-    @property
-    def dimension(self) -> int:
-        """Dimension d of the group: the number of its generators."""
-        return self.algebra.dimension
-
-    @property
-    def size(self) -> int:
-        """Size n of the matrices."""
-        return self.algebra.size
-
-    @property
-    def generators(self) -> Matrix:
-        """The matrices Tᵃ, shape (d, n, n), real or complex."""
-        return self.algebra.generators
-
-    @property
-    def structure_constants(self) -> Array:
-        """The constants fᵃᵇᶜ of [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42), shape (d, d, d)."""
-        return self.algebra.structure_constants
-
-    @property
-    def adjoint_representation(self) -> Array:
-        """Matrices of ad Tᵃ, shape (d, d, d), with entry [a, c, b] equal to fᵃᵇᶜ; they obey the algebra of the Tᵃ.
-
-        Eq. (43) prints the transposed matrices, which obey the algebra with −f.
-        """
-        return self.algebra.adjoint_representation
+        return cls(algebra.generators, name, algebra.scaled_trace(1.0), GeneratedElements(algebra))
 
     @property
     def identity(self) -> Matrix:
@@ -149,39 +124,6 @@ class MatrixLieGroup:
             )
         return A
 
-    def as_components(self, values: ArrayLike, what: str) -> Array:
-        """The argument as float64 components along the generators: rates, momenta or gradients.
-
-        Parameters
-        ----------
-        values : array_like, shape (..., d)
-        what : str
-            Name of the argument in the error.
-
-        Returns
-        -------
-        ndarray, shape (..., d)
-
-        Raises
-        ------
-        ParameterError
-            If they are not real numbers, or the last axis is not of length d.
-        """
-        return self.algebra.as_coordinates(values, what)
-
-    def hat(self, x: ArrayLike) -> Matrix:
-        """The matrix xᵃTᵃ of the algebra.
-
-        Parameters
-        ----------
-        x : array_like, shape (..., d)
-
-        Returns
-        -------
-        ndarray, shape (..., n, n)
-        """
-        return self.algebra.hat(x)
-
     def vee(self, X: ArrayLike) -> Array:
         """Coordinates of a matrix of the algebra; inverse of `hat`. Refuses a matrix outside the algebra.
 
@@ -193,7 +135,7 @@ class MatrixLieGroup:
         -------
         ndarray, shape (..., d)
         """
-        return self.algebra.vee(self.as_matrices(X))
+        return super().vee(self.as_matrices(X))
 
     def exp(self, x: ArrayLike) -> Matrix:
         """The element exp(xᵃTᵃ).
@@ -206,7 +148,7 @@ class MatrixLieGroup:
         -------
         ndarray, shape (..., n, n)
         """
-        return exponential.exp(self.algebra.hat(x))
+        return exponential.exp(self.hat(x))
 
     def log(self, A: ArrayLike) -> Array:
         """Coordinates of the logarithm: the principal one, where its eigenvalues' imaginary parts lie within ±π.
@@ -229,7 +171,7 @@ class MatrixLieGroup:
             If A is off the group, or its logarithm is not unique: an eigenvalue on the negative real axis (for SU(n):
             two logarithms of equal norm). For a group from generators, also if A is not recognised.
         """
-        return self.algebra.coordinates(self.elements.log(self.as_elements(A)))
+        return self.coordinates(self.elements.log(self.as_elements(A)))
 
     def inverse(self, A: ArrayLike) -> Matrix:
         """Inverses of elements, shape (..., n, n). Refuses matrices off the group."""
@@ -249,54 +191,7 @@ class MatrixLieGroup:
         ndarray, shape (..., d, d)
         """
         A = self.as_elements(A)[..., np.newaxis, :, :]
-        return np.swapaxes(self.algebra.coordinates(A @ self.generators @ self.elements.inverse(A)), -1, -2)
-
-    def ad(self, x: ArrayLike) -> Array:
-        """The matrix of y ↦ [x, y] in coordinates: xᵃfᵃᵇᶜ at [c, b].
-
-        Parameters
-        ----------
-        x : array_like, shape (..., d)
-
-        Returns
-        -------
-        ndarray, shape (..., d, d)
-        """
-        return self.algebra.ad(x)
-
-    def dexp(self, x: ArrayLike) -> Array:
-        """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x): φ(ad x) with φ(z) = (e^z − 1)/z, for x of any norm.
-
-        For SO(3) this is `so3.left_jacobian`; with exp(x) hat(J ẋ) instead, J is ``dexp(-x)``
-        (Iserles et al., Acta Numerica 9 (2000), section 2.3).
-
-        Parameters
-        ----------
-        x : array_like, shape (..., d)
-
-        Returns
-        -------
-        ndarray, shape (..., d, d)
-        """
-        return self.algebra.dexp(x)
-
-    def dexpinv(self, x: ArrayLike) -> Array:
-        """The inverse of `dexp`, the rate of chart coordinates: ẋ = dexpinv(x) ω where exp(x) turns with rate ω.
-
-        Parameters
-        ----------
-        x : array_like, shape (..., d)
-
-        Returns
-        -------
-        ndarray, shape (..., d, d)
-
-        Raises
-        ------
-        InputError
-            Where dexp is singular: an eigenvalue of ad(x) is a non-zero multiple of 2πi.
-        """
-        return self.algebra.dexpinv(x)
+        return np.swapaxes(self.coordinates(A @ self.generators @ self.elements.inverse(A)), -1, -2)
 
     def contains(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> NDArray[np.bool_]:
         """Whether matrices are elements to within a tolerance, shape (...), of A with shape (..., n, n).

@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
+from lie_rigid_body.groups.algebra import frobenius
 from lie_rigid_body.groups.elements import Elements
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -39,9 +39,8 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
     for group, rows, block in zip(groups, _slices([g.dimension for g in groups]), _blocks(groups), strict=True):
         T[rows, block, block] = group.generators
         metric[rows, rows] = group.trace_metric
-    metric.setflags(write=False)
     name = " × ".join(g.name for g in groups)
-    return MatrixLieGroup(name, MatrixLieAlgebra(T), metric, ProductElements(groups), groups)
+    return MatrixLieGroup(T, name, metric, ProductElements(groups), groups)
 
 
 def _slices(sizes: list[int]) -> list[slice]:

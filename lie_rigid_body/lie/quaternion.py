@@ -8,6 +8,8 @@ unit quaternions are the group SU(2) of its eq. (31), as `groups.double_cover` w
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -23,6 +25,23 @@ def _quaternions(q: ArrayLike) -> Array:
     return array
 
 
+def _components(q: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    q = _quaternions(q)
+    return q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+
+
+def product(p: Any, q: Any) -> tuple[Any, Any, Any, Any]:
+    """Hamilton product p⊗q, as in eq. (31), of components x, y, z, w of any kind: floats, arrays or decimals."""
+    px, py, pz, pw = p
+    qx, qy, qz, qw = q
+    return (
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
+        pw * qw - px * qx - py * qy - pz * qz,
+    )
+
+
 def multiply(p: ArrayLike, q: ArrayLike) -> Array:
     """Hamilton product p⊗q, the product of SU(2), eq. (31).
 
@@ -35,18 +54,7 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
     """
-    p, q = _quaternions(p), _quaternions(q)
-    px, py, pz, pw = p[..., 0], p[..., 1], p[..., 2], p[..., 3]
-    qx, qy, qz, qw = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    return np.stack(
-        [
-            pw * qx + px * qw + py * qz - pz * qy,
-            pw * qy - px * qz + py * qw + pz * qx,
-            pw * qz + px * qy - py * qx + pz * qw,
-            pw * qw - px * qx - py * qy - pz * qz,
-        ],
-        axis=-1,
-    )
+    return np.stack(product(_components(p), _components(q)), axis=-1)
 
 
 def conjugate(q: ArrayLike) -> Array:
@@ -74,8 +82,7 @@ def norm(q: ArrayLike) -> Array:
     -------
     ndarray, shape (...)
     """
-    q = _quaternions(q)
-    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    x, y, z, w = _components(q)
     with np.errstate(over="ignore"):
         return np.asarray(np.hypot(np.hypot(x, y), np.hypot(z, w)))
 
@@ -109,9 +116,8 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3)
     """
-    q = _quaternions(q)
+    x, y, z, w = _components(q)
     v = vectors.as_vectors(v)
-    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
     tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
     return np.stack(
@@ -175,9 +181,8 @@ def to_matrix(q: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
     """
-    q = _quaternions(q)
-    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    m = np.empty((*q.shape[:-1], 3, 3))
+    x, y, z, w = _components(q)
+    m = np.empty((*x.shape, 3, 3))
     m[..., 0, 0] = 1.0 - 2.0 * (y * y + z * z)
     m[..., 1, 1] = 1.0 - 2.0 * (x * x + z * z)
     m[..., 2, 2] = 1.0 - 2.0 * (x * x + y * y)

@@ -120,11 +120,11 @@ class RigidBody:
         """The bodies at an index of the first leading axis."""
         if not self.batch_shape:
             raise TypeError("one RigidBody cannot be indexed")
-        return RigidBody._of(*(getattr(self, name)[index] for name in self.__slots__))
+        return RigidBody.trusted(*(getattr(self, name)[index] for name in self.__slots__))
 
     @classmethod
-    def _of(cls, *arrays: Array) -> RigidBody:
-        """The body of arrays that are not checked or copied, in the order of the slots."""
+    def trusted(cls, *arrays: Array) -> RigidBody:
+        """The body of arrays that are not checked or copied: inertia, its inverse, principal axes and moments."""
         body = cls.__new__(cls)
         for name, array in zip(cls.__slots__, arrays, strict=True):
             array.setflags(write=False)
@@ -132,7 +132,7 @@ class RigidBody:
         return body
 
     def __reduce__(self) -> tuple[Callable[..., RigidBody], tuple[Array, ...]]:
-        return RigidBody._of, tuple(getattr(self, name) for name in self.__slots__)
+        return RigidBody.trusted, tuple(getattr(self, name) for name in self.__slots__)
 
     def __repr__(self) -> str:
         return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), LONGEST_LINE - 12)})"

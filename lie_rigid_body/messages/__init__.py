@@ -3,8 +3,7 @@
 A payload is 4 bytes of encapsulation (0, the byte order, two options) and a body in which a number of n bytes begins at
 a multiple of n. Padding is written as zeros; rclpy leaves there what the memory held before.
 
-- `template`: rows of bytes that differ in some words only, written where they are wanted;
-- `layout`: the fields that all messages share, and the bytes of messages of one type;
+- `layout`: the fields that all messages share, and rows of bytes that differ in some words only;
 - `encoding`: samples as messages;
 - `batch`: the messages of the truth and the sensors, in the order of their stamps;
 - `decoding`: messages of either byte order, from any writer; `framed`: those of two frames;

@@ -18,10 +18,10 @@ from lie_rigid_body.messages.layout import (
     TWIST_NUMBERS,
     Layout,
     Payloads,
+    Template,
     header,
     text,
 )
-from lie_rigid_body.messages.template import Template
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Field, SensorModel, Topic
 from lie_rigid_body.simulation import Samples, SensorSamples

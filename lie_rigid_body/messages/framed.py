@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -47,27 +47,21 @@ def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
     BagError
         Naming the first message that is not such a payload.
     """
-    found: dict[Frames, FramedNumbers] = {}
-    for index, payload in enumerate(payloads):
-        fields = _Fields(payload, index)
-        fields.read(found, _ODOMETRY_NUMBERS)
-        fields.end()
-    return found
+    return _decoded(payloads, lambda fields: 1, _ODOMETRY_NUMBERS)
 
 
 def decode_transforms(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
-    """Read tf2_msgs/TFMessage, by frame and child frame.
+    """Read tf2_msgs/TFMessage, by frame and child frame; see `decode_odometry`."""
+    return _decoded(payloads, _Fields.word, _TRANSFORM_NUMBERS)
 
-    Raises
-    ------
-    BagError
-        Naming the first message that is not such a payload.
-    """
+
+def _decoded(payloads: Sequence[bytes], count: Callable[[_Fields], int], numbers: int) -> dict[Frames, FramedNumbers]:
+    """Read messages of ``count(fields)`` parts, each of a header, a child frame and so many numbers."""
     found: dict[Frames, FramedNumbers] = {}
     for index, payload in enumerate(payloads):
         fields = _Fields(payload, index)
-        for _ in range(fields.word()):
-            fields.read(found, _TRANSFORM_NUMBERS)
+        for _ in range(count(fields)):
+            fields.read(found, numbers)
         fields.end()
     return found
 

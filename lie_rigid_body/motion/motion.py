@@ -1,8 +1,8 @@
-"""The `Motion` protocol, and the reading of its arguments: batch axes of body and start, times in ns, and memory."""
+"""The `Motion` protocol, and what both motions do alike: read bodies, starts, times and memory, and lay out states."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import shown
 
 
@@ -69,7 +70,45 @@ def batch_shape(body: object, start: object) -> tuple[int, ...]:
     return shape
 
 
-def flat_batch(values: Array, batch: tuple[int, ...], *own: int) -> Array:
+@short_dataclass(frozen=True)
+class InitialConditions:
+    """B bodies, each with its state at time 0.
+
+    Attributes
+    ----------
+    batch : tuple of int
+        The leading axes of the batch that they were given as, of product B; () for one body alone.
+    bodies : RigidBody
+        Of leading axis B.
+    states : State
+        Shapes (B, 4) and (B, 3).
+    """
+
+    batch: tuple[int, ...]
+    bodies: RigidBody
+    states: State
+
+    @classmethod
+    def of(cls, body: RigidBody, start: State) -> InitialConditions:
+        """The initial conditions of a body or a batch of bodies, with the start broadcast to it.
+
+        Raises
+        ------
+        InputError
+            If body and start do not go together; see `batch_shape`.
+        """
+        batch = batch_shape(body, start)
+        tensors = (_flat(tensor, batch, 3, 3) for tensor in (body.inertia, body.inverse_inertia, body.principal_axes))
+        bodies = RigidBody.trusted(*tensors, _flat(body.principal_moments, batch, 3))
+        return cls(batch, bodies, State.trusted(_flat(start.attitude_xyzw, batch, 4), _flat(start.body_rate, batch, 3)))
+
+    def error_prefix(self, place: int) -> str:
+        """The beginning of a message about one body: its index in the batch, or nothing for a body alone."""
+        index = tuple(int(i) for i in np.unravel_index(place, self.batch)) if self.batch else ()
+        return f"body {index[0] if len(index) == 1 else index}: " if index else ""
+
+
+def _flat(values: Array, batch: tuple[int, ...], *own: int) -> Array:
     """Values of shape (..., *own) broadcast to a batch of B elements, as an array of shape (B, *own)."""
     shape = (*batch, *own)
     return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, *own)
@@ -201,3 +240,39 @@ def require_memory(least: int, memory_limit: int, what: str) -> None:
             f"memory_limit {memory_limit} bytes is too little for {what}, which take {least}: "
             "ask for fewer at once, or give a larger memory_limit"
         )
+
+
+def states_at(
+    starts: InitialConditions,
+    t_ns: ArrayLike,
+    memory_limit: int,
+    needs: WorkingMemory,
+    fill: Callable[[Array, Array, Integers, int], None],
+) -> State:
+    """The states of bodies at some times: shapes (..., 4) and (..., 3), of the batch's axes and that of the times.
+
+    Parameters
+    ----------
+    starts : InitialConditions
+        The states at time 0, which come out as they were given.
+    t_ns : int or array_like of int, shape (N,)
+    memory_limit : int
+        See `samples_within`.
+    needs : WorkingMemory
+    fill : callable
+        ``fill(attitude_xyzw, body_rate, t_ns, block)`` writes the states at all other times, shapes (B, N, 4) and
+        (B, N, 3), at most ``block`` samples at once.
+
+    Raises
+    ------
+    InputError
+    """
+    times = nanoseconds(t_ns)
+    bodies, flat = len(starts.states), np.atleast_1d(times)
+    block = samples_within(bodies, times.size, memory_limit, needs)
+    attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
+    fill(attitude, rate, flat, block)
+    first, start = np.flatnonzero(flat == 0), starts.states
+    attitude[:, first], rate[:, first] = start.attitude_xyzw[:, np.newaxis], start.body_rate[:, np.newaxis]
+    shape = (*starts.batch, *times.shape)
+    return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))

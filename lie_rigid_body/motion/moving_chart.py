@@ -28,8 +28,8 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
-from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, WorkingMemory, nanoseconds, samples_within
-from lie_rigid_body.motion.moving_ensemble import InitialConditions, Integrator, MovingEnsemble
+from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, InitialConditions, WorkingMemory, states_at
+from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
@@ -124,9 +124,8 @@ class MovingChart:
         self, body: RigidBody, start: State, *, method: str = DEFAULT_METHOD, max_step: float = DEFAULT_MAX_STEP
     ) -> None:
         require_stepper(method, max_step, METHODS)
-        starts = InitialConditions.of(body, start)
-        self._batch = starts.batch
-        self._ensemble = MovingEnsemble(starts, METHODS[method].integrators(starts, float(max_step)))
+        self._starts = InitialConditions.of(body, start)
+        self._ensemble = MovingEnsemble(self._starts, METHODS[method].integrators(self._starts, float(max_step)))
         self._method, self._max_step = method, float(max_step)
 
     def __copy__(self) -> MovingChart:
@@ -136,7 +135,7 @@ class MovingChart:
         return other
 
     def __repr__(self) -> str:
-        shape = {"bodies": self._batch} if self._batch else {}
+        shape = {"bodies": self._starts.batch} if self._starts.batch else {}
         stepper = {"method": self._method, "max_step": self._max_step}
         return call_repr(self, {**shape, **stepper, "reached_ns": self._ensemble.reached_ns})
 
@@ -166,13 +165,7 @@ class MovingChart:
             allowed. It is raised as well if the steps of a body, which is named, are too many, too long for its rate,
             or lead to infinity.
         """
-        times = nanoseconds(t_ns)
-        bodies = math.prod(self._batch)
-        block = samples_within(bodies, times.size, memory_limit, _NEEDS)
-        attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
-        self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
-        shape = (*self._batch, *times.shape)
-        return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))
+        return states_at(self._starts, t_ns, memory_limit, _NEEDS, self._ensemble.fill)
 
 
 def require_stepper(method: object, max_step: object, methods: Collection[str]) -> None:

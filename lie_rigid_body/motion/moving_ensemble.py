@@ -5,60 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
-import numpy as np
-
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.motion import batch_shape, flat_batch
+from lie_rigid_body.motion.motion import InitialConditions
 from lie_rigid_body.motion.time_steps import TimeSteps, require_order
-from lie_rigid_body.short_dataclass import short_dataclass
-
-
-@short_dataclass(frozen=True)
-class InitialConditions:
-    """B bodies, each with its state at time 0.
-
-    Attributes
-    ----------
-    batch : tuple of int
-        The leading axes of the batch that they were given as, of product B; () for one body alone.
-    inertia, inverse_inertia : ndarray, shape (B, 3, 3)
-        In the body frame, kg m² and its inverse.
-    attitude_xyzw : ndarray, shape (B, 4)
-        World from body.
-    body_rate : ndarray, shape (B, 3)
-        rad/s
-    """
-
-    batch: tuple[int, ...]
-    inertia: Array
-    inverse_inertia: Array
-    attitude_xyzw: Array
-    body_rate: Array
-
-    @classmethod
-    def of(cls, body: RigidBody, start: State) -> InitialConditions:
-        """The initial conditions of a body or a batch of bodies, with the start broadcast to it.
-
-        Raises
-        ------
-        InputError
-            If body and start do not go together; see `batch_shape`.
-        """
-        batch = batch_shape(body, start)
-        return cls(
-            batch,
-            flat_batch(body.inertia, batch, 3, 3),
-            flat_batch(body.inverse_inertia, batch, 3, 3),
-            flat_batch(start.attitude_xyzw, batch, 4),
-            flat_batch(start.body_rate, batch, 3),
-        )
-
-    def error_prefix(self, place: int) -> str:
-        """The beginning of a message about one body: its index in the batch, or nothing for a body alone."""
-        index = tuple(int(i) for i in np.unravel_index(place, self.batch)) if self.batch else ()
-        return f"body {index[0] if len(index) == 1 else index}: " if index else ""
 
 
 class Integrator(Protocol):
@@ -151,10 +101,6 @@ class MovingEnsemble:
             for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
                 attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
                 work = 0
-        if self._reached_ns == 0:  # at the start exactly the numbers that were given
-            begun = np.searchsorted(t_ns, 0, side="right")
-            attitude_xyzw[:, :begun] = self._starts.attitude_xyzw[:, np.newaxis]
-            body_rate[:, :begun] = self._starts.body_rate[:, np.newaxis]
         self._states, self._reached_ns = moved, int(t_ns[-1])
 
     def _steps_through(self, k: int, t_ns: Integers) -> int:

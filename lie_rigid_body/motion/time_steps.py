@@ -142,10 +142,11 @@ def require_order(times_ns: Integers, reached_ns: int) -> None:
     InputError
         Naming the first that lies before one already reached.
     """
-    back = times_ns[1:] < times_ns[:-1]
-    if times_ns[0] < reached_ns or (len(back) and back.any()):
-        i = 0 if times_ns[0] < reached_ns else 1 + int(np.argmax(back))
+    path = np.append(np.int64(reached_ns), times_ns)
+    back = path[1:] < path[:-1]
+    if back.any():
+        i = int(np.argmax(back))
         raise InputError(
-            f"t_ns {int(times_ns[i])} lies before {int(times_ns[i - 1]) if i else reached_ns}, which is already "
-            "reached: give times that do not decrease, or start a new motion"
+            f"t_ns {path[i + 1]} lies before {path[i]}, which is already reached: give times that do not decrease, or "
+            "start a new motion"
         )

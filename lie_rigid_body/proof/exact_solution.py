@@ -90,7 +90,7 @@ def exact_state(start: Start, t_ns: int) -> tuple[Balls, Balls]:
     if kind is Kind.SYMMETRIC:
         return _symmetric_top(start, attitude, t)
     polhode = _EnclosedPolhode.of(start, kind)
-    turn, momentum = _Separatrix(polhode).at(t) if kind is Kind.SEPARATRIX else _EnclosedCirculation.of(polhode).at(t)
+    turn, momentum = _separatrix_at(polhode, t) if kind is Kind.SEPARATRIX else _EnclosedCirculation.of(polhode).at(t)
     turned = (*polhode.to_body(turn[:3]), turn[3])
     return product(attitude, turned), polhode.to_body(tuple(e * p for e, p in zip(polhode.e, momentum, strict=True)))
 
@@ -284,22 +284,16 @@ def _carlson(x: arb, y: arb, z: arb) -> arb:
     return acb.elliptic_rf(acb(x), acb(y), acb(z)).real
 
 
-@dataclass(frozen=True)
-class _Separatrix:
-    """The motion that takes for ever to reach the middle axis."""
-
-    polhode: _EnclosedPolhode
-
-    def at(self, t: arb) -> tuple[Balls, Balls]:
-        """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame."""
-        polhode, p = self.polhode, self.polhode.norm
-        a1, _, a3 = polhode.amplitudes
-        side = sign(polhode.start[0])
-        u0 = (side * polhode.start[1] * a3 / (p * polhode.start[2])).asinh()
-        u = u0 + polhode.frequency * t
-        momentum = (side * a1 / u.cosh(), side * p * u.tanh(), a3 / u.cosh())
-        # ∫ du/(p + a₃/cosh u) = u/p − 2a₃/(p a₁) arctan(a₁ tanh(u/2)/(p + a₃)), as p² = a₁² + a₃²
-        arcs = [(a1 * (x / 2).tanh() / (p + a3)).atan() for x in (u0, u)]
-        lag = 2 * a3 / (p * a1 * polhode.frequency) * (arcs[1] - arcs[0])
-        phase = (polhode.e[2] * p * t + polhode.excess * (t / p - lag)) / 2
-        return polhode.turn(acb(0, phase).exp(), momentum), momentum
+def _separatrix_at(polhode: _EnclosedPolhode, t: arb) -> tuple[Balls, Balls]:
+    """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame, of the motion that takes for ever to reach the middle axis."""
+    p = polhode.norm
+    a1, _, a3 = polhode.amplitudes
+    side = sign(polhode.start[0])
+    u0 = (side * polhode.start[1] * a3 / (p * polhode.start[2])).asinh()
+    u = u0 + polhode.frequency * t
+    momentum = (side * a1 / u.cosh(), side * p * u.tanh(), a3 / u.cosh())
+    # ∫ du/(p + a₃/cosh u) = u/p − 2a₃/(p a₁) arctan(a₁ tanh(u/2)/(p + a₃)), as p² = a₁² + a₃²
+    arcs = [(a1 * (x / 2).tanh() / (p + a3)).atan() for x in (u0, u)]
+    lag = 2 * a3 / (p * a1 * polhode.frequency) * (arcs[1] - arcs[0])
+    phase = (polhode.e[2] * p * t + polhode.excess * (t / p - lag)) / 2
+    return polhode.turn(acb(0, phase).exp(), momentum), momentum

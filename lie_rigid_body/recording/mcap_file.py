@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Messages
-from lie_rigid_body.messages.template import Template
+from lie_rigid_body.messages.layout import Template
 from lie_rigid_body.recording.records import HEAD, MAGIC, RECORD_HEAD, MessageTable, record_bytes
 from lie_rigid_body.recording.summary import Summary
 

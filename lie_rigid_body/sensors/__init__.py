@@ -4,20 +4,18 @@ In the order of a measurement:
 
 - `sensor`: what a sensor is: model, instrument, readings, topics;
 - `table`: all sensors and their parameters, and the sensors of a scenario, validated once;
-- `parameters`: the parameters that several sensors have;
-- `grades`: the errors of real sensors, from data sheets;
+- `parameters`: the parameters that several sensors have, and the errors of real sensors, from data sheets;
 - `noise`: random numbers from the seed alone, the same in batches of any size;
 - `signal`: what an instrument measures, and the converter that makes readings of it;
 - `fault`: what goes wrong and when, also on the way of a sensor's readings;
 - `triad`: the errors and the faults of three axes;
-- `inertial`: the true quantities that gyro and accelerometer measure;
 - `imu`, `magnetometer`, `pointing`: the sensors.
 """
 
 from lie_rigid_body.sensors.fault import Delivery, Fault
-from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import Imu, ImuModel
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
+from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.pointing import AttitudeSensor, AttitudeSensorModel, SunSensor, SunSensorModel
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic
 from lie_rigid_body.sensors.signal import Conditioning, Signal

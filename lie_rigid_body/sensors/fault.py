@@ -86,10 +86,9 @@ class Fault:
         """
         try:
             fault = cls(**json.loads(text[: 2 * LONGEST_TEXT]))
-            times = (fault.begin_ns, 0 if fault.end_ns is None else fault.end_ns)
-            size = 0.0 if fault.size is None else fault.size
             names = fault.kind in KINDS and fault.sensor in PARTS and fault.axis in (*AXES, "")
-            if names and all(type(time) is int for time in times) and type(size) in (int, float):
+            times = type(fault.begin_ns) is int and (fault.end_ns is None or type(fault.end_ns) is int)
+            if names and times and (fault.size is None or type(fault.size) in (int, float)):
                 return fault
         except (ValueError, TypeError, RecursionError):
             pass

@@ -13,7 +13,7 @@ J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as
 
 from __future__ import annotations
 
-from enum import IntEnum, unique
+from enum import IntEnum
 from typing import Final
 
 import numpy as np
@@ -35,23 +35,18 @@ _ONE: Final = np.float64(1.0).view(np.uint64)
 """Bits of the double 1."""
 
 
-@unique
-class NoiseSource(IntEnum):
-    """The sources of noise. The numbers are part of the keys: one that changed would change every recording.
+NoiseSource = IntEnum(
+    "NoiseSource",
+    [
+        *("GYRO_TURN_ON", "GYRO_WALK", "GYRO_WHITE"),
+        *("ACCELEROMETER_TURN_ON", "ACCELEROMETER_WALK", "ACCELEROMETER_WHITE"),
+        *("MAGNETOMETER_WHITE", "ORIENTATION_WHITE", "ATTITUDE_SENSOR_WHITE", "SUN_SENSOR_WHITE"),
+    ],
+)
+"""The sources of noise, numbered from 1 on. Their order is part of the keys: a new one comes last.
 
-    Sources of faults have numbers above 255; see `fault.stream`.
-    """
-
-    GYRO_TURN_ON = 1
-    GYRO_WALK = 2
-    GYRO_WHITE = 3
-    ACCELEROMETER_TURN_ON = 4
-    ACCELEROMETER_WALK = 5
-    ACCELEROMETER_WHITE = 6
-    MAGNETOMETER_WHITE = 7
-    ORIENTATION_WHITE = 8
-    ATTITUDE_SENSOR_WHITE = 9
-    SUN_SENSOR_WHITE = 10
+Sources of faults have numbers above 255; see `fault.stream`.
+"""
 
 
 class Draws:

@@ -1,13 +1,20 @@
-"""Parameters that several kinds of sensors have, and those of their faults, which are all off by default."""
+"""Parameters that several kinds of sensors have, those of their faults, and grades: the errors of real sensors.
+
+Faults are all off by default. The values of grades are those of data sheets, which docs/reference/imu.md names. An
+error that a sheet does not tell is left out. The random walk of a bias, which sheets do not give, follows from the
+lowest Allan deviation σ and the noise density N. The sum N²/τ + K²τ/3 has the minimum 2 N K / √3, so K = √3 σ² / (2 N).
+Errors of scale, mounting and iron are of unknown sign; the signs taken are +, −, + along x, y, z.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
+from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
-from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.parameters import Parameter, Value, Vector
 
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
@@ -149,3 +156,100 @@ WINDOW_PARAMETERS: Final = (
     not_negative("fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_LONGEST_S),
 )
 """The parameters that limit all faults that have a switch."""
+
+GRADE: Final = "sensor_grade"
+"""Name of the parameter that chooses a grade."""
+PERFECT: Final = "perfect"
+"""The grade without any error."""
+
+_DEGREE: Final = math.radians(1.0)
+_PER_HOUR: Final = _DEGREE / 3600.0
+"""Conversion of a gyro's bias from data sheets, (rad/s) / (°/h)."""
+_PER_ROOT_HOUR: Final = _DEGREE / 60.0
+"""Conversion of an angle random walk from data sheets, (rad/s/√Hz) / (°/√h)."""
+_G: Final = 9.80665
+"""Standard gravity, m/s²."""
+_PPM: Final = 1e-6
+
+
+def _walk(lowest_allan_deviation: float, noise_density: float) -> float:
+    return math.sqrt(3.0) / 2.0 * lowest_allan_deviation**2 / noise_density
+
+
+def _signed(size: float, offset: float = 0.0) -> Vector:
+    """Three numbers that differ from an offset by a size, with the signs +, −, +."""
+    return (offset + size, offset - size, offset + size)
+
+
+_STIM300_GYRO: Final = 0.15 * _PER_ROOT_HOUR
+_STIM300_ACCELEROMETER: Final = 0.06 / 60.0
+_BMI088_GYRO: Final = 0.014 * _DEGREE
+
+GRADES: Final[Mapping[str, Mapping[str, Value]]] = MappingProxyType(
+    {
+        PERFECT: {},
+        "navigation": {
+            "gyro_noise_density": 0.002 * _PER_ROOT_HOUR,
+            "gyro_turn_on_bias": 0.0035 * _PER_HOUR,
+            "gyro_scale_factor": _signed(5.0 * _PPM, 1.0),
+            "accelerometer_noise_density": 7e-6 * _G / math.sqrt(10.0),
+            "accelerometer_turn_on_bias": 25e-6 * _G,
+            "accelerometer_scale_factor": _signed(100.0 * _PPM, 1.0),
+            "magnetometer_noise_density": 6e-12,
+            "magnetometer_hard_iron": _signed(5e-9),
+            "magnetometer_soft_iron": (1.005, 0.0, 0.0, 0.0, 0.995, 0.0, 0.0, 0.0, 1.005),
+            "magnetometer_range": 70e-6,
+        },
+        "tactical": {
+            "gyro_noise_density": _STIM300_GYRO,
+            "gyro_bias_random_walk": _walk(0.5 * _PER_HOUR, _STIM300_GYRO),
+            "gyro_turn_on_bias": 5.0 * _PER_HOUR,
+            "gyro_scale_factor": _signed(500.0 * _PPM, 1.0),
+            "gyro_misalignment": _signed(1e-3),
+            "gyro_resolution": 0.22 * _PER_HOUR,
+            "gyro_range": 400.0 * _DEGREE,
+            "accelerometer_noise_density": _STIM300_ACCELEROMETER,
+            "accelerometer_bias_random_walk": _walk(0.05e-3 * _G, _STIM300_ACCELEROMETER),
+            "accelerometer_turn_on_bias": 0.75e-3 * _G,
+            "accelerometer_scale_factor": _signed(300.0 * _PPM, 1.0),
+            "accelerometer_misalignment": _signed(1e-3),
+            "accelerometer_resolution": 1.9e-6 * _G,
+            "accelerometer_range": 10.0 * _G,
+            "magnetometer_noise_density": 1.2e-9,
+            "magnetometer_hard_iron": _signed(15e-9),
+            "magnetometer_resolution": 13e-9,
+            "magnetometer_range": 800e-6,
+        },
+        "mems": {
+            "gyro_noise_density": _BMI088_GYRO,
+            "gyro_bias_random_walk": _walk(2.0 * _PER_HOUR, _BMI088_GYRO),
+            "gyro_turn_on_bias": 1.0 * _DEGREE,
+            "gyro_scale_factor": _signed(0.01, 1.0),
+            "gyro_misalignment": _signed(0.01),
+            "gyro_resolution": _DEGREE / 16.384,
+            "gyro_range": 2000.0 * _DEGREE,
+            "accelerometer_noise_density": 175e-6 * _G,
+            "accelerometer_turn_on_bias": 20e-3 * _G,
+            "accelerometer_misalignment": _signed(0.005),
+            "accelerometer_resolution": _G / 5460.0,
+            "accelerometer_range": 6.0 * _G,
+            "magnetometer_noise_density": 0.3e-6 / math.sqrt(20.0),
+            "magnetometer_hard_iron": _signed(30e-6 * math.tan(2.5 * _DEGREE)),
+            "magnetometer_resolution": 0.3e-6,
+            "magnetometer_range": 1300e-6,
+        },
+    }
+)
+"""The error parameters that each grade sets; the others stay at their defaults, without error."""
+
+
+def graded(given: Mapping[str, object]) -> dict[str, object]:
+    """Add the errors of a grade to the parameters that are given, which override them.
+
+    Parameters
+    ----------
+    given : mapping of str to object
+        Parameters by their names; an unknown grade is left for the table of parameters to refuse.
+    """
+    grade = given.get(GRADE, PERFECT)
+    return {**(GRADES.get(grade, {}) if isinstance(grade, str) else {}), **given}

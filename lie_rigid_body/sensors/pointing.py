@@ -1,4 +1,4 @@
-"""Sensors that point: a star tracker, which reads the attitude, and a sun sensor, which reads a direction."""
+"""Sensors that point: orientations, as of an AHRS or a star tracker, and a sun sensor, which reads a direction."""
 
 from __future__ import annotations
 
@@ -16,9 +16,47 @@ from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
 from lie_rigid_body.sensors.signal import Conditioning, Signal
+from lie_rigid_body.short_dataclass import short_dataclass
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+@short_dataclass(frozen=True)
+class OrientationModel:
+    """The model of an orientation: exp(n_k) ⊗ A, with A the attitude and n_k a small rotation in the world frame.
+
+    Parameters
+    ----------
+    inclination_noise : float
+        Standard deviation of n about each horizontal axis of the world, rad.
+    heading_noise : float
+        Standard deviation of n about the vertical, z of the world, rad.
+    """
+
+    inclination_noise: float
+    heading_noise: float
+
+    @property
+    def covariance(self) -> tuple[float, ...]:
+        """Covariance of n, of small rotations about the fixed axes of the world, rad², row by row."""
+        inclination, heading = self.inclination_noise**2, self.heading_noise**2
+        return (inclination, 0.0, 0.0, 0.0, inclination, 0.0, 0.0, 0.0, heading)
+
+    def signal(self, states: State, noise: WhiteNoise, first: int) -> Signal:
+        """The orientations that it tells, world-from-body, scalar last, shape (N, 4), from unit noise."""
+        attitude, error = states.attitude_xyzw, np.zeros((len(states.attitude_xyzw), 3))
+        sigma = np.array([self.inclination_noise, self.inclination_noise, self.heading_noise])
+        if sigma.any():
+            error = sigma * noise.draw(first, len(attitude))
+            attitude = quaternion.multiply(quaternion.exp(error), attitude)
+        return Signal(attitude, condition=lambda: _turned(error))
+
+
+def _turned(error: Array) -> Conditioning:
+    """The conditioning of attitudes that are turned by small rotations."""
+    # half of an angle is what a component of a quaternion changes by at most
+    return Conditioning.of(1.0 + so3.norm(error), 0.5)
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,16 +149,12 @@ class AttitudeSensor(Instrument):
             error = across * drawn + (about - across) * roll[:, np.newaxis] * b
             attitude = quaternion.multiply(attitude, quaternion.exp(error))
 
-        def conditioning() -> Conditioning:
-            # half of an angle is what a component of a quaternion changes by at most
-            return Conditioning.of(1.0 + so3.norm(error), 0.5)
-
         def of_covariance() -> Conditioning:
             # the boresight turns by twice what a quaternion errs by, and stands in the covariance twice
-            return conditioning().scaled(4.0 * abs(about**2 - across**2)).enlarged(across**2 + about**2)
+            return _turned(error).scaled(4.0 * abs(about**2 - across**2)).enlarged(across**2 + about**2)
 
         covariance = Signal(self._model.covariance(attitude), condition=of_covariance)
-        return {"attitude_xyzw": Signal(attitude, condition=conditioning), "covariance": covariance}
+        return {"attitude_xyzw": Signal(attitude, condition=lambda: _turned(error)), "covariance": covariance}
 
 
 @dataclass(frozen=True, repr=False)

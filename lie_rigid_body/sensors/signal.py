@@ -78,11 +78,9 @@ class Converter:
 
     def limited(self, values: Array, limit: float) -> Array:
         """Values that saturate at the largest reading within a limit."""
-        largest = limit
-        if self.resolution:
-            # the last multiple of the resolution
-            steps = float(np.floor(limit / self.resolution * (1.0 + _ROUND_OFF)))
-            largest = min(steps * self.resolution, limit)
+        step = self.resolution
+        # the last multiple of the resolution
+        largest = min(float(np.floor(limit / step * (1.0 + _ROUND_OFF))) * step, limit) if step else limit
         return np.asarray(np.clip(values, -largest, largest))
 
     @property

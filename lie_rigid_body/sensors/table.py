@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from typing import Any, Final, cast
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
 from lie_rigid_body.sensors.fault import PARTS
-from lie_rigid_body.sensors.grades import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.imu import IMU
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
-from lie_rigid_body.sensors.parameters import WINDOW_PARAMETERS, fault_switches
+from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches, graded
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -59,34 +57,15 @@ class SensorTable(dict[str, Sensor]):
     """
 
     def __init__(self, *sensors: Sensor) -> None:
-        self.parameters: dict[str, Parameter] = {}
-        self.topics: dict[str, str] = {}
-        self._set(sensors)
-
-    def _set(self, sensors: tuple[Sensor, ...]) -> None:
-        self.clear()
-        self.update({sensor.name: sensor for sensor in sensors})
+        super().__init__({sensor.name: sensor for sensor in sensors})
         told = [parameter for sensor in sensors for parameter in sensor.told]
         rates = [parameter for parameter in told if any(parameter.name == sensor.switch for sensor in sensors)]
         later = [parameter for sensor in sensors for parameter in sensor.parameters]
         quiet = [*later, *WINDOW_PARAMETERS, *(fault for sensor in sensors for fault in sensor.all_faults)]
-        self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
         PARTS[:] = [part for sensor in sensors for part in (sensor.name, *sensor.parts)]
-        # the same dictionaries, of which others have views
-        self.parameters.clear()
-        self.parameters.update({parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)})
-        self.topics.clear()
-        self.topics.update({topic.name: topic.message_type for sensor in sensors for topic in sensor.topics})
-
-    @contextmanager
-    def including(self, sensor: Sensor) -> Iterator[None]:
-        """Have one more sensor for a while, behind all others; for the tests of a new one."""
-        before = tuple(self.values())
-        self._set((*before, sensor))
-        try:
-            yield
-        finally:
-            self._set(before)
+        self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
+        self.parameters = {parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)}
+        self.topics = {topic.name: topic.message_type for sensor in sensors for topic in sensor.topics}
 
 
 SENSORS: Final = SensorTable(IMU, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
@@ -149,7 +128,7 @@ class Sensors:
     @property
     def have_faults(self) -> bool:
         """Whether any fault is on."""
-        return any(faulty is not None for model in self.on.values() for faulty in model.faulty)
+        return any(model.faulty for model in self.on.values())
 
 
 def frame_parameters() -> set[str]:

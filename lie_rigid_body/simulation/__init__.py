@@ -3,10 +3,8 @@
 Modules:
 
 - `segment`: a stretch of motion between two resets, its JSON, the stamps of its samples, and when readings arrive;
-- `samples`: states and readings at their stamps, and queues of them, computed ahead;
-- `measurement`: the readings of one sensor in one segment, which may arrive late or never;
-- `fault_log`: the faults of the sensors as they begin;
-- `loop`: the truth and the sensors together, across resets.
+- `samples`: states and readings at their stamps, queues of them, and the readings of one sensor in one segment;
+- `loop`: the truth, the sensors and their faults together, across resets.
 """
 
 from lie_rigid_body.simulation.loop import Motions, Simulation, Taken, motions_of

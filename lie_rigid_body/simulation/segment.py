@@ -114,13 +114,8 @@ class Segment:
         """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""
         from lie_rigid_body import __version__
 
-        content = {
-            "software": f"{SOFTWARE} {__version__}",
-            **self.scenario.parameters(),
-            "first_sample": self.first_sample,
-            "start_ns": self.start_ns,
-        }
-        return json.dumps(content)
+        numbers = {"first_sample": self.first_sample, "start_ns": self.start_ns}
+        return json.dumps({"software": f"{SOFTWARE} {__version__}", **self.scenario.parameters(), **numbers})
 
     @classmethod
     def from_json(cls, text: str) -> Segment:
@@ -202,8 +197,7 @@ class Arrivals:
     """
 
     def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: Delivery) -> None:
-        self._clock, self._first = clock, first
-        self._start_ns, self._delivery = start_ns, delivery
+        self._clock, self._first, self._start_ns, self._delivery = clock, first, start_ns, delivery
 
     def stamp_ns(self, number: int) -> int:
         """Time at which one reading arrives, ns."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from sensor_bags import FORCE, MOTIONS, NOISY, write
 
-from lie_rigid_body.simulation.measurement import Measurement
+from lie_rigid_body.simulation.samples import Measurement
 
 
 @pytest.fixture(scope="session")

@@ -52,7 +52,7 @@ def test_a_change_of_any_file_that_the_code_is_made_from_changes_its_name(made_u
 def test_the_digest_is_that_of_another_process_which_loaded_less_or_more():
     """It follows the imports in the source, not what happens to be loaded: the process that compiles imports little."""
     files = {path.name for path in cache._source_files(moser_veselov_loop.__name__)}
-    assert {"double_double.py", "numbers.py", "layout.py", "kernels.py"} <= files
+    assert {"double_double.py", "numbers.py", "layout.py", "compiler.py"} <= files
     assert "scenario.py" not in files
 
 

@@ -12,11 +12,10 @@ import pytest
 
 from lie_rigid_body import MovingChart, RigidBody, State
 from lie_rigid_body.compilation import Loop, work
-from lie_rigid_body.compilation import loop as loops
+from lie_rigid_body.compilation import work as loops
 from lie_rigid_body.compilation.cache import cache_folder, mark
 from lie_rigid_body.compilation.compiler import started
-from lie_rigid_body.compilation.loop import SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING
-from lie_rigid_body.compilation.work import LONG_CALL
+from lie_rigid_body.compilation.work import LONG_CALL, SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from lie_rigid_body.messages.template import Template
+from lie_rigid_body.messages.layout import Template
 
 GAP = 3
 """Bytes between two rows in the data."""

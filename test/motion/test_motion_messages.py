@@ -86,9 +86,9 @@ MESSAGES: list[tuple[Callable[[], object], type[Exception], str]] = [
         r"tableau t: order condition Σb gives 41/42, not 1",
     ),
     (
-        lambda: Tableau("t", 1, ((Fraction(1),),), (Fraction(1),)),
+        lambda: Tableau("t", 1, (Fraction(1),), (Fraction(1),)),
         ValueError,
-        r"tableau t: not strictly lower triangular with one weight a stage",
+        r"tableau t: not one weight a stage, or one before the first",
     ),
 ]
 

@@ -17,7 +17,7 @@ from test_ensembles import INERTIAS, RATES, assert_bits, attitudes, many, resize
 
 from lie_rigid_body import ClosedForm, InputError, MovingChart, RigidBody, State
 from lie_rigid_body.compilation import Loop, work
-from lie_rigid_body.compilation import loop as loops
+from lie_rigid_body.compilation import work as loops
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import integrator as moser_veselov_integrator

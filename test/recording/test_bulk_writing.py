@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
-from lie_rigid_body.messages.template import Template
+from lie_rigid_body.messages.layout import Template
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.mcap_file import ZSTD_LEVEL
 from lie_rigid_body.scenario import Scenario

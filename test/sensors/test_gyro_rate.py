@@ -12,7 +12,7 @@ from sensor_models import MOTION, STEP_NS, imu, times
 
 from lie_rigid_body import State
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.sensors.inertial import IntegratedRate
+from lie_rigid_body.sensors.imu import IntegratedRate
 
 
 def test_an_instantaneous_rate_is_the_body_rate() -> None:

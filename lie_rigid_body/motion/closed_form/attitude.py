@@ -1,4 +1,4 @@
-"""Attitude and body rate of a general motion from its phases.
+"""The numbers that a motion is given by, and the attitude and body rate of a general one from its phases.
 
 The attitude is W ⊗ exp(ψ e₃) ⊗ conj(b(n)) ⊗ conj(F), as `GeneralMotion` says, with b(n) proportional to (−n₂, n₁, 0, 1
 + n₃). ψ is the precession angle of the third axis about the momentum less the azimuth of n about that axis. So ψ = Ωt ±
@@ -13,18 +13,92 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lie_rigid_body.arithmetic.double_double import DoubleDouble
 from lie_rigid_body.arithmetic.elementary import sine_cosine
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, each, magnitude, quadruple, sqrt, triple
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.closed_form.jacobi import EllipticValues, Libration
-from lie_rigid_body.motion.closed_form.motion_parameters import GeneralMotion
+from lie_rigid_body.lie.quaternion import product
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
+from lie_rigid_body.motion.closed_form.jacobi import EllipticValues, Libration, Theta
+
+# Numbers are floats of one motion, or arrays with an element for each of many.
+
+Members: TypeAlias = NDArray[np.intp]
+"""Places of motions in an ensemble, shape (B,)."""
 
 Sample: TypeAlias = tuple[Number, Number, Number, Number, Number, Number, Number]
 """A state: attitude x y z w and body rate, rad/s."""
 
 _NEGLIGIBLE: Final = 1e-307
 """Added to C to avoid 0/0 where it underflows: without effect on any result."""
+
+
+class GeneralMotion(NamedTuple):
+    """A motion that is not steady, in its `PrincipalFrame`.
+
+    With n = (N₁ cn u, ±N₂ sn u, N₃ dn u) the unit momentum in the frame, the attitude is W ⊗ exp(ψ e₃) ⊗ conj(b(n)) ⊗
+    conj(F). F takes the frame to the body. b(n) is the shortest rotation from e₃ to n, smooth because n₃ > 0, and ψ its
+    turn about the momentum, with ψ′ = (2H/l + ω₃)/(1 + n₃). W is fixed by the start.
+
+    Attributes
+    ----------
+    phase_clock : PhaseClock or EndlessClock
+        The phase of the theta functions, in proportion to u.
+    half_turn_clock : PhaseClock
+        Half of ψ's mean growth, rad.
+    theta : RealTheta or ImaginaryTheta
+        The elliptic functions of u, and the libration of ψ.
+    rate_amplitudes, direction_amplitudes : 3 numbers
+        Amplitudes of ω, rad/s, and of n; the second ones with the sign of the sense.
+    transverse : 2 numbers
+        N₁ and N₂, in proportion.
+    sense : number
+        ±1: that of the frame.
+    axes : 3 rows of 3 numbers
+        Columns are the frame's axes in the body frame.
+    world_xyzw : 4 numbers
+        W.
+    frame_xyzw : 4 numbers
+        conj(F).
+    """
+
+    phase_clock: PhaseClock | EndlessClock
+    half_turn_clock: PhaseClock
+    theta: Theta
+    rate_amplitudes: Triple
+    direction_amplitudes: Triple
+    transverse: tuple[Number, Number]
+    sense: Number
+    axes: tuple[Triple, Triple, Triple]
+    world_xyzw: Quadruple
+    frame_xyzw: Quadruple
+
+
+class SteadyMotion(NamedTuple):
+    """A rotation about a fixed axis, q₀ exp(ωt): a spherical body, a spin about a principal axis, or rest.
+
+    Attributes
+    ----------
+    half_turn_rate : DoubleDouble
+        Rate of half the rotation angle, turns/ns; the attitude is a path on the double cover.
+    attitude : 4 numbers
+        q₀.
+    across : 4 numbers
+        q₀ ⊗ a, where a is the unit vector along ω in the body frame, or 0 at rest.
+    body_rate : 3 numbers
+        ω, rad/s, body frame.
+    """
+
+    half_turn_rate: DoubleDouble
+    attitude: Quadruple
+    across: Quadruple
+    body_rate: Triple
+
+
+BodyMotion: TypeAlias = GeneralMotion | SteadyMotion
 
 
 class AttitudeConstants(NamedTuple):
@@ -55,7 +129,7 @@ class AttitudeConstants(NamedTuple):
         x, y, z, w = motion.world_xyzw
         # W ⊗ i, W ⊗ j, W ⊗ k and W
         turned_world = ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z), (x, y, z, w))
-        a, b, c, d = (multiply(column, motion.frame_xyzw) for column in turned_world)
+        a, b, c, d = (product(column, motion.frame_xyzw) for column in turned_world)
         r1, r2, r3 = motion.rate_amplitudes
         p, q, r = ((x * r1, y * r2, z * r3) for x, y, z in motion.axes)
         return cls(motion.sense, motion.transverse, motion.direction_amplitudes, (a, b, c, d), (p, q, r))
@@ -165,9 +239,9 @@ def world_rotation(
     # ψ = ±(Θ − φ), as its mean growth begins at 0
     half_turn = 0.5 * sense * (each(math.atan2, sine * x - cosine * y, cosine * x + sine * y) + drift)
     untilted = _turn_and_untilt(each(math.sin, half_turn), each(math.cos, half_turn), *direction)
-    x, y, z, w = multiply(untilted, frame_xyzw)
+    x, y, z, w = product(untilted, frame_xyzw)
     size = sqrt(x * x + y * y + z * z + w * w)
-    return multiply(attitude_xyzw, (-x / size, -y / size, -z / size, w / size))
+    return product(attitude_xyzw, (-x / size, -y / size, -z / size, w / size))
 
 
 def _turn_and_untilt(s: Number, c: Number, n1: Number, n2: Number, n3: Number) -> Quadruple:
@@ -175,15 +249,3 @@ def _turn_and_untilt(s: Number, c: Number, n1: Number, n2: Number, n3: Number) -
     scale = 1.0 / sqrt(2.0 + 2.0 * n3)
     upright = (1.0 + n3) * scale
     return (c * n2 + s * n1) * scale, (s * n2 - c * n1) * scale, s * upright, c * upright
-
-
-def multiply(p: Quadruple, q: Quadruple) -> Quadruple:
-    """Hamilton's product p ⊗ q."""
-    px, py, pz, pw = p
-    qx, qy, qz, qw = q
-    return (
-        pw * qx + px * qw + py * qz - pz * qy,
-        pw * qy - px * qz + py * qw + pz * qx,
-        pw * qz + px * qy - py * qx + pz * qw,
-        pw * qw - px * qx - py * qy - pz * qz,
-    )

@@ -21,7 +21,13 @@ import numpy as np
 from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_precision
 from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, quadruple
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form.attitude import multiply, world_rotation
+from lie_rigid_body.motion.closed_form.attitude import (
+    BodyMotion,
+    GeneralMotion,
+    Members,
+    SteadyMotion,
+    world_rotation,
+)
 from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
 from lie_rigid_body.motion.closed_form.decimal_frames import (
     PHASE_DIGITS,
@@ -35,14 +41,7 @@ from lie_rigid_body.motion.closed_form.decimal_frames import (
 )
 from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first, mean_third, symmetric_first
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta, Theta
-from lie_rigid_body.motion.closed_form.motion_parameters import (
-    BodyMotion,
-    GeneralMotion,
-    Members,
-    Starts,
-    SteadyMotion,
-)
-from lie_rigid_body.motion.motion import alike
+from lie_rigid_body.motion.motion import InitialConditions, alike
 
 _INFINITY: Final = Decimal("Infinity")
 
@@ -272,18 +271,19 @@ def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) ->
     a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
     rate = (body_rate[0], body_rate[1], body_rate[2])
     attitude = quadruple(attitude_xyzw, 0)
-    across = multiply(attitude, (a, b, c, 0.0))
+    across = quaternion.product(attitude, (a, b, c, 0.0))
     return SteadyMotion(PhaseClock.of(speed / 2, Decimal(0), 2 * PI).rate, attitude, across, rate)
 
 
-def decimal_motions(starts: Starts, members: Members) -> Iterator[tuple[BodyMotion, Members]]:
+def decimal_motions(starts: InitialConditions, members: Members) -> Iterator[tuple[BodyMotion, Members]]:
     """The motions at these places of an ensemble, one by one; the principal axes of equal inertias once."""
-    for same in alike(starts.inertia, members):
-        inertia = starts.inertia[same[0]].tolist()
+    tensors, states = starts.bodies.inertia, starts.states
+    for same in alike(tensors, members):
+        inertia = tensors[same[0]].tolist()
         with working_precision(digits_for(inertia)):
             principal = principal_axes(inertia)
             motions = [
-                _motion(principal, inertia, starts.attitude_xyzw[i].tolist(), starts.body_rate[i].tolist())
+                _motion(principal, inertia, states.attitude_xyzw[i].tolist(), states.body_rate[i].tolist())
                 for i in same
             ]
         yield from zip(motions, np.reshape(same, (-1, 1)), strict=True)

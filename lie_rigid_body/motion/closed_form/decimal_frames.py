@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Final, NamedTuple, TypeAlias, TypeVar
 
-from lie_rigid_body.arithmetic.decimals import Vector, dot
-from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
+from lie_rigid_body.arithmetic.decimals import Vector, diagonalised, dot
 
 Exact = TypeVar("Exact", int, Decimal)
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ from lie_rigid_body.arithmetic.double_double import (
 )
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt, triple
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.motion.closed_form.attitude import world_rotation
+from lie_rigid_body.motion.closed_form.attitude import GeneralMotion, Members, world_rotation
 from lie_rigid_body.motion.closed_form.clock import PhaseClock
 from lie_rigid_body.motion.closed_form.fast_frames import CoupledBody, DiagonalBody, FastFrame, Vector
 from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta
@@ -52,7 +52,10 @@ from lie_rigid_body.motion.closed_form.landen import (
     phase_squares,
     third_kind_sum,
 )
-from lie_rigid_body.motion.closed_form.motion_parameters import GeneralMotion, Members, Starts
+from lie_rigid_body.motion.motion import InitialConditions
+
+Columns: TypeAlias = tuple[Array, ...]
+"""Arrays with an element for each motion, in the order of `_columns`."""
 
 with working_precision(40):
     _TURN: Final = from_decimal(2 * PI)
@@ -280,27 +283,33 @@ def _clock(
     )
 
 
-def fast_motions(starts: Starts) -> Iterator[tuple[GeneralMotion, Members]]:
+def fast_motions(starts: InitialConditions) -> Iterator[tuple[GeneralMotion, Members]]:
     """The regular motions of an ensemble with their places: many that branch alike as one motion of arrays."""
-    count = len(starts.inertia)
-    groups = _groups(starts) if count >= LEAST_MOTIONS_IN_ARRAYS else np.zeros(count, dtype=np.intp)
+    columns = _columns(starts)
+    count = len(starts.states)
+    groups = _groups(columns) if count >= LEAST_MOTIONS_IN_ARRAYS else np.zeros(count, dtype=np.intp)
     for group in sorted(set(groups[groups >= 0].tolist())):  # np.unique loads masked arrays
         members = np.flatnonzero(groups == group)
         if len(members) < LEAST_MOTIONS_IN_ARRAYS:
-            yield from _one_by_one(starts, members)
+            yield from _one_by_one(columns, members)
             continue
         hyperbolic, steps = group // 2 % 2 == 1, group // 4
         for begin in range(0, len(members), MOTIONS_PER_BLOCK):
             some = members[begin : begin + MOTIONS_PER_BLOCK]
-            part = starts.at(some)
-            body = _body(_indices_first(part), products=group % 2 == 1)
-            x, y, z, w = part.attitude_xyzw.T
-            yield fast_motion(body.frame(), (x, y, z, w), hyperbolic, steps), some
+            numbers = _indices_first(columns, some)
+            x, y, z, w = numbers[3]
+            yield fast_motion(_body(numbers, products=group % 2 == 1).frame(), (x, y, z, w), hyperbolic, steps), some
 
 
-def _one_by_one(starts: Starts, members: Members) -> Iterator[tuple[GeneralMotion, Members]]:
+def _columns(starts: InitialConditions) -> Columns:
+    """Inertia, principal moments and axes, attitude and body rate of each motion."""
+    bodies, states = starts.bodies, starts.states
+    return bodies.inertia, bodies.principal_moments, bodies.principal_axes, states.attitude_xyzw, states.body_rate
+
+
+def _one_by_one(columns: Columns, members: Members) -> Iterator[tuple[GeneralMotion, Members]]:
     for i in members:
-        motion = fast_motion_of_one(*(column[i].tolist() for column in starts))
+        motion = fast_motion_of_one(*(column[i].tolist() for column in columns))
         if motion is not None:
             yield motion, np.array([i])
 
@@ -312,7 +321,7 @@ def fast_motion_of_one(
     attitude_xyzw: list[float],
     body_rate: list[float],
 ) -> GeneralMotion | None:
-    """The motion of one body, or None if it is not regular; see `Starts`."""
+    """The motion of one body, or None if it is not regular."""
     products = inertia[0][1] != 0.0 or inertia[0][2] != 0.0 or inertia[1][2] != 0.0
     body = _body((inertia, moments, axes, attitude_xyzw, body_rate), products=products)
     regular, hyperbolic, steps = body.classified()
@@ -322,25 +331,25 @@ def fast_motion_of_one(
     return fast_motion(body.frame(), (x, y, z, w), hyperbolic, steps)
 
 
-def _groups(starts: Starts) -> NDArray[np.intp]:
+def _groups(columns: Columns) -> NDArray[np.intp]:
     """Numbers of groups that branch alike: 1 for products of inertia, 2 for m > ½, 4 per step; −1 if not regular."""
-    straight = (starts.inertia[:, [0, 0, 1], [1, 2, 2]] == 0.0).all(axis=1)
+    straight = (columns[0][:, [0, 0, 1], [1, 2, 2]] == 0.0).all(axis=1)
     groups = np.full(len(straight), -1)
     with np.errstate(all="ignore"):
         for products, members in enumerate((np.flatnonzero(straight), np.flatnonzero(~straight))):
-            body = _body(_indices_first(starts.at(members)), products=products == 1)
+            body = _body(_indices_first(columns, members), products=products == 1)
             regular, hyperbolic, steps = body.classified()
             groups[members] = np.where(regular, products + 2 * hyperbolic + 4 * steps, -1)
     return groups
 
 
-def _body(starts: Any, *, products: bool) -> DiagonalBody | CoupledBody:
-    """The body of one motion, from lists, or of many, from arrays that end with their axis; see `Starts`."""
-    inertia, moments, axes, _, rate = starts
+def _body(numbers: Any, *, products: bool) -> DiagonalBody | CoupledBody:
+    """The body of one motion, from lists, or of many, from arrays that end with their axis; see `_columns`."""
+    inertia, moments, axes, _, rate = numbers
     if products:
         return CoupledBody.of(inertia, moments, axes, rate)
     return DiagonalBody.of((inertia[0][0], inertia[1][1], inertia[2][2]), triple(rate, 0))
 
 
-def _indices_first(starts: Starts) -> list[Array]:
-    return [np.ascontiguousarray(np.moveaxis(column, 0, -1)) for column in starts]
+def _indices_first(columns: Columns, members: Members) -> list[Array]:
+    return [np.ascontiguousarray(np.moveaxis(column[members], 0, -1)) for column in columns]

@@ -6,7 +6,6 @@ those of `states` in every case, and so are the bits.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
@@ -18,17 +17,15 @@ from lie_rigid_body.arithmetic.double_double import from_integer, from_integers
 from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion.closed_form.attitude import BodyMotion, Members
 from lie_rigid_body.motion.closed_form.decimal_constants import decimal_motions
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motions
-from lie_rigid_body.motion.closed_form.motion_parameters import BodyMotion, Members, Starts
 from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, KindOfMotion, kind_and_row
 from lie_rigid_body.motion.motion import (
     DEFAULT_MEMORY_LIMIT,
+    InitialConditions,
     WorkingMemory,
-    batch_shape,
-    flat_batch,
-    nanoseconds,
-    samples_within,
+    states_at,
 )
 from lie_rigid_body.wording import call_repr
 
@@ -125,30 +122,18 @@ def _slices(length: int, step: int) -> Iterator[slice]:
     return (slice(begin, min(begin + step, length)) for begin in range(0, length, max(step, 1)))
 
 
-@dataclass(frozen=True)
-class Ensemble:
-    """The motions of B bodies, those of a kind together."""
-
-    evaluations: tuple[Evaluation, ...]
-
-    @classmethod
-    def of(cls, starts: Starts) -> Ensemble:
-        """The motions of bodies from their starts."""
-        by_kind: dict[KindOfMotion, list[tuple[Array, Members]]] = {}
-        for motion, members in _motions(starts):
-            kind, row = kind_and_row(motion)
-            by_kind.setdefault(kind, []).append((_table(row, len(members)), members))
-        return cls(tuple(_evaluation(kind, parts) for kind, parts in by_kind.items()))
-
-    def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
-        """Write the states at N times into arrays of shapes (B, N, 4) and (B, N, 3), ``block`` samples at once."""
-        for evaluation in self.evaluations:
-            evaluation.fill(attitude_xyzw, body_rate, t_ns, block)
+def evaluations(starts: InitialConditions) -> list[Evaluation]:
+    """The motions of bodies from their starts, those of a kind together."""
+    by_kind: dict[KindOfMotion, list[tuple[Array, Members]]] = {}
+    for motion, members in _motions(starts):
+        kind, row = kind_and_row(motion)
+        by_kind.setdefault(kind, []).append((_table(row, len(members)), members))
+    return [_evaluation(kind, parts) for kind, parts in by_kind.items()]
 
 
-def _motions(starts: Starts) -> Iterator[tuple[BodyMotion, Members]]:
+def _motions(starts: InitialConditions) -> Iterator[tuple[BodyMotion, Members]]:
     """Every motion with its place in the ensemble; those that are computed together, as one with its places."""
-    rest = np.ones(len(starts.inertia), dtype=np.bool_)
+    rest = np.ones(len(starts.states), dtype=np.bool_)
     for motion, members in fast_motions(starts):
         rest[members] = False
         yield motion, members
@@ -190,26 +175,17 @@ class ClosedForm:
         If the body is no RigidBody, the start no State, or their batches do not go together.
     """
 
-    __slots__ = ("_attitude_xyzw", "_batch", "_body_rate", "_ensemble")
+    __slots__ = ("_evaluations", "_starts")
 
     def __init__(self, body: RigidBody, start: State) -> None:
-        self._batch = batch_shape(body, start)
-        starts = Starts(
-            flat_batch(body.inertia, self._batch, 3, 3),
-            flat_batch(body.principal_moments, self._batch, 3),
-            flat_batch(body.principal_axes, self._batch, 3, 3),
-            flat_batch(start.attitude_xyzw, self._batch, 4),
-            flat_batch(start.body_rate, self._batch, 3),
-        )
-        self._attitude_xyzw, self._body_rate = starts.attitude_xyzw, starts.body_rate
-        self._ensemble = Ensemble.of(starts)
+        self._starts = InitialConditions.of(body, start)
+        self._evaluations = evaluations(self._starts)
 
     def __repr__(self) -> str:
-        shape = {"bodies": self._batch} if self._batch else {}
-        attitude, rate = self._attitude_xyzw, self._body_rate
-        if not self._batch:
-            attitude, rate = attitude[0], rate[0]
-        return call_repr(self, {**shape, "attitude_xyzw": attitude, "body_rate": rate})
+        batch, start = self._starts.batch, self._starts.states
+        shape = {"bodies": batch} if batch else {}
+        own = slice(None) if batch else 0
+        return call_repr(self, {**shape, "attitude_xyzw": start.attitude_xyzw[own], "body_rate": start.body_rate[own]})
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
@@ -237,13 +213,8 @@ class ClosedForm:
             If the times are not integers, or not of at most one axis, or the states would take more memory than
             allowed.
         """
-        times = nanoseconds(t_ns)
-        bodies = math.prod(self._batch)
-        block = samples_within(bodies, times.size, memory_limit, _WORKING_MEMORY)
-        attitude, rate = np.empty((bodies, times.size, 4)), np.empty((bodies, times.size, 3))
-        self._ensemble.fill(attitude, rate, np.atleast_1d(times), block)
-        # at time 0 the very numbers that were given
-        first = np.flatnonzero(np.atleast_1d(times) == 0)
-        attitude[:, first], rate[:, first] = self._attitude_xyzw[:, np.newaxis], self._body_rate[:, np.newaxis]
-        shape = (*self._batch, *times.shape)
-        return State.trusted(attitude.reshape(*shape, 4), rate.reshape(*shape, 3))
+        return states_at(self._starts, t_ns, memory_limit, _WORKING_MEMORY, self._fill)
+
+    def _fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        for evaluation in self._evaluations:
+            evaluation.fill(attitude_xyzw, body_rate, t_ns, block)

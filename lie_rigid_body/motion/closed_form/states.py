@@ -29,7 +29,10 @@ from lie_rigid_body.arithmetic.numbers import Number, pair, quadruple, sqrt, tri
 from lie_rigid_body.compilation import Work, kernel
 from lie_rigid_body.motion.closed_form.attitude import (
     AttitudeConstants,
+    BodyMotion,
+    GeneralMotion,
     Sample,
+    SteadyMotion,
     attitude_constants,
     sample,
 )
@@ -44,7 +47,6 @@ from lie_rigid_body.motion.closed_form.jacobi import (
     real_values,
     theta_quotients,
 )
-from lie_rigid_body.motion.closed_form.motion_parameters import BodyMotion, GeneralMotion, SteadyMotion
 
 _HALF_IN_TURNS: Final = 0.25 / math.pi
 """Half a radian, in turns."""

@@ -5,7 +5,7 @@ Modules:
 - `principal_frame`: the frame and units of a motion;
 - `preprocessing`: the preprocessed inertia, as power series in the step;
 - `layout`: the places of numbers in the vectors that the kernels share;
-- `step`, `restoration`, `loop`: the kernels: one step, the projection onto the invariants, and many steps;
+- `step`, `loop`: the kernels: one step, and many with projections onto the invariants;
 - `integrator`: the constants of a motion, and one body's motion.
 """
 

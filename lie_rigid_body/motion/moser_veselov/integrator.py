@@ -31,8 +31,7 @@ from lie_rigid_body.motion.moser_veselov.layout import (
 from lie_rigid_body.motion.moser_veselov.loop import LOOP, SAMPLE_SIZE
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
 from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, CyclicFrame, ScaledMotion, rotated
-from lie_rigid_body.motion.motion import alike
-from lie_rigid_body.motion.moving_ensemble import InitialConditions
+from lie_rigid_body.motion.motion import InitialConditions, alike
 from lie_rigid_body.motion.time_steps import longest_step
 
 LaterTerms: TypeAlias = tuple[list[float], list[float]]
@@ -180,14 +179,15 @@ def moser_veselov_integrators(starts: InitialConditions, max_step: float, order:
         constants = motion_constants([motion for _, motion, _ in motions], order)
         for (frame, motion, same), numbers in zip(motions, constants, strict=True):
             for i in same:
-                attitude = starts.attitude_xyzw[i].tolist()
+                attitude = starts.states.attitude_xyzw[i].tolist()
                 found[i] = MoserVeselovIntegrator(frame, motion, numbers, attitude, max_step)
     return [found[i] for i in range(len(found))]
 
 
 def _motions(starts: InitialConditions) -> Iterator[tuple[CyclicFrame, ScaledMotion, list[int]]]:
     """Each distinct motion but for its attitude, and which of the bodies have it."""
-    for body in alike(starts.inertia, range(len(starts.inertia))):
-        frame = CyclicFrame.of(starts.inertia[body[0]].tolist())
-        for same in alike(starts.body_rate, body):
-            yield frame, ScaledMotion.about(frame, starts.body_rate[same[0]].tolist()), same
+    inertia, rate = starts.bodies.inertia, starts.states.body_rate
+    for body in alike(inertia, range(len(inertia))):
+        frame = CyclicFrame.of(inertia[body[0]].tolist())
+        for same in alike(rate, body):
+            yield frame, ScaledMotion.about(frame, rate[same[0]].tolist()), same

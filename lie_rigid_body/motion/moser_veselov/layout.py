@@ -74,12 +74,6 @@ SERIES_STRIDE: Final = 4
 
 
 @kernel
-def pair(values: Any, place: int) -> DoubleDouble:
-    """The double-double stored from index ``place``."""
-    return values[place], values[place + 1]
-
-
-@kernel
 def three(values: Any, place: int) -> Three:
     """The three double-doubles stored from index ``place``."""
     return (

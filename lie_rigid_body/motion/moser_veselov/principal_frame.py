@@ -18,8 +18,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arithmetic.decimals import Vector, dot
-from lie_rigid_body.arithmetic.symmetric_eigenproblem import diagonalised
+from lie_rigid_body.arithmetic.decimals import Vector, diagonalised, dot
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
@@ -76,7 +75,7 @@ class CyclicFrame:
         if self.order:
             return [*(given[i] for i in self.order), given[3]]
         assert self.rotation is not None
-        return _quaternion_product(given, self.rotation)
+        return list(quaternion.product(given, self.rotation))
 
     def outward(self, attitude_xyzw: Array, rate: Array) -> tuple[Array, Array]:
         """The body's attitudes and rates from the frame's, shapes (N, 4) and (N, 3)."""
@@ -155,19 +154,7 @@ class ScaledMotion:
 def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:
     """The vector q v q⁻¹, for a unit quaternion q."""
     x, y, z, w = q
-    return _quaternion_product(_quaternion_product(q, [*v, Decimal(0)]), [-x, -y, -z, w])[:3]
-
-
-def _quaternion_product(p: list[Decimal], q: list[Decimal]) -> list[Decimal]:
-    """Hamilton's product, scalar last."""
-    px, py, pz, pw = p
-    qx, qy, qz, qw = q
-    return [
-        pw * qx + px * qw + py * qz - pz * qy,
-        pw * qy - px * qz + py * qw + pz * qx,
-        pw * qz + px * qy - py * qx + pz * qw,
-        pw * qw - px * qx - py * qy - pz * qz,
-    ]
+    return list(quaternion.product(quaternion.product(q, (*v, Decimal(0))), (-x, -y, -z, w))[:3])
 
 
 def _rotation_quaternion(first: Vector, second: Vector, third: Vector) -> list[Decimal]:

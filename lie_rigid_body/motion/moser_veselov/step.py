@@ -40,7 +40,7 @@ from lie_rigid_body.arithmetic.double_double import (
     two_product,
     two_sum,
 )
-from lie_rigid_body.arithmetic.numbers import Number, magnitude, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, magnitude, pair, sqrt
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.motion.moser_veselov.layout import (
     ALPHA,
@@ -54,7 +54,6 @@ from lie_rigid_body.motion.moser_veselov.layout import (
     Q,
     Seven,
     Three,
-    pair,
     three,
 )
 

@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.motion.moving_ensemble import InitialConditions
+from lie_rigid_body.motion.motion import InitialConditions
 from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STATE_SIZE
 from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
@@ -88,18 +88,11 @@ class MuntheKaasIntegrator:
 
 
 def munthe_kaas_integrators(starts: InitialConditions, max_step: float, tableau: Tableau) -> list[MuntheKaasIntegrator]:
-    """The motions of B bodies from their starts, by a tableau in which each stage needs only the one before."""
-    stages = _stages(tableau)
-    momenta = apply_tensor(starts.inertia, starts.body_rate)
+    """The motions of B bodies from their starts, by the Runge–Kutta method of a tableau."""
+    stages = [float(weight) for both in zip(tableau.a, tableau.b, strict=True) for weight in both]
+    bodies, states = starts.bodies, starts.states
+    momenta = apply_tensor(bodies.inertia, states.body_rate)
     return [
         MuntheKaasIntegrator(inverse, attitude, momentum, max_step, stages)
-        for inverse, attitude, momentum in zip(starts.inverse_inertia, starts.attitude_xyzw, momenta, strict=True)
+        for inverse, attitude, momentum in zip(bodies.inverse_inertia, states.attitude_xyzw, momenta, strict=True)
     ]
-
-
-def _stages(tableau: Tableau) -> list[float]:
-    """Weights of each stage: that of the slope before it, and its own in the sum."""
-    if any(any(row[:-1]) for row in tableau.a):
-        raise ValueError(f"tableau {tableau.name}: a stage needs others than the one before")
-    before = [row[-1] if row else 0 for row in tableau.a]
-    return [float(weight) for both in zip(before, tableau.b, strict=True) for weight in both]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, TypeAlias
@@ -11,7 +12,7 @@ Row: TypeAlias = tuple[Fraction, ...]
 
 @dataclass(frozen=True)
 class Tableau:
-    """Coefficients of an explicit Runge–Kutta method.
+    """Coefficients of an explicit Runge–Kutta method in which each stage needs only the one before.
 
     Parameters
     ----------
@@ -19,8 +20,8 @@ class Tableau:
         The public name of the stepper built on it.
     order : int
         Order of accuracy, 1 to 4.
-    a : tuple of tuple of Fraction
-        Row i holds the i weights of the earlier stages; strictly lower triangular.
+    a : tuple of Fraction
+        For each stage the weight of the slope before it, which also is its node c; 0 for the first.
     b : tuple of Fraction
         Weights of the stages.
 
@@ -36,60 +37,50 @@ class Tableau:
 
     name: str
     order: int
-    a: tuple[Row, ...]
+    a: Row
     b: Row
 
     def __post_init__(self) -> None:
-        if any(len(row) != stage for stage, row in enumerate(self.a)) or len(self.a) != len(self.b):
-            raise ValueError(f"tableau {self.name}: not strictly lower triangular with one weight a stage")
+        if len(self.a) != len(self.b) or self.a[0]:
+            raise ValueError(f"tableau {self.name}: not one weight a stage, or one before the first")
         for label, order, total, wanted in self._conditions():
             if order <= self.order and total != wanted:
                 raise ValueError(f"tableau {self.name}: order condition {label} gives {total}, not {wanted}")
 
-    @property
-    def c(self) -> Row:
-        """Nodes: the row sums of ``a``."""
-        return tuple(sum(row, Fraction(0)) for row in self.a)
-
-    def _conditions(self) -> list[tuple[str, int, Fraction, Fraction]]:
+    def _conditions(self) -> Iterator[tuple[str, int, Fraction, Fraction]]:
         """The eight order conditions up to order 4 as (label, order, sum, wanted)."""
-        b, c = self.b, self.c
-        ac = self._apply(c)
-        return [
-            ("Σb", 1, sum(b, Fraction(0)), Fraction(1)),
-            ("Σbc", 2, _dot(b, c), Fraction(1, 2)),
-            ("Σbc²", 3, _dot(b, _power(c, 2)), Fraction(1, 3)),
-            ("ΣbAc", 3, _dot(b, ac), Fraction(1, 6)),
-            ("Σbc³", 4, _dot(b, _power(c, 3)), Fraction(1, 4)),
-            ("ΣbcAc", 4, _dot(b, tuple(x * y for x, y in zip(c, ac, strict=True))), Fraction(1, 8)),
-            ("ΣbAc²", 4, _dot(b, self._apply(_power(c, 2))), Fraction(1, 12)),
-            ("ΣbAAc", 4, _dot(b, self._apply(ac)), Fraction(1, 24)),
-        ]
+        c = self.a
+        square, ac = tuple(x**2 for x in c), self._applied(c)
+        for label, order, inverse, weights in (
+            ("Σb", 1, 1, tuple(Fraction(1) for _ in c)),
+            ("Σbc", 2, 2, c),
+            ("Σbc²", 3, 3, square),
+            ("ΣbAc", 3, 6, ac),
+            ("Σbc³", 4, 4, tuple(x**3 for x in c)),
+            ("ΣbcAc", 4, 8, tuple(x * y for x, y in zip(c, ac, strict=True))),
+            ("ΣbAc²", 4, 12, self._applied(square)),
+            ("ΣbAAc", 4, 24, self._applied(ac)),
+        ):
+            total = sum((x * y for x, y in zip(self.b, weights, strict=True)), Fraction(0))
+            yield label, order, total, Fraction(1, inverse)
 
-    def _apply(self, values: Row) -> Row:
-        return tuple(_dot(row, values[: len(row)]) for row in self.a)
-
-
-def _dot(left: Row, right: Row) -> Fraction:
-    return sum((x * y for x, y in zip(left, right, strict=True)), Fraction(0))
-
-
-def _power(values: Row, exponent: int) -> Row:
-    return tuple(v**exponent for v in values)
+    def _applied(self, values: Row) -> Row:
+        """The matrix A, of which ``a`` is all that is not 0, times values of the stages."""
+        return tuple(weight * value for weight, value in zip(self.a, (Fraction(0), *values[:-1]), strict=True))
 
 
 _HALF: Final = Fraction(1, 2)
 
-EULER: Final = Tableau("rkmk1", 1, ((),), (Fraction(1),))
+EULER: Final = Tableau("rkmk1", 1, (Fraction(0),), (Fraction(1),))
 """Lie–Euler: the forward Euler method in the chart."""
 
-MIDPOINT: Final = Tableau("rkmk2", 2, ((), (_HALF,)), (Fraction(0), Fraction(1)))
+MIDPOINT: Final = Tableau("rkmk2", 2, (Fraction(0), _HALF), (Fraction(0), Fraction(1)))
 """The explicit midpoint rule (Runge 1895)."""
 
 CLASSICAL: Final = Tableau(
     "rkmk4",
     4,
-    ((), (_HALF,), (Fraction(0), _HALF), (Fraction(0), Fraction(0), Fraction(1))),
+    (Fraction(0), _HALF, _HALF, Fraction(1)),
     (Fraction(1, 6), Fraction(1, 3), Fraction(1, 3), Fraction(1, 6)),
 )
 """The classical fourth-order method (Kutta 1901)."""

@@ -18,11 +18,12 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import principal_decomposition
+from lie_rigid_body.motion.closed_form.attitude import GeneralMotion
 from lie_rigid_body.motion.closed_form.decimal_constants import frame_and_polhode, general_motion
 from lie_rigid_body.motion.closed_form.decimal_frames import digits_for, principal_axes
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motion_of_one
-from lie_rigid_body.motion.closed_form.motion_parameters import GeneralMotion, Starts
-from lie_rigid_body.motion.closed_form.solution import Ensemble
+from lie_rigid_body.motion.closed_form.solution import evaluations
+from lie_rigid_body.motion.motion import InitialConditions
 
 ATTITUDE = [0.1, -0.7, 0.3, -0.5]
 MIXED = 1.0 - 2.0**-20, 1.0 + 2.0**-20
@@ -244,7 +245,7 @@ def test_motions_that_are_not_regular_are_left_to_decimals(moments: list[float],
     assert fast(np.diag(moments).tolist(), rate) is None
 
 
-def crowd(count: int) -> Starts:
+def crowd(count: int) -> InitialConditions:
     """Bodies of every kind, in random order."""
     random = np.random.default_rng(3)
     moments = random.uniform(0.1, 1.0, size=(count, 3))
@@ -259,18 +260,23 @@ def crowd(count: int) -> Starts:
     turned = axes @ inertia[::2] @ axes.swapaxes(1, 2)
     inertia[::2] = 0.5 * (turned + turned.swapaxes(1, 2))
     attitude /= np.linalg.norm(attitude, axis=1)[:, np.newaxis]
-    return Starts(inertia, *principal_decomposition(inertia), attitude, rate)
+    return starts_of(inertia, attitude, rate)
+
+
+def starts_of(inertia: np.ndarray, attitude: np.ndarray, rate: np.ndarray) -> InitialConditions:
+    moments, axes = principal_decomposition(inertia)
+    bodies = RigidBody.trusted(inertia, np.linalg.inv(inertia), axes, moments)
+    return InitialConditions((len(inertia),), bodies, State.trusted(attitude, rate))
 
 
 def test_constants_have_the_same_bits_alone_and_together():
     starts = crowd(240)
     together = np.full((240, 100), np.nan)
-    for some in Ensemble.of(starts).evaluations:
+    for some in evaluations(starts):
         together[some.members, : len(some.table)] = some.table.T
     for i in range(240):
-        moments, axes = principal_decomposition(starts.inertia[i])
-        own = Starts(*(column[i : i + 1] for column in starts))._replace(moments=moments[None], axes=axes[None])
-        (alone,) = Ensemble.of(own).evaluations
+        inertia, states = starts.bodies.inertia[i : i + 1], starts.states[i : i + 1]
+        (alone,) = evaluations(starts_of(inertia, states.attitude_xyzw, states.body_rate))
         np.testing.assert_array_equal(together[i, : len(alone.table)], alone.table[:, 0])
 
 

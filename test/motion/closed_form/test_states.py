@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lie_rigid_body.motion.closed_form.attitude import ATTITUDE_LENGTH, AttitudeConstants, attitude_constants
+from lie_rigid_body.motion.closed_form.attitude import (
+    ATTITUDE_LENGTH,
+    AttitudeConstants,
+    SteadyMotion,
+    attitude_constants,
+)
 from lie_rigid_body.motion.closed_form.jacobi import QUOTIENTS_LENGTH, ThetaQuotients, theta_quotients
-from lie_rigid_body.motion.closed_form.motion_parameters import SteadyMotion
 from lie_rigid_body.motion.closed_form.states import (
     GeneralConstants,
     flattened,

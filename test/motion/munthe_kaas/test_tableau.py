@@ -12,7 +12,7 @@ from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT
 
 
 def test_classical_nodes():
-    assert CLASSICAL.c == (Fraction(0), Fraction(1, 2), Fraction(1, 2), Fraction(1))
+    assert CLASSICAL.a == (Fraction(0), Fraction(1, 2), Fraction(1, 2), Fraction(1))
 
 
 @pytest.mark.parametrize("tableau", [EULER, MIDPOINT, CLASSICAL])
@@ -31,14 +31,16 @@ def test_a_changed_weight_is_caught(position):
 
 
 def test_a_changed_stage_is_caught():
-    rows = (*CLASSICAL.a[:2], (Fraction(1, 100), Fraction(49, 100)), CLASSICAL.a[3])
+    weights = (*CLASSICAL.a[:2], Fraction(49, 100), CLASSICAL.a[3])
     with pytest.raises(ValueError, match="Σ"):
-        Tableau("broken", 4, rows, CLASSICAL.b)
+        Tableau("broken", 4, weights, CLASSICAL.b)
 
 
 def test_an_implicit_shape_is_refused():
     with pytest.raises(ValueError, match="broken"):
-        Tableau("broken", 1, ((Fraction(1),),), (Fraction(1),))
+        Tableau("broken", 1, (Fraction(1),), (Fraction(1),))
+    with pytest.raises(ValueError, match="broken"):
+        Tableau("broken", 1, (Fraction(0), Fraction(1)), (Fraction(1),))
 
 
 @pytest.mark.parametrize("tableau", [EULER, MIDPOINT, CLASSICAL])
