@@ -145,4 +145,4 @@ def test_an_error_without_words_costs_the_score() -> None:
         def __str__(self) -> str:
             raise RuntimeError
 
-    assert said(WordlessError()) == "WordlessError: "
+    assert said(WordlessError()) == "WordlessError" == said(type("WordlessError", (Exception,), {})())
