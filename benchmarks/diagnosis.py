@@ -34,8 +34,8 @@ from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimators import FilterError
-from lie_rigid_body.runs.workers import Alone
+from lie_rigid_body.runs.estimators import Alone
+from lie_rigid_body.runs.processes import FilterError
 
 sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))
 import textbook

@@ -18,9 +18,8 @@ from lie_rigid_body.diagnosis.search import Search, plain, settled
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
-from lie_rigid_body.runs.estimators import Estimator, source_of
-from lie_rigid_body.runs.node import NodeEstimator
-from lie_rigid_body.runs.workers import Alone, Workers
+from lie_rigid_body.runs.estimators import Alone, Estimator, Workers, source_of
+from lie_rigid_body.runs.programs import NodeEstimator
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores

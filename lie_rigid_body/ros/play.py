@@ -1,4 +1,4 @@
-"""Readings of a run played to a filter's node: ``python -m lie_rigid_body.ros.play``, which `runs.node` starts.
+"""Readings of a run played to a filter's node: ``python -m lie_rigid_body.ros.play``, which `runs.programs` starts.
 
 It reads a pickled `Play` on its standard input, and answers by an `Answered`, or by words that say what went wrong. It
 and the node end with the process that started it, which holds its standard input open.
@@ -21,8 +21,8 @@ from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.runs.node import Answered, Play
-from lie_rigid_body.runs.workers import questions, send
+from lie_rigid_body.runs.processes import questions, send
+from lie_rigid_body.runs.programs import Answered, Play
 from lie_rigid_body.system import lock
 from lie_rigid_body.wording import printable
 
