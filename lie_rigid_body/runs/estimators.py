@@ -124,27 +124,13 @@ def source_of(estimate: Estimator | str) -> Source | None:
     return None
 
 
-class Alone:
-    """Jobs done in this process, one after the other.
-
-    Parameters
-    ----------
-    estimate : callable
-    """
-
-    def __init__(self, estimate: Estimator) -> None:
-        self._estimate = estimate
-
-    def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
-        """The results of jobs in their order, of one that fails the error."""
-        for job in jobs:
-            try:
-                yield job(self._estimate)
-            except FilterError as error:
-                yield error
-
-    def close(self) -> None:
-        """End nothing: there are no processes."""
+def each_alone(estimate: Estimator, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
+    """The results of jobs that are done in this process, in their order, of one that fails the error."""
+    for job in jobs:
+        try:
+            yield job(estimate)
+        except FilterError as error:
+            yield error
 
 
 class Workers:

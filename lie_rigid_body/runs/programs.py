@@ -117,10 +117,7 @@ class CommandEstimator:
                 words = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
                 raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
             output.seek(0)
-            try:
-                return output.read().decode()
-            except UnicodeDecodeError:
-                raise InputError(f"{self._name} prints what is no text: print {ANSWER} in each line") from None
+            return output.read().decode(errors="replace")
 
     def _wait(self, process: subprocess.Popen[bytes], *files: BinaryIO) -> None:
         """Wait for the end of a program; what it prints goes into files."""
@@ -161,16 +158,13 @@ def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
             stamp, *numbers = line.split(",")
             x, y, z, w = map(real, numbers)
             real(stamp)
-            stamps.append(int(stamp))
-        except ValueError:
+            stamps.append(np.int64(int(stamp)))
+        except (ValueError, OverflowError):
             raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None
         rows.append((x, y, z, w))
     if not rows:
         raise InputError(f"{name} prints no attitude: print {ANSWER} for each reading, and flush at the end")
-    try:
-        return np.array(stamps, dtype=np.int64), np.array(rows, dtype=np.float64)
-    except OverflowError:
-        raise InputError(f"{name} prints a stamp beyond 64 bits: repeat the t_ns of the reading") from None
+    return np.array(stamps, dtype=np.int64), np.array(rows, dtype=np.float64)
 
 
 class Reading(NamedTuple):

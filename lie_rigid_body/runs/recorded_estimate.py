@@ -32,8 +32,7 @@ from lie_rigid_body.recording.topic_messages import (
 from lie_rigid_body.runs.estimate import BIAS, Estimate
 from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.run import OWN_TOPICS, Run
-from lie_rigid_body.runs.truth import TrueMotion
-from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
+from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed

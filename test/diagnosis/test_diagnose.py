@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import exact_repairs
 from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimators import Alone
+from lie_rigid_body.runs.estimators import each_alone
 
 HERE = Path(__file__).parent
 CODES = [
@@ -266,7 +267,7 @@ def test_right_filter_that_expects_integrated_rates_is_told_so() -> None:
 
 def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter() -> None:
     """Without the sensor that it takes wrongly the filter leaves 0.00°, as with readings in other units."""
-    search = Search(Alone(textbook.with_wrong_jacobian).each, courses_of({}), 2000)
+    search = Search(partial(each_alone, textbook.with_wrong_jacobian), courses_of({}), 2000)
     search.change = max(search._changes())
     assert np.degrees(search.change) > 30.0
     units = [(repair,) for repair in exact_repairs() if repair.code == "magnetometer_units"]
