@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
+from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.output_file import write_file
@@ -318,12 +318,11 @@ def finished(
     from distributed.comm import CommClosedError
 
     waiting, numbers, in_a_row = iter(runs), dict[str, int](), 0
-    own = str(folder.absolute()) if bags else None
-    do: Any = partial(carry_out_elsewhere, keep=bags) if elsewhere else partial(carry_out, folder=own)
+    do = partial(carry_out, campaign, folder=None if elsewhere else str(folder.absolute()), keep=bags)
 
     def submitted(some: list[int]) -> Any:
         """Runs on their way, together, as each way takes Dask milliseconds."""
-        futures = client.map(partial(do, campaign), some, pure=False) if some else []
+        futures = client.map(do, some, pure=False) if some else []
         numbers.update((future.key, run) for future, run in zip(futures, some, strict=True))
         return futures
 
@@ -351,9 +350,9 @@ def finished(
         raise
 
 
-def _kept(result: Row | tuple[Row, bytes | None], folder: Path) -> Row | BagError:
+def _kept(result: tuple[Row, bytes | None], folder: Path) -> Row | BagError:
     """The row of a run, with its bag, which came over the network, in the folder; or why that cannot be written."""
-    row, content = (result, None) if isinstance(result, Row) else result
+    row, content = result
     if row.bag is not None and content is not None:
         try:
             write_file(folder / row.bag, content, overwrite=True)

@@ -104,28 +104,22 @@ def bag_name(run: int) -> str:
     return f"{BAGS}/{run:06d}.mcap"
 
 
-def carry_out(campaign: Campaign, run: int, folder: str | None) -> Row:
-    """Simulate, record and certify a run.
+def carry_out(campaign: Campaign, run: int, folder: str | None, *, keep: bool = True) -> tuple[Row, bytes | None]:
+    """Simulate, record and certify a run, and score estimators in it.
 
     Parameters
     ----------
     campaign : Campaign
     run : int
     folder : str or None
-        The folder of the campaign, in which the bag is kept. Without it the bag is certified and thrown away.
+        The folder of the campaign, in which the bag is kept; None where a worker may not see it.
+    keep : bool
+        Whether the bag is kept; without a folder its bytes are returned. Else it is certified and thrown away.
     """
-    if folder is not None:
-        return _recorded(campaign, run, Path(folder, bag_name(run)), bag_name(run))
     with tempfile.TemporaryDirectory() as own:
-        return _recorded(campaign, run, Path(own, "run.mcap"), None)
-
-
-def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Row, bytes | None]:
-    """Carry out a run on a machine that may not see the folder of the campaign: also the bytes of the bag to keep."""
-    with tempfile.TemporaryDirectory() as own:
-        path = Path(own, "run.mcap")
+        path = Path(own, "run.mcap") if folder is None or not keep else Path(folder, bag_name(run))
         row = _recorded(campaign, run, path, bag_name(run) if keep else None)
-        return row, path.read_bytes() if keep else None
+        return row, path.read_bytes() if keep and folder is None else None
 
 
 def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row:

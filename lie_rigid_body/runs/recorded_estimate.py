@@ -141,11 +141,10 @@ def recorded_estimate(
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))
-    if truth_bag is None:
-        motion = _true_motion(path, contents, topic, topics, near=topic)
-    else:
-        of_truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
-        motion = _true_motion(Path(truth_bag), of_truth, "", topics, near=topic)
+    own = path, contents, topic
+    if truth_bag is not None:
+        own = Path(truth_bag), BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values())), ""
+    motion = _true_motion(*own, topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
     kept.add(track)
