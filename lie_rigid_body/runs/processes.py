@@ -12,7 +12,8 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from threading import Timer
+from queue import SimpleQueue
+from threading import Thread, Timer
 from typing import Any, BinaryIO, Final
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
@@ -39,19 +40,13 @@ def told(error: BaseException) -> str:
 
 
 class Interpreter:
-    """Another Python, which is asked something, and replies, by what can be pickled.
+    """Another Python, which is asked to call a function, and replies what that returns: what can be pickled.
 
     It starts when it is asked, and anew where it has ended. It is new, no copy of this one: nothing of the user's main
-    module is run again, on any platform.
-
-    Parameters
-    ----------
-    *arguments : str
-        Its command line, of a program that takes its `questions`; by default of one that calls them.
+    module is run again, on any platform. It ends with this one.
     """
 
-    def __init__(self, *arguments: str) -> None:
-        self._arguments = arguments
+    def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
 
     @property
@@ -59,7 +54,7 @@ class Interpreter:
         """Whether it was started, and is not known to have ended."""
         return self._process is not None
 
-    def ask(self, question: object, limit_s: float) -> Any:
+    def ask(self, question: Callable[[], object], limit_s: float) -> Any:
         """Ask, and return the reply; an exception that it replies is raised.
 
         Raises
@@ -68,7 +63,7 @@ class Interpreter:
             If it has not replied in so many seconds, or has ended, with its status. Then it is ended.
         """
         process = self._process = self._process or subprocess.Popen(
-            [sys.executable, *(self._arguments or ("-c", _SERVE.format(repr(sys.path))))],
+            [sys.executable, "-c", _SERVE.format(repr(sys.path))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -77,7 +72,7 @@ class Interpreter:
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
         timer.start()
         try:
-            send(process.stdin, question)
+            _send(process.stdin, question)
             reply = pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
         except (EOFError, OSError, pickle.UnpicklingError):
             is_late = time.monotonic() >= end
@@ -108,36 +103,44 @@ class Interpreter:
 def kill_all(process: subprocess.Popen[Any]) -> None:
     """Kill a process that leads a session of its own, and what it started, which may hold its pipes open."""
     with suppress(OSError):
-        if hasattr(os, "killpg"):
-            os.killpg(process.pid, signal.SIGKILL)
+        _kill_session(process.pid)
         process.kill()
 
 
-def questions() -> tuple[BinaryIO, BinaryIO]:
-    """The streams of what this process is asked, and of its replies; what it prints goes nowhere from now on."""
-    asked, replies = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1):
-        os.dup2(nowhere, stream)
-    return asked, replies
-
-
-def send(stream: Any, item: object) -> None:
-    """Pickle something into a stream at once."""
-    pickle.dump(item, stream)
-    stream.flush()
+def _kill_session(leader: int) -> None:
+    """Kill all processes of a leader's session, where a system has such; 0 is the own."""
+    if hasattr(os, "killpg"):
+        os.killpg(leader, signal.SIGKILL)
 
 
 def serve() -> None:
-    """Call what this process is asked, and reply what it returns, until its standard input ends."""
-    asked, replies = questions()
-    with suppress(EOFError):
+    """Call what this process is asked, and reply what it returns; what it prints goes nowhere."""
+    asked, replies, waiting = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb"), SimpleQueue[Callable[[], Any]]()
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1):
+        os.dup2(nowhere, stream)
+    Thread(target=_hear, args=(asked, waiting), daemon=True).start()
+    while True:
+        try:
+            reply = waiting.get()()
+        except Exception as error:
+            reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
+        except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
+            reply = FilterError(told(error))
+        _send(replies, reply)
+
+
+def _hear(asked: BinaryIO, waiting: SimpleQueue[Callable[[], Any]]) -> None:
+    """Take what is asked until the one that asks has ended; then end this process, hung or not, and what it started."""
+    try:
         while True:
-            question: Callable[[], object] = pickle.load(asked)
-            try:
-                reply = question()
-            except Exception as error:
-                reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
-            except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
-                reply = FilterError(told(error))
-            send(replies, reply)
+            waiting.put(pickle.load(asked))
+    finally:
+        _kill_session(0)
+        os._exit(1)
+
+
+def _send(stream: Any, item: object) -> None:
+    """Pickle something into a stream at once."""
+    pickle.dump(item, stream)
+    stream.flush()

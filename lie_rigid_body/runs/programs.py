@@ -10,8 +10,10 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 from pathlib import Path
-from typing import BinaryIO, Final, NamedTuple
+from typing import Any, BinaryIO, Final, NamedTuple
 
 import numpy as np
 
@@ -232,9 +234,9 @@ class NodeEstimator(CommandEstimator):
         return f"node {shown(self.command)}"
 
     def _played(self, play: Play) -> Answered:
-        player = Interpreter("-m", PLAYER)
+        player = Interpreter()
         try:
-            reply: Answered | str = player.ask(play, self.timeout_s + _GRACE_S)
+            reply: Answered | str = player.ask(partial(_play, play), self.timeout_s + _GRACE_S)
         except (EOFError, TimeoutError):
             raise InputError(
                 f"{self._name} did not end within {self.timeout_s:g} s: give it more, or play it less"
@@ -258,6 +260,10 @@ class NodeEstimator(CommandEstimator):
                 f"{self._name}: {topic} is of {told}, and not of {' to '.join(frames)}: name the frames so"
             )
         return found[first]
+
+
+def _play(play: Play) -> Any:
+    return import_module(PLAYER).played(play)
 
 
 def readings_of(run: Run) -> tuple[Reading, ...]:
