@@ -182,7 +182,7 @@ def readings(motion: str, grade: str, seed: int) -> Readings:
 def left_by_sensors(run: Run) -> Any:
     """What the constant errors of a run's sensors leave to a filter, where the package tells it."""
     try:
-        from lie_rigid_body.runs.unavoidable import left_by_errors_of
+        from lie_rigid_body.runs.truth import left_by_errors_of
     except ImportError:
         return None
     return left_by_errors_of(run.segments)

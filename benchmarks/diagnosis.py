@@ -34,8 +34,8 @@ from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimators import FilterError
-from lie_rigid_body.runs.workers import Alone
+from lie_rigid_body.runs.estimators import each_alone
+from lie_rigid_body.runs.processes import FilterError
 
 sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))
 import textbook
@@ -187,12 +187,12 @@ class Watched:
     """A search in this process, for a filter that may have a mistake put into it."""
 
     def __init__(self, estimate: Estimate, put: Put | None = None) -> None:
-        self._crew, self._put = Alone(put.into(estimate) if put else estimate), put
+        self._estimate, self._put = put.into(estimate) if put else estimate, put
         self.search = Search(self._each, courses_of({}), MOST_RUNS)
 
     def _each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()
-        return self._crew.each([Job(job.course, (*job.repairs, *last)) for job in jobs])
+        return each_alone(self._estimate, [Job(job.course, (*job.repairs, *last)) for job in jobs])
 
     def is_right(self) -> bool:
         """Whether the filter errs by less than the floor without a repair."""

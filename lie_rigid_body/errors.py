@@ -21,13 +21,13 @@ class LieRigidBodyError(Exception):
 
 
 def said(error: BaseException) -> str:
-    """The message of an error, with its class where the error is none of the package."""
+    """The message of an error, with its class where the error is none of the package: alone where it has no words."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
     words = ""
     with suppress(Exception):  # of a class whose own words fail
         words = str(error).encode("utf-8", "backslashreplace").decode()  # half a character goes into no file
-    return f"{type(error).__name__}: {words}"
+    return ": ".join(filter(None, (type(error).__name__, words)))
 
 
 class InputError(LieRigidBodyError, ValueError):

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
+from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.output_file import write_file
@@ -51,10 +51,8 @@ _QUIET: Final = {
     # nobody looks at what these collect, many times a second in every process
     "distributed.admin.tick.interval": "1s",
     "distributed.worker.profile.enabled": False,
-    # a run whose process dies is tried again alone, not at the cost of others and of one process after another
-    "distributed.scheduler.allowed-failures": 0,
 }
-"""Settings of Dask: no messages on stderr, little bookkeeping, and no second try among others."""
+"""Settings of Dask: no messages on stderr, and little bookkeeping."""
 
 _MARK: Final = "LIE_RIGID_BODY_CLUSTER"
 """Variable of the environment that tells to which cluster a process belongs."""
@@ -285,7 +283,6 @@ def finished(
     *,
     bags: bool,
     elsewhere: bool,
-    lost: Callable[[int], object],
     alone: Callable[[str], object],
 ) -> Iterator[tuple[int, Row | BaseException]]:
     """Carry out runs, and yield their numbers and rows as they are finished, in any order.
@@ -302,8 +299,6 @@ def finished(
         Whether the bags are kept.
     elsewhere : bool
         Whether workers may be on machines that do not see the folder: then each bag comes over the network.
-    lost : callable
-        Is told how many runs were lost with a process that died, and are tried again at the end.
     alone : callable
         Is told the address of a scheduler elsewhere that has no worker, once until it has one.
 
@@ -311,8 +306,8 @@ def finished(
     ------
     int
     Row or BaseException
-        The latter is what the run failed of, where it has no row, such as the death of every worker that tried it. No
-        more are begun after `MOST_FAILURES` in a row.
+        The latter is what the run failed of, where it has no row, such as the death of every worker that Dask gave it
+        to. No more are begun after `MOST_FAILURES` in a row.
 
     Raises
     ------
@@ -322,13 +317,12 @@ def finished(
     from distributed import KilledWorker, as_completed
     from distributed.comm import CommClosedError
 
-    waiting, numbers, killed, in_a_row = iter(runs), dict[str, int](), list[int](), 0
-    own = str(folder.absolute()) if bags else None  # the whole path, as an estimator may change the working folder
-    do: Any = partial(carry_out_elsewhere, keep=bags) if elsewhere else partial(carry_out, folder=own)
+    waiting, numbers, in_a_row = iter(runs), dict[str, int](), 0
+    do = partial(carry_out, campaign, folder=None if elsewhere else str(folder.absolute()), keep=bags)
 
     def submitted(some: list[int]) -> Any:
         """Runs on their way, together, as each way takes Dask milliseconds."""
-        futures = client.map(partial(do, campaign), some, pure=False) if some else []
+        futures = client.map(do, some, pure=False) if some else []
         numbers.update((future.key, run) for future, run in zip(futures, some, strict=True))
         return futures
 
@@ -336,39 +330,29 @@ def finished(
         """The number of a run and what came of it, which is kept here and forgotten elsewhere."""
         found = result[1] if future.status == "error" else _kept(result, folder)
         future.release()
-        return numbers.pop(future.key), found
+        return numbers.pop(future.key), BagError(_DEAD) if isinstance(found, KilledWorker) else found
 
     connection = Connection(client, alone if elsewhere else None)
-    pooled = partial(as_completed, with_results=True, raise_errors=False)
     try:
         at_once = RUNS_AHEAD * max(1, len(client.nthreads()))
-        pool = pooled(submitted([*islice(waiting, at_once)]))
+        pool = as_completed(submitted([*islice(waiting, at_once)]), with_results=True, raise_errors=False)
         for count, arrived in enumerate(connection.arriving(pool), 1):
             if count % (at_once // 2) == 0 and not connection.is_lost:
                 pool.update(submitted([*islice(waiting, at_once // 2)]))
             run, found = outcome(*arrived)
             in_a_row = in_a_row + 1 if isinstance(found, BaseException) else 0
-            if isinstance(found, KilledWorker):
-                killed.append(run)
-                lost(len(killed))
-            else:
-                yield run, found
+            yield run, found
             if in_a_row == MOST_FAILURES + at_once:
-                yield from ((run, BagError(_DEAD)) for run in killed)
                 return
-        for again in killed:  # alone: those that waited at a process for another run's end died with it
-            for arrived in connection.arriving(pooled(submitted([again]))):
-                run, found = outcome(*arrived)
-                yield run, BagError(_DEAD) if isinstance(found, KilledWorker) else found
     except Exception as error:  # those of Dask are of many kinds
         if connection.is_lost or isinstance(error, CommClosedError | CancelledError):
             raise SchedulerGoneError(f"the scheduler at {connection.address} no longer answers") from None
         raise
 
 
-def _kept(result: Row | tuple[Row, bytes | None], folder: Path) -> Row | BagError:
+def _kept(result: tuple[Row, bytes | None], folder: Path) -> Row | BagError:
     """The row of a run, with its bag, which came over the network, in the folder; or why that cannot be written."""
-    row, content = (result, None) if isinstance(result, Row) else result
+    row, content = result
     if row.bag is not None and content is not None:
         try:
             write_file(folder / row.bag, content, overwrite=True)

@@ -20,7 +20,8 @@ from lie_rigid_body.arrays import plain
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
-from lie_rigid_body.runs.estimators import CommandEstimator, Estimator, NamedFunction
+from lie_rigid_body.runs.estimators import Estimator, NamedFunction
+from lie_rigid_body.runs.programs import CommandEstimator
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
@@ -115,12 +116,9 @@ class Campaign:
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
-        if self.runs < 2 and any(one.grid for one in self.contenders.values()):
+        if any(one.grid for one in self.contenders.values()) and self.runs < 2:
             raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
-        try:
-            self.to_json()
-        except TypeError as error:
-            raise InputError(f"parameters and vary: {error}: give numbers, texts, lists and mappings") from None
+        _require_plain("parameters and vary", [self.parameters, self.vary])
 
     @classmethod
     def from_file(cls, path: str | Path) -> Campaign:
@@ -365,11 +363,18 @@ def _contender(name: object, content: object) -> Contender:
         raise InputError(f"{place}: {both[0]} is in parameters and in grid: leave it out of one of them")
     if "grid" in content and not grid:
         raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
-    try:
-        json.dumps([parameters, grid], allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{place}: {error}: give finite numbers, texts, lists and mappings") from None
+    _require_plain(place, [parameters, grid])
     return Contender(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
+
+
+def _require_plain(place: str, value: object) -> None:
+    """Refuse what a line of JSON cannot hold."""
+    try:
+        json.dumps(value, allow_nan=False)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"{place}: NaN, infinity, dates and bytes are not allowed: give finite numbers, texts, lists and mappings"
+        ) from None
 
 
 def _mapping(place: str, value: object) -> dict[str, Any]:

@@ -9,7 +9,9 @@ import tempfile
 import time
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
 from pathlib import Path
+from threading import local
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -24,8 +26,8 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.estimator_call import leaving_the_process_alone
-from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.runs.estimators import result_of
+from lie_rigid_body.runs.processes import STARTING_S, Interpreter
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import shortened
@@ -50,6 +52,10 @@ _UPPER: Final = np.triu_indices(3)
 """Places of the numbers of a symmetric matrix that are kept."""
 _ATTITUDE: Final = 3 + 6 + 4
 _BIAS: Final = 3 + 6
+LONGEST_S: Final = 60.0
+"""Longest time of an estimator in a run, s, unless the run is longer."""
+_of_thread: Final = local()
+"""What each thread of a worker has of its own: a campaign, and the other Python that calls its estimators."""
 
 
 @dataclass(frozen=True)
@@ -98,28 +104,22 @@ def bag_name(run: int) -> str:
     return f"{BAGS}/{run:06d}.mcap"
 
 
-def carry_out(campaign: Campaign, run: int, folder: str | None) -> Row:
-    """Simulate, record and certify a run.
+def carry_out(campaign: Campaign, run: int, folder: str | None, *, keep: bool = True) -> tuple[Row, bytes | None]:
+    """Simulate, record and certify a run, and score estimators in it.
 
     Parameters
     ----------
     campaign : Campaign
     run : int
     folder : str or None
-        The folder of the campaign, in which the bag is kept. Without it the bag is certified and thrown away.
+        The folder of the campaign, in which the bag is kept; None where a worker may not see it.
+    keep : bool
+        Whether the bag is kept; without a folder its bytes are returned. Else it is certified and thrown away.
     """
-    if folder is not None:
-        return _recorded(campaign, run, Path(folder, bag_name(run)), bag_name(run))
     with tempfile.TemporaryDirectory() as own:
-        return _recorded(campaign, run, Path(own, "run.mcap"), None)
-
-
-def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Row, bytes | None]:
-    """Carry out a run on a machine that may not see the folder of the campaign: also the bytes of the bag to keep."""
-    with tempfile.TemporaryDirectory() as own:
-        path = Path(own, "run.mcap")
+        path = Path(own, "run.mcap") if folder is None or not keep else Path(folder, bag_name(run))
         row = _recorded(campaign, run, path, bag_name(run) if keep else None)
-        return row, path.read_bytes() if keep else None
+        return row, path.read_bytes() if keep and folder is None else None
 
 
 def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row:
@@ -147,16 +147,36 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
         name,
         None if name is None else size,
         {law: list(pair) for law, pair in certificate.residuals.items()},
-        judgements(campaign, scenario),
+        judgements(campaign, run),
     )
 
 
-def judgements(campaign: Campaign, scenario: Scenario) -> list[dict[str, Any]]:
-    """What the campaign's estimators are worth in the run of a scenario: they are given the same run."""
-    if not campaign.entries:
-        return []
-    run = simulate(scenario, duration=campaign.duration)
-    return [vars(judged(entry, run)) for entry in campaign.entries]
+def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
+    """What the campaign's estimators are worth in a run; another Python calls each, which may exit or hang."""
+    limit_s, found = STARTING_S + max(LONGEST_S, campaign.duration), []
+    for place in range(len(campaign.entries)):
+        try:
+            found.append(_interpreter(campaign).ask(partial(judged_in, campaign, run, place), limit_s))
+        except (EOFError, TimeoutError) as error:
+            found.append(_without_score(f"it {error}"))
+    return [vars(each) for each in found]
+
+
+def _interpreter(campaign: Campaign) -> Interpreter:
+    """Another Python for this thread and campaign: of an earlier one it may have imported what has changed since."""
+    if getattr(_of_thread, "campaign", None) != campaign:
+        _of_thread.campaign, _of_thread.interpreter = campaign, Interpreter()
+    return _of_thread.interpreter  # type: ignore[no-any-return]
+
+
+def judged_in(campaign: Campaign, run: int, place: int) -> Judgement:
+    """What one of the campaign's entries is worth in a run, which is the same for all."""
+    return judged(campaign.entries[place], _run_of(campaign, run))
+
+
+@lru_cache(maxsize=1)
+def _run_of(campaign: Campaign, run: int) -> Run:
+    return simulate(campaign.scenario_of(run), duration=campaign.duration)
 
 
 @short_dataclass(frozen=True)
@@ -221,17 +241,20 @@ def judged(entry: Entry, run: Run) -> Judgement:
     """Call an estimator with a run and score what it returns.
 
     An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
-    raise anything, also KeyboardInterrupt: no signal raises that here, in a thread of a worker.
+    raise anything, also KeyboardInterrupt: no Ctrl-C raises that here, in a session of its own.
     """
     try:
         estimate = entry.load()
         begin = time.perf_counter()
-        with leaving_the_process_alone():
-            found = Estimate.of(estimate(run))
+        found = Estimate.of(result_of(estimate, run))
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:
-        return Judgement({**dict.fromkeys((*SCORES, *MORE_SCORES)), ERROR: shortened(said(error))})
+        return _without_score(shortened(said(error)))
+
+
+def _without_score(reason: str) -> Judgement:
+    return Judgement({**dict.fromkeys((*SCORES, *MORE_SCORES)), ERROR: reason})
 
 
 def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:

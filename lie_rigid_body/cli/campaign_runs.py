@@ -123,7 +123,6 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
             journal.folder,
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
-            lost=lambda count: bar.set_postfix_str(f"{count} lost with a process that died, tried again at the end"),
             alone=partial(_say_alone, bar),
         )
         try:

@@ -9,7 +9,7 @@ from lie_rigid_body.console import argument
 from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:
-    from lie_rigid_body.runs.estimators import CommandEstimator
+    from lie_rigid_body.runs.programs import CommandEstimator
 
 ESTIMATOR: Final = (
     argument(
@@ -47,11 +47,11 @@ def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | 
     if len(there) > 1:
         raise InputError(f"{len(there)} estimators, {' and '.join(there)}: give one of them")
     if given.node is not None:
-        from lie_rigid_body.runs.node import NodeEstimator
+        from lie_rigid_body.runs.programs import NodeEstimator
 
         return given.node, NodeEstimator(given.node, given.timeout)
     if given.command is not None:
-        from lie_rigid_body.runs.estimators import CommandEstimator
+        from lie_rigid_body.runs.programs import CommandEstimator
 
         return given.command, CommandEstimator(given.command, given.timeout)
     return given.estimator or "", given.estimator

@@ -19,7 +19,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Truth
 from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.blind import BlindRun
+from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, read_parameters
 from lie_rigid_body.wording import listed

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Final, cast
 
@@ -14,13 +15,12 @@ from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import Setup, probed
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job, of_output
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
-from lie_rigid_body.diagnosis.search import Search, plain, settled
+from lie_rigid_body.diagnosis.search import Each, Search, plain, settled
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.causes import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
-from lie_rigid_body.runs.estimators import Estimator, source_of
-from lie_rigid_body.runs.node import NodeEstimator
-from lie_rigid_body.runs.workers import Alone, Workers
+from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of
+from lie_rigid_body.runs.programs import NodeEstimator
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores
@@ -105,9 +105,9 @@ def diagnose(
         most, count, remarks, left_out = MOST_RUNS_OF_NODE, WORKERS_OF_NODE * cores(), [_OF_NODE], LEFT_OUT_OF_NODE
     elif source is None:
         remarks = [_ALONE]
-    crew: Alone | Workers = Workers(source, workers or count, timeout) if source else Alone(cast("Estimator", estimate))
-    with closing(crew):
-        search = Search(crew.each, courses, max_runs or most, progress or (lambda runs: None))
+    with closing(Workers(source, workers or count, timeout)) if source else nullcontext() as crew:
+        each: Each = crew.each if crew else partial(each_alone, cast("Estimator", estimate))
+        search = Search(each, courses, max_runs or most, progress or (lambda runs: None))
         return examined(search, remarks, left_out)
 
 

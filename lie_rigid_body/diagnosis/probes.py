@@ -24,7 +24,7 @@ from lie_rigid_body.evaluation.remarks import NOT_UNIT
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
-from lie_rigid_body.runs.estimators import FilterError
+from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.sensors import GRADES
 
 GYRO_BIAS: Final = float(np.radians(1.0))

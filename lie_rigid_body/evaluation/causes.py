@@ -335,7 +335,8 @@ def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Ca
     def fits(tracks: Tracks) -> Sequence[Array]:
         start = np.array([_best_of_scan(tracks, BY_CODE[code].undo, values)])
         [(_, found)] = fit([track.few(most) for track in tracks], [(BY_CODE[code], start)])
-        least = 1.001e-9 * float(np.median(np.diff(tracks[0].stamps_ns)))
+        steps = np.diff(tracks[0].stamps_ns)
+        least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
         return [found if not sign or sign * found[0] > least else np.zeros(1)]
 
     return fits

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import numbers, quantity
+from lie_rigid_body.evaluation.arguments import numbers, quantity, real_numbers
 from lie_rigid_body.lie import vectors
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import shown
@@ -266,16 +266,33 @@ class Difference:
         return asdict(self)
 
 
-def of_run(first: Array, second: Array, seed: int = 0) -> Difference:
+def _side_by_side(*errors: ArrayLike) -> list[Array]:
+    """Errors of two estimates, read as rows of one length."""
+    read = [real_numbers(name, row, "(N,)") for name, row in zip(("first", "second"), errors, strict=True)]
+    if read[0].ndim != 1 or read[0].shape != read[1].shape:
+        raise InputError(
+            f"first and second: shapes {read[0].shape} and {read[1].shape} are not (N,) of one N: give as many errors "
+            "of each, of the same stamps or runs"
+        )
+    return read
+
+
+def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     """Difference of the RMS of two errors of one run, by moving blocks.
 
     Parameters
     ----------
-    first, second : ndarray, shape (N,)
+    first, second : array_like, shape (N,)
         Errors at the same stamps, which are about even.
     seed : int
         Seed of the resampling.
+
+    Raises
+    ------
+    InputError
+        If they are no numbers, or not as many of both.
     """
+    first, second = _side_by_side(first, second)
     value = rms(first) - rms(second)
     squares = np.stack([first**2, second**2])
     if len(first) > MOST_SAMPLES:
@@ -297,16 +314,22 @@ def of_run(first: Array, second: Array, seed: int = 0) -> Difference:
     return _with_interval(value, resampled, int(value < 0.0), 1, freedom=blocks - 1)
 
 
-def of_runs(first: Array, second: Array, seed: int = 0) -> Difference:
+def of_runs(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     """Mean difference of the RMS errors of two estimates over runs, by bootstrap of runs.
 
     Parameters
     ----------
-    first, second : ndarray, shape (R,)
+    first, second : array_like, shape (R,)
         RMS errors of the same runs; NaN where the estimate failed.
     seed : int
         Seed of the resampling.
+
+    Raises
+    ------
+    InputError
+        If they are no numbers, or not as many of both.
     """
+    first, second = _side_by_side(first, second)
     both = np.isfinite(first) & np.isfinite(second)
     differences, left_out = (first - second)[both], int(np.sum(~both))
     runs, better = len(differences), int(np.sum(differences < 0.0))

@@ -1,13 +1,8 @@
-"""Readings of a run played to a filter's node: ``python -m lie_rigid_body.ros.play``, which `runs.node` starts.
-
-It reads a pickled `Play` on its standard input, and answers by an `Answered`, or by words that say what went wrong. It
-and the node end with the process that started it, which holds its standard input open.
-"""
+"""Readings of a run played to a filter's node, in a process of its own, which ends with the one that asks for it."""
 
 from __future__ import annotations
 
 import os
-import pickle
 import random
 import shlex
 import signal
@@ -16,13 +11,11 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from threading import Thread
 from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.runs.node import Answered, Play
-from lie_rigid_body.runs.workers import questions, send
+from lie_rigid_body.runs.programs import Answered, Play
 from lie_rigid_body.system import lock
 from lie_rigid_body.wording import printable
 
@@ -34,21 +27,7 @@ _LONGEST_WORDS: Final = 100
 """Largest number of bytes that are repeated of what the node prints."""
 
 
-def main() -> None:
-    """Play what is asked for on standard input."""
-    asked, replies = questions()
-    play = pickle.load(asked)
-    Thread(target=_end_with, args=(asked,), daemon=True).start()
-    send(replies, _played(play))
-
-
-def _end_with(asked: BinaryIO) -> None:
-    """End this process and the node when the one that asked has ended."""
-    asked.read()
-    os.killpg(0, signal.SIGKILL)
-
-
-def _played(play: Play) -> Answered | str:
+def played(play: Play) -> Answered | str:
     """What a node answers, or why it does not."""
     with tempfile.TemporaryFile() as words, tempfile.TemporaryDirectory() as logs:
         try:
@@ -112,7 +91,3 @@ def _started(command: str, words: BinaryIO) -> Iterator[Callable[[], None]]:
         os.killpg(0, signal.SIGINT)  # 'ros2 run' starts the node as a process of its own
         with suppress(subprocess.TimeoutExpired):
             process.wait(ENDING_S)
-
-
-if __name__ == "__main__":
-    main()

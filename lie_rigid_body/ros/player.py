@@ -20,7 +20,7 @@ from lie_rigid_body.ros.answers import Answers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, DEPTH, clock_bytes
 from lie_rigid_body.ros.session import message_class, own_node
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
-from lie_rigid_body.runs.node import Answered, Play
+from lie_rigid_body.runs.programs import Answered, Play
 from lie_rigid_body.sensors import SENSORS
 
 SILENCE_S: Final = 10.0

@@ -1,4 +1,4 @@
-"""Simulated runs: of one seed, or of many that share the truth."""
+"""Runs that are made: by simulation, of one seed or of many, and without the truth, for a filter to be tested."""
 
 from __future__ import annotations
 
@@ -6,25 +6,27 @@ import sys
 import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 from itertools import islice
 from pathlib import Path
-from typing import Final, overload
+from typing import Any, Final, NoReturn, overload
 
 import numpy as np
 
-from lie_rigid_body.arrays import plain
+from lie_rigid_body.arrays import Array, Integers, plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, require_memory
-from lie_rigid_body.parameters import exact_duration
+from lie_rigid_body.parameters import Value, exact_duration
+from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.simulation import SampleClock, Simulation, motions_of
+from lie_rigid_body.simulation import SampleClock, Segment, Simulation, motions_of
 from lie_rigid_body.simulation.loop import Latest
 from lie_rigid_body.wording import shown
 
@@ -36,6 +38,14 @@ _KEPT_BYTES: Final = 160
 """Memory that a reading takes in a run, bytes."""
 _RUN_BYTES: Final = 2**16
 """Memory that a run takes beside its arrays, bytes."""
+WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
+"""Parameters that would tell the truth, or the noise."""
+_MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bound")
+"""Attributes that a scenario computes from them."""
+_TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
+"""Methods of a run that would tell the truth, were it in a bag."""
+_NO_TRUTH: Final[Any] = None
+_NO_BIASES: Final = {"gyro_bias": None, "accelerometer_bias": None}
 
 
 @overload
@@ -188,3 +198,93 @@ def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str,
     if scenario is None or isinstance(scenario, str):
         return gather(scenario, [], [])
     raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
+
+
+class WithheldError(InputError, AttributeError):
+    """Something was asked of a run or a scenario that would tell the truth."""
+
+
+def _refuse(name: str) -> NoReturn:
+    raise WithheldError(
+        f"{name} would tell the truth, which this run withholds: estimate from what run.imu and run.magnetometer read"
+    )
+
+
+class BlindScenario(Scenario):
+    """A scenario without its start and its seed."""
+
+    @classmethod
+    @lru_cache(maxsize=32)  # a filter is run many times on few scenarios
+    def of(cls, scenario: Scenario) -> BlindScenario:
+        """What a filter may know of a scenario."""
+        told = {name: value for name, value in scenario.parameters().items() if name not in WITHHELD}
+        known, blind = Scenario.from_parameters(told), object.__new__(cls)
+        vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in WITHHELD})
+        vars(blind)["sensor_parameters"] = tuple(pair for pair in known.sensor_parameters if pair[0] not in WITHHELD)
+        return blind
+
+    def parameters(self) -> dict[str, Value]:
+        """Names and values of the parameters but those that are withheld."""
+        names = [f.name for f in fields(self) if f.name not in (*WITHHELD, "sensors", "sensor_parameters")]
+        return {**{name: getattr(self, name) for name in names}, **dict(self.sensor_parameters)}
+
+    def __getattr__(self, name: str) -> Any:
+        if name in (*WITHHELD, *_MADE_OF_THEM):
+            _refuse(f"scenario.{name}")
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __getstate__(self) -> dict[str, object]:
+        """The attributes that there are."""
+        return dict(vars(self))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, BlindScenario) and self.parameters() == other.parameters()
+
+    def __hash__(self) -> int:
+        return hash(self.sensor_parameters)
+
+
+class BlindRun(Run):
+    """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
+
+    @classmethod
+    def without_truth(cls, run: Run) -> BlindRun:
+        """The readings of a run, without its truth, its faults and the true biases."""
+        sensors = {
+            key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**arrays.arrays, **(_NO_BIASES if key == "imu" else {})})
+            for key, arrays in run.sensors.items()
+        }
+        return cls(run.t_ns, _NO_TRUTH, sensors, _blind(run.scenario))
+
+    @classmethod
+    def of_readings(
+        cls, scenario: Scenario, t_ns: Integers, vectors: Mapping[str, Array], field_t_ns: Integers
+    ) -> BlindRun:
+        """The run of readings that arrive at their stamps.
+
+        Parameters
+        ----------
+        scenario : Scenario
+        t_ns : ndarray of int64, shape (M,)
+            Stamps of the IMU, ns.
+        vectors : mapping of str to ndarray
+            ``gyro``, rad/s, and ``specific_force``, m/s², of shape (M, 3), and ``field``, T, of shape (L, 3).
+        field_t_ns : ndarray of int64, shape (L,)
+            Stamps of the magnetometer, ns.
+        """
+        of_imu = {name: array for name, array in vectors.items() if name != "field"}
+        sensors = {
+            "imu": SensorArrays(t_ns, t_ns, {**of_imu, **_NO_BIASES, "orientation_xyzw": None}),
+            "magnetometer": SensorArrays(field_t_ns, field_t_ns, {"field": vectors["field"]}),
+        }
+        return cls(t_ns, _NO_TRUTH, sensors, _blind(scenario))
+
+    def __getattribute__(self, name: str) -> Any:
+        if name in _TELLING:
+            return lambda *arguments, **options: _refuse(f"run.{name}()")
+        return super().__getattribute__(name)
+
+
+def _blind(scenario: Scenario) -> tuple[Segment, ...]:
+    """The one segment of a run without its truth."""
+    return (Segment(BlindScenario.of(scenario), 0, scenario.epoch_ns),)

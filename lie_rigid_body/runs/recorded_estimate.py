@@ -32,8 +32,7 @@ from lie_rigid_body.recording.topic_messages import (
 from lie_rigid_body.runs.estimate import BIAS, Estimate
 from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.run import OWN_TOPICS, Run
-from lie_rigid_body.runs.truth import TrueMotion
-from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of
+from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
@@ -142,11 +141,10 @@ def recorded_estimate(
     """
     path, topic = Path(bag), f"/{topic.lstrip('/')}"
     contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))
-    if truth_bag is None:
-        motion = _true_motion(path, contents, topic, topics, near=topic)
-    else:
-        of_truth = BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values()))
-        motion = _true_motion(Path(truth_bag), of_truth, "", topics, near=topic)
+    own = path, contents, topic
+    if truth_bag is not None:
+        own = Path(truth_bag), BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values())), ""
+    motion = _true_motion(*own, topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
     kept.add(track)

@@ -35,8 +35,7 @@ from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.runs.estimate import BIAS, Estimate, messages_of_score, vectors
 from lie_rigid_body.runs.readings import SensorArrays, read_only
-from lie_rigid_body.runs.truth import ScenarioTruth
-from lie_rigid_body.runs.unavoidable import bound_of, left_by_errors_of, unavoidable_error_of
+from lie_rigid_body.runs.truth import ScenarioTruth, bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.showing import Shown, data_frame

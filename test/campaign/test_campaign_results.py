@@ -112,8 +112,8 @@ def test_a_page_shows_the_runs_and_their_residuals(
 
 def test_a_long_bag_is_certified_in_batches_and_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     campaign = Campaign(runs=1, seed=1, duration=1.0, parameters={"imu_rate": 100.0})
-    kept = carry_out(campaign, 0, None)
+    kept, _ = carry_out(campaign, 0, None, keep=False)
     assert kept.certified
     monkeypatch.setattr(run, "LARGEST_IN_MEMORY", 0)
     monkeypatch.setattr(bag_reader, "read_bag", None)
-    assert carry_out(campaign, 0, None) == kept
+    assert carry_out(campaign, 0, None, keep=False) == (kept, None)

@@ -6,13 +6,14 @@ import os
 import resource
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.run import SCORES, judgements
+from lie_rigid_body.campaign.run import SCORES, judged_in, judgements
 
 MODULE = """
 import os
@@ -22,8 +23,6 @@ import time
 
 import numpy as np
 from lie_rigid_body.lie import quaternion
-
-children = []
 
 def turned(run):
     return quaternion.multiply(quaternion.exp(np.radians([0.0, 0.0, 2.0])), run.truth.attitude_xyzw)
@@ -56,20 +55,27 @@ def halves(run):
 def interrupts(run):
     raise KeyboardInterrupt("enough")
 
-def leaves_a_copy(run):
-    pid = os.fork()
-    if pid == 0:
-        time.sleep(600.0)
-        os._exit(0)
-    children.append(pid)
+def number(run):
+    return dict(run.scenario.sensor_parameters)["sensor_seed"]
+
+def exits_in_the_second(run):
+    if number(run) == 1:
+        os._exit(3)
+    return run.truth.attitude_xyzw
+
+def hangs_in_the_second(run):
+    while number(run) == 1:
+        time.sleep(1.0)
     return run.truth.attitude_xyzw
 
 def comes_back_twice(run):
-    children.append(os.fork())
-    return run.truth.attitude_xyzw
+    off = 0.0 if os.fork() else 90.0
+    time.sleep(0.2 * bool(off))
+    return quaternion.multiply(quaternion.exp(np.radians([off, 0.0, number(run)])), run.truth.attitude_xyzw)
 
 def starts_a_program(run):
-    children.append(subprocess.Popen(["sleep", "600"]).pid)
+    with open("pids", "a") as file:
+        print(subprocess.Popen(["sleep", "600"]).pid, file=file)
     return run.truth.attitude_xyzw
 
 def lowers_a_limit(run):
@@ -79,17 +85,32 @@ def lowers_a_limit(run):
 
 
 @pytest.fixture
-def scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+def campaign_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, int], Campaign]:
     (tmp_path / "some_estimators.py").write_text(MODULE)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.chdir(tmp_path)
     monkeypatch.delitem(sys.modules, "some_estimators", raising=False)
 
-    def of(function: str) -> dict[str, Any]:
-        parameters = {"rate": 50.0, "imu_rate": 50.0}
-        campaign = Campaign(1, 7, 2.0, "tumbling_cubesat", parameters, {}, f"some_estimators:{function}")
-        [judgement] = judgements(campaign, campaign.scenario_of(0))
-        scores: dict[str, Any] = judgement["scores"]
-        return scores
+    def of(function: str, runs: int = 1) -> Campaign:
+        parameters, vary = {"rate": 50.0, "imu_rate": 50.0}, {"sensor_seed": {"distribution": "run"}}
+        return Campaign(runs, 7, 2.0, "tumbling_cubesat", parameters, vary, f"some_estimators:{function}")
+
+    return of
+
+
+@pytest.fixture
+def scored(campaign_of: Callable[[str], Campaign]) -> Callable[[str], dict[str, Any]]:
+    """Scores of an estimator that is called in this process."""
+    return lambda function: judged_in(campaign_of(function), 0, 0).scores
+
+
+@pytest.fixture
+def asked(campaign_of: Callable[[str, int], Campaign]) -> Callable[[str, int], list[dict[str, Any]]]:
+    """Scores of an estimator in runs one after the other, as a worker asks for them."""
+
+    def of(function: str, runs: int) -> list[dict[str, Any]]:
+        campaign = campaign_of(function, runs)
+        return [judgements(campaign, run)[0]["scores"] for run in range(runs)]
 
     return of
 
@@ -134,34 +155,32 @@ def test_what_is_no_estimate_costs_the_score(function: str, words: str, scored: 
     assert 0 < len(found["estimator_error"]) <= 200
 
 
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
-def test_a_copy_of_the_process_that_still_runs_is_ended_and_costs_the_score(scored: Any) -> None:
-    pytest.importorskip("psutil")
-    assert "leaves copies of its process running (1)" in scored("leaves_a_copy")["estimator_error"]
-    [child] = sys.modules["some_estimators"].children
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+def test_an_estimator_that_exits_costs_the_score_of_its_run_only(asked: Any) -> None:
+    found = asked("exits_in_the_second", runs=3)
+    assert [each["estimator_error"] for each in found] == [None, "it ended its process, status 3", None]
+    assert found[0]["total_rms_deg"] == found[2]["total_rms_deg"] < 1e-9
 
 
-@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
-def test_a_copy_of_the_process_that_comes_back_ends_there(scored: Any) -> None:
-    """It would go on with the work of the process, on the same connections."""
-    scored("comes_back_twice")
-    [child] = sys.modules["some_estimators"].children
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) in (1, -signal.SIGKILL)
+def test_an_estimator_that_hangs_costs_the_score_of_its_run_only(asked: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lie_rigid_body.campaign.run.STARTING_S", 10.0)
+    monkeypatch.setattr("lie_rigid_body.campaign.run.LONGEST_S", 0.0)
+    found = asked("hangs_in_the_second", runs=3)
+    assert [each["estimator_error"] for each in found] == [None, "it did not return within 12 s", None]
 
 
-def test_a_program_that_an_estimator_started_may_go_on_to_its_next_run(scored: Any) -> None:
-    assert scored("starts_a_program")["estimator_error"] is None
-    [child] = sys.modules["some_estimators"].children
-    assert os.waitpid(child, os.WNOHANG) == (0, 0)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
+def test_a_copy_of_the_process_that_comes_back_ends_there(asked: Any) -> None:
+    """Its answer would be taken for that of the next run."""
+    found = asked("comes_back_twice", runs=3)
+    assert [each["total_rms_deg"] for each in found] == [pytest.approx(run, abs=1e-9) for run in range(3)]
 
 
-def test_a_limit_that_an_estimator_lowers_is_set_back_and_costs_the_score(scored: Any) -> None:
+def test_a_program_that_an_estimator_started_may_go_on_to_its_next_run(asked: Any, tmp_path: Path) -> None:
+    assert [each["estimator_error"] for each in asked("starts_a_program", runs=2)] == [None, None]
+    for pid in map(int, (tmp_path / "pids").read_text().split()):
+        os.kill(pid, signal.SIGKILL)  # which raises an error where there is none
+
+
+def test_a_limit_that_an_estimator_lowers_is_that_of_its_own_process(asked: Any) -> None:
     before = resource.getrlimit(resource.RLIMIT_NOFILE)
-    found = scored("lowers_a_limit")
-    after = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, before)
-    assert after == before
-    assert "it lowers RLIMIT_NOFILE" in found["estimator_error"]
+    assert [each["estimator_error"] for each in asked("lowers_a_limit", runs=2)] == [None, None]
+    assert resource.getrlimit(resource.RLIMIT_NOFILE) == before

@@ -81,7 +81,7 @@ def test_a_number_may_be_written_otherwise(
 
 @pytest.mark.parametrize(
     ("one", "other"),
-    [("2.0", "2.5"), ("9007199254740993", "9007199254740992"), ("1", "true"), ("0.0", "-0.0"), ("NaN", "1.0")],
+    [("2.0", "2.5"), ("9007199254740993", "9007199254740992"), ("1", "true"), ("0.0", "-0.0")],
 )
 def test_numbers_that_are_not_equal_are_of_another_campaign(one: str, other: str, tmp_path: Path) -> None:
     """Also those that are one to Python, or to a float."""

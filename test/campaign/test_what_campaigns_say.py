@@ -122,7 +122,10 @@ CAMPAIGNS = [
     ("runs: 1\nseed: 1\nduration: 1.0\nscenario: none", "'none' is unknown"),
     ("runs: 1\nseed: 1\nduration: 1.0\nscenario: 5", "scenario: 5 is no name"),
     ("runs: 1\nseed: 1\nduration: 1.0\nscenario: [x]", "scenario: ['x'] is no name"),
-    ("runs: 1\nseed: 1\nduration: 1.0\nparameters: {world_frame: !!binary aGk=}", "give numbers, texts, lists"),
+    (
+        "runs: 1\nseed: 1\nduration: 1.0\nparameters: {world_frame: !!binary aGk=}",
+        "parameters and vary: NaN, infinity, dates and bytes",
+    ),
     ("runs: 1\nseed: 1\nduration: 1.0\nvary: {speed: {distribution: run}}", "there is no parameter 'speed'"),
     ("runs: 1\nseed: 1\nduration: 1.0\nvary: {rate: 3.0}", "vary.rate is not a distribution"),
     (
@@ -176,7 +179,7 @@ CAMPAIGNS = [
         f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: {[*range(101)]}}}}}}}",
         "estimators: 101 with the points of their grids: give at most 100",
     ),
-    (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: {{x: .nan}}}}}}", "estimators.a: Out of range float"),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: {{x: .nan}}}}}}", "estimators.a: NaN, infinity, dates"),
     (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: [1]}}}}}}", "runs: 1: the best point of a grid is scored"),
     (
         f"{SHORT}estimators: {{a: {{function: 'statistics:quantiles', parameters: {{methods: 1}}}}}}",

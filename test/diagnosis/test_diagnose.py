@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import exact_repairs
 from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.workers import Alone
+from lie_rigid_body.runs.estimators import each_alone
 
 HERE = Path(__file__).parent
 CODES = [
@@ -149,6 +150,13 @@ def test_covariance_that_is_none_fails_in_one_line() -> None:
     assert failed(found) == ["covariance"]
 
 
+@pytest.mark.filterwarnings("error")
+def test_filter_that_answers_the_first_reading_only_fails_without_a_warning() -> None:
+    found = diagnose(lambda run: textbook.first_reading(run), max_runs=1)
+    assert found.mistakes == ()
+    assert "follows" in failed(found)
+
+
 def test_filter_that_averages_the_gyro_first_needs_a_rest_and_nothing_else() -> None:
     found = diagnose(textbook.averages_the_gyro, max_runs=1)
     assert found.mistakes == ()
@@ -169,6 +177,8 @@ def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path
     ("estimate", "said"),
     [
         (textbook.raises, ["textbook.py line ", "ZeroDivisionError: of the filter"]),
+        (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
+        (textbook.stops, ["textbook.py line ", ": BaseException: mend"]),
         (textbook.of_wrong_shape, ["(1300, 3)"]),
         (textbook.peeks, ["textbook.py line ", "run.attitude() would tell the truth"]),
     ],
@@ -257,7 +267,7 @@ def test_right_filter_that_expects_integrated_rates_is_told_so() -> None:
 
 def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter() -> None:
     """Without the sensor that it takes wrongly the filter leaves 0.00°, as with readings in other units."""
-    search = Search(Alone(textbook.with_wrong_jacobian).each, courses_of({}), 2000)
+    search = Search(partial(each_alone, textbook.with_wrong_jacobian), courses_of({}), 2000)
     search.change = max(search._changes())
     assert np.degrees(search.change) > 30.0
     units = [(repair,) for repair in exact_repairs() if repair.code == "magnetometer_units"]

@@ -144,6 +144,18 @@ def hangs(run: Any) -> Array:
         pass
 
 
+def interrupts(run: Any) -> Array:
+    raise KeyboardInterrupt("of the filter")
+
+
+def stops(run: Any) -> Array:
+    raise BaseException
+
+
+def first_reading(run: Any) -> Any:
+    return run.imu.t_ns[:1], [[0.0, 0.0, 0.0, 1.0]]
+
+
 def dies(run: Any) -> Array:
     import os
 

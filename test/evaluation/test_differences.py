@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.statistics import MOST_SAMPLES, blocks_of, of_run, of_runs
 
 
@@ -66,6 +67,22 @@ def test_runs_in_which_either_failed_are_left_out():
     assert f"in {found.better} of 96 runs" in found.sentence("a", "b")
     same = of_runs(second, second + draws.normal(0.0, 0.2, 100))
     assert "no difference that 99 runs could show" in same.sentence("a", "b")
+
+
+@pytest.mark.parametrize("of", [of_run, of_runs])
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [([1.0], [1.0, 2.0]), ([[1.0]], [[1.0]]), (1.0, 2.0), (["a"], ["b"]), (None, [1.0]), ([1j], [1.0])],
+)
+def test_what_does_not_go_together_is_refused(of, first, second):
+    with pytest.raises(InputError):
+        of(first, second)
+
+
+def test_lists_are_read_as_arrays_are():
+    first, second = [1.0, 2.0, 3.0] * 10, [2, 1, 2] * 10
+    for of in (of_run, of_runs):
+        assert of(first, second) == of(np.array(first), np.array(second))
 
 
 def test_too_few_have_no_interval():

@@ -17,7 +17,7 @@ from lie_rigid_body.league.cases import readings_hash, run_of
 from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult, rows_of
 from lie_rigid_body.runs import Estimate
-from lie_rigid_body.runs.blind import BlindRun
+from lie_rigid_body.runs.ensemble import BlindRun
 
 FILTERS = '''
 """Attitudes of gravity and field alone, in few lines of NumPy, and filters that fail."""

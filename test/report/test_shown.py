@@ -17,7 +17,7 @@ from lie_rigid_body import Estimate, Limits, Run, simulate
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.report import write_plot, write_report
-from lie_rigid_body.runs.blind import BlindRun
+from lie_rigid_body.runs.ensemble import BlindRun
 
 
 @pytest.fixture(scope="module")

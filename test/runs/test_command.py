@@ -17,7 +17,7 @@ from lie_rigid_body.cli import diagnose as verb
 from lie_rigid_body.cli import league
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.league import CASES, playing
-from lie_rigid_body.runs.estimators import HEADER, CommandEstimator
+from lie_rigid_body.runs.programs import HEADER, CommandEstimator
 from lie_rigid_body.testing import command_estimator
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
@@ -79,11 +79,11 @@ def test_a_line_of_names_is_no_attitude_and_answers_may_be_fewer(run, tmp_path):
         ("print('2_0,0,0,0,1')", ["line 1", "2_0"]),
         ("print(chr(0x661) + ',0,0,0,1')", ["line 1"]),
         ("print('1,0,0,0,' + chr(0x661))", ["line 1"]),
-        ("print('99999999999999999999,0,0,0,1')", ["64 bits"]),
+        ("print('99999999999999999999,0,0,0,1')", ["line 1", "9999"]),
         ("", ["no attitude"]),
         ("sys.exit('the gain is missing')", ["status 1", "the gain is missing"]),
         ("os.abort()", ["status -6"]),
-        ("sys.stdout.buffer.write(bytes([255, 254, 10]))", ["no text"]),
+        ("sys.stdout.buffer.write(bytes([255, 254, 10]))", ["line 1"]),
     ],
 )
 def test_what_a_program_does_wrong_is_told_in_one_line(run, tmp_path, source, told):
@@ -97,7 +97,7 @@ def test_what_a_program_does_wrong_is_told_in_one_line(run, tmp_path, source, to
 
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
 def test_a_program_that_prints_without_end_is_ended(run, tmp_path, monkeypatch, stream):
-    monkeypatch.setattr("lie_rigid_body.runs.estimators._LARGEST_OUTPUT", 2**20)
+    monkeypatch.setattr("lie_rigid_body.runs.programs._LARGEST_OUTPUT", 2**20)
     with pytest.raises(InputError, match="prints more than 1048576 bytes"):
         python(tmp_path, f"while True:\n    sys.{stream}.write(4096 * '1')")(run)
 
@@ -116,6 +116,15 @@ def test_a_program_that_hangs_is_ended_with_what_it_started(run, tmp_path):
 def test_what_is_no_program_is_refused(run, command):
     with pytest.raises(InputError):
         CommandEstimator(command)(run)
+
+
+def test_what_cannot_be_started_is_told_by_its_kind(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("a_file").touch()
+    Path("a_folder").mkdir()
+    for command, fault in [("a_folder", "a folder"), ("./a_folder", "a folder"), ("./a_file", "not executable")]:
+        with pytest.raises(InputError, match=f"cannot be started: it is {fault}: give the path"):
+            CommandEstimator(command)(run)
 
 
 STILL = """awk -F, 'NR > 1 && $2 {print $1 ",0,0,0,1"}'"""

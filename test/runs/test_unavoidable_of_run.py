@@ -12,7 +12,7 @@ from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_err
 from lie_rigid_body.evaluation.score import BestPossible
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report import scores, write_plot, write_report
-from lie_rigid_body.runs.unavoidable import bound_of, unavoidable_error_of
+from lie_rigid_body.runs.truth import bound_of, unavoidable_error_of
 
 GIVEN: dict[str, Any] = {
     "imu_rate": 50.0,

@@ -1,0 +1,146 @@
+"""Processes in which estimators are called: other Pythons, which are asked something, reply, hang, and die."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread, Timer
+from typing import Any, BinaryIO, Final
+
+from lie_rigid_body.errors import InputError, LieRigidBodyError, said
+
+STARTING_S: Final = 20.0
+"""Least time that a process has to start and to import the estimator, s."""
+_SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.processes import serve; serve()"
+_LIBRARIES: Final = ("site-packages", "dist-packages", str(Path(traceback.__file__).parent))
+"""Parts of the paths of files that are not the user's."""
+
+
+class FilterError(InputError):
+    """The filter raised an exception, did not return, or returned what is no estimate."""
+
+
+def told(error: BaseException) -> str:
+    """Say an exception of a filter with the last line of the user's own that it came through."""
+    package = str(Path(__file__).resolve().parent.parent)
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(package)]
+    own = [frame for frame in frames if not any(part in frame.filename for part in _LIBRARIES)]
+    line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in (own or frames)[-1:])
+    remedy = "" if isinstance(error, LieRigidBodyError) else ": mend that first"
+    return f"the filter failed, {line}{said(error)}{remedy}"
+
+
+class Interpreter:
+    """Another Python, which is asked to call a function, and replies what that returns: what can be pickled.
+
+    It starts when it is asked, and anew where it has ended. It is new, no copy of this one: nothing of the user's main
+    module is run again, on any platform. It ends with this one.
+    """
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it was started, and is not known to have ended."""
+        return self._process is not None
+
+    def ask(self, question: Callable[[], object], limit_s: float) -> Any:
+        """Ask, and return the reply; an exception that it replies is raised.
+
+        Raises
+        ------
+        TimeoutError, EOFError
+            If it has not replied in so many seconds, or has ended, with its status. Then it is ended.
+        """
+        process = self._process = self._process or subprocess.Popen(
+            [sys.executable, "-c", _SERVE.format(repr(sys.path))],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
+        )
+        end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
+        timer.start()
+        try:
+            _send(process.stdin, question)
+            reply = pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
+        except (EOFError, OSError, pickle.UnpicklingError):
+            is_late = time.monotonic() >= end
+            self.end()
+            if is_late:
+                raise TimeoutError(f"did not return within {limit_s:g} s") from None
+            raise EOFError(f"ended its process, status {process.returncode}") from None
+        finally:
+            timer.cancel()
+        if isinstance(reply, Exception):
+            raise reply
+        return reply
+
+    def kill(self) -> None:
+        """Kill it, and what it started."""
+        if self._process is not None:
+            kill_all(self._process)
+
+    def end(self) -> None:
+        """Kill it and close its streams."""
+        self.kill()
+        process, self._process = self._process, None
+        if process is not None:
+            with suppress(OSError):
+                process.communicate()
+
+
+def kill_all(process: subprocess.Popen[Any]) -> None:
+    """Kill a process that leads a session of its own, and what it started, which may hold its pipes open."""
+    with suppress(OSError):
+        _kill_session(process.pid)
+        process.kill()
+
+
+def _kill_session(leader: int) -> None:
+    """Kill all processes of a leader's session, where a system has such; 0 is the own."""
+    if hasattr(os, "killpg"):
+        os.killpg(leader, signal.SIGKILL)
+
+
+def serve() -> None:
+    """Call what this process is asked, and reply what it returns; what it prints goes nowhere."""
+    asked, replies, waiting = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb"), SimpleQueue[Callable[[], Any]]()
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1):
+        os.dup2(nowhere, stream)
+    Thread(target=_hear, args=(asked, waiting), daemon=True).start()
+    while True:
+        try:
+            reply = waiting.get()()
+        except Exception as error:
+            reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
+        except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
+            reply = FilterError(told(error))
+        _send(replies, reply)
+
+
+def _hear(asked: BinaryIO, waiting: SimpleQueue[Callable[[], Any]]) -> None:
+    """Take what is asked until the one that asks has ended; then end this process, hung or not, and what it started."""
+    try:
+        while True:
+            waiting.put(pickle.load(asked))
+    finally:
+        _kill_session(0)
+        os._exit(1)
+
+
+def _send(stream: Any, item: object) -> None:
+    """Pickle something into a stream at once."""
+    pickle.dump(item, stream)
+    stream.flush()

@@ -1,0 +1,289 @@
+"""Programs as estimators: one that reads CSV and prints attitudes, and a ROS 2 node, to which readings are played."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any, BinaryIO, Final, NamedTuple
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.bounded_input import real
+from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.messages.encoding import ReadingEncoder
+from lie_rigid_body.messages.framed import Frames
+from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
+from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.processes import Interpreter, kill_all
+from lie_rigid_body.runs.run import Run
+from lie_rigid_body.sensors import SENSORS
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.simulation import SensorSamples
+from lie_rigid_body.wording import listed, printable, shortened, shown
+
+HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,mag_z"
+"""First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
+ANSWER: Final = "t_ns,x,y,z,w"
+"""Columns that the program prints, with this line above them or without."""
+_LARGEST_OUTPUT: Final = 256 * 2**20
+"""Largest number of bytes that the program may print; an attitude takes about 100."""
+_PATIENCE_S: Final = 0.05
+"""Time, s, after which it is looked at again how much the program has printed."""
+_LONGEST_WORDS: Final = 120
+"""Largest number of characters of the program's own error that are repeated."""
+PLAYER: Final = "lie_rigid_body.ros.play"
+"""Module that plays readings to a node: nothing else here needs ROS."""
+TOPIC: Final = "imu/data"
+"""Topic of the attitudes of a filter, as filters of imu_tools call it."""
+IMU: Final = "imu"
+"""Sensor whose readings are answered, and the last of those that arrive at once."""
+_BEGIN_NS: Final = 10**9
+"""Time that is added to the stamps of a run, ns: 0 means that there is no time yet."""
+_GRACE_S: Final = 1.0
+"""Time that a player has beyond that of its run, s."""
+
+
+@short_dataclass(frozen=True)
+class CommandEstimator:
+    """An estimator that starts a program for each run.
+
+    Attributes
+    ----------
+    command : str
+        Program and arguments, as for a shell; no shell is started.
+    timeout_s : float
+        Longest time of a run, s.
+    """
+
+    command: str
+    timeout_s: float = 60.0
+
+    def load(self) -> CommandEstimator:
+        """The estimator itself, for a process that is told where one is."""
+        return self
+
+    def __call__(self, run: Run) -> tuple[Integers, Array]:
+        """Stamps, ns, shape (N,), and attitudes world-from-body, scalar last, shape (N, 4), that the program prints.
+
+        Raises
+        ------
+        InputError
+            If it cannot be started, ends with a status other than 0, prints nothing or a line that is no attitude, or
+            does not end in time.
+        """
+        return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""])))
+
+    @property
+    def _name(self) -> str:
+        return f"command {shown(self.command)}"
+
+    def _output(self, readings: str) -> str:
+        arguments = shlex.split(self.command)
+        if not arguments:
+            raise InputError("command '': give a program, such as './my_filter --rate 100'")
+        # no pipes: what is not read or written in time would stand in them
+        with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+            given.write(readings.encode())
+            given.seek(0)
+            try:
+                process = subprocess.Popen(
+                    arguments,
+                    stdin=given,
+                    stdout=output,
+                    stderr=errors,
+                    start_new_session=True,  # so that it can be ended with what it starts
+                )
+            except OSError as error:
+                path = Path(arguments[0])
+                fault = "it is not executable" if path.exists() and not os.access(path, os.X_OK) else error.strerror
+                fault = "it is a folder" if path.is_dir() else fault
+                raise InputError(f"{self._name} cannot be started: {fault}: give the path of a program") from None
+            try:
+                self._wait(process, output, errors)
+            finally:
+                kill_all(process)
+                process.wait()
+            if process.returncode:
+                errors.seek(0)
+                text = errors.read(_LARGEST_OUTPUT).decode(errors="replace")
+                words = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
+                raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
+            output.seek(0)
+            return output.read().decode(errors="replace")
+
+    def _wait(self, process: subprocess.Popen[bytes], *files: BinaryIO) -> None:
+        """Wait for the end of a program; what it prints goes into files."""
+        end = time.monotonic() + self.timeout_s
+        while process.returncode is None:
+            if time.monotonic() >= end:
+                raise InputError(
+                    f"{self._name} did not end within {self.timeout_s:g} s: let it end with its input, or give it more"
+                )
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(_PATIENCE_S)
+            if any(os.fstat(file.fileno()).st_size > _LARGEST_OUTPUT for file in files):
+                raise InputError(
+                    f"{self._name} prints more than {_LARGEST_OUTPUT} bytes: print {ANSWER} once for each reading"
+                )
+
+
+def _lines(run: Run) -> Iterator[str]:
+    """Readings of a run in the order of their stamps; those of one stamp share a line."""
+    imu, magnetometer = run.imu, run.magnetometer
+    of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
+    of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
+    for stamp in sorted({*of_imu, *of_field}):
+        yield f"{stamp},{of_imu.get(stamp, ',,,,,')},{of_field.get(stamp, ',,')}"
+
+
+def _texts(t_ns: Integers, rows: Array) -> dict[int, str]:
+    """Rows by their stamps, with all digits."""
+    return {stamp: ",".join(map(repr, row)) for stamp, row in zip(t_ns.tolist(), rows.tolist(), strict=True)}
+
+
+def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
+    lines = output.splitlines()
+    first = 1 if lines and lines[0].replace(" ", "") == ANSWER else 0
+    stamps, rows = [], []
+    for number, line in enumerate(lines[first:], first + 1):
+        try:
+            stamp, *numbers = line.split(",")
+            x, y, z, w = map(real, numbers)
+            real(stamp)
+            stamps.append(np.int64(int(stamp)))
+        except (ValueError, OverflowError):
+            raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None
+        rows.append((x, y, z, w))
+    if not rows:
+        raise InputError(f"{name} prints no attitude: print {ANSWER} for each reading, and flush at the end")
+    return np.array(stamps, dtype=np.int64), np.array(rows, dtype=np.float64)
+
+
+class Reading(NamedTuple):
+    """A message of a sensor."""
+
+    arrival_ns: int
+    sensor: str
+    stamp_ns: int
+    payload: bytes
+
+
+class Play(NamedTuple):
+    """What a player is to do: start a command, play it the readings, and return what it publishes on a topic."""
+
+    node: NodeEstimator
+    readings: tuple[Reading, ...]
+
+
+class Answered(NamedTuple):
+    """What a node has published: the full name and the type of its topic, and the messages."""
+
+    topic: str
+    message_type: str
+    payloads: list[bytes]
+
+
+@dataclass(frozen=True, repr=False)
+class NodeEstimator(CommandEstimator):
+    """An estimator that starts a node for each run.
+
+    Attributes
+    ----------
+    command : str
+        Program and arguments, such as ``ros2 run my_package my_filter``; no shell is started.
+    timeout_s : float
+        Longest time of a run, s.
+    topic : str
+        Topic of its attitudes.
+    """
+
+    topic: str = TOPIC
+
+    def __call__(self, run: Run) -> Estimate:  # type: ignore[override]  # a node may tell a covariance as well
+        """Attitudes that the node publishes, with their covariances where all have one.
+
+        Raises
+        ------
+        InputError
+            If it cannot be started, ends, hears no IMU, publishes no attitude of the body, or leaves a reading without
+            an answer.
+        """
+        answered = self._played(Play(self, readings_of(run)))
+        try:
+            found = attitudes_of(*answered)
+        except BagError as error:
+            raise InputError(f"{self._name}: {error}") from None
+        track = self._of_body(answered.topic, found, (run.scenario.world_frame, run.scenario.body_frame))
+        stamps, first = np.unique(track.stamps_ns, return_index=True)  # of two answers to a reading the first
+        P = track.covariance
+        told = None if P is None or not P[first].any(axis=(1, 2)).all() else P[first]
+        return Estimate(track.attitude_xyzw[first], stamps - _BEGIN_NS, told)
+
+    @property
+    def _name(self) -> str:
+        return f"node {shown(self.command)}"
+
+    def _played(self, play: Play) -> Answered:
+        player = Interpreter()
+        try:
+            reply: Answered | str = player.ask(partial(_play, play), self.timeout_s + _GRACE_S)
+        except (EOFError, TimeoutError):
+            raise InputError(
+                f"{self._name} did not end within {self.timeout_s:g} s: give it more, or play it less"
+            ) from None
+        finally:
+            player.end()
+        if isinstance(reply, str):
+            raise InputError(f"{self._name} {reply}")
+        return reply
+
+    def _of_body(self, topic: str, found: Mapping[Frames, AttitudeTrack], frames: Frames) -> AttitudeTrack:
+        """The attitudes of the body's frames; without frames of two of the only ones that there are."""
+        (first, *others) = found or [frames]
+        if first not in found or not len(found[first]):
+            raise InputError(f"{self._name}: {topic} {NO_ORIENTATION}")
+        if frames in found:
+            return found[frames]
+        if others or first[1]:
+            told = listed([" to ".join(filter(None, pair)) for pair in found])
+            raise InputError(
+                f"{self._name}: {topic} is of {told}, and not of {' to '.join(frames)}: name the frames so"
+            )
+        return found[first]
+
+
+def _play(play: Play) -> Any:
+    return import_module(PLAYER).played(play)
+
+
+def readings_of(run: Run) -> tuple[Reading, ...]:
+    """The readings of a run as messages in the order in which they arrive, those of the IMU after others.
+
+    Raises
+    ------
+    InputError
+        If there is no IMU.
+    """
+    if run.imu is None:
+        raise InputError("a run without an IMU cannot be played to a node: give imu_rate")
+    return tuple(sorted(_readings(run), key=lambda reading: (reading.arrival_ns, reading.sensor == IMU)))
+
+
+def _readings(run: Run) -> Iterator[Reading]:
+    for name, model in run.scenario.sensors.on.items():
+        if arrays := run.sensors.get(SENSORS[name].key):
+            encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
+            stamps, arrival = arrays.t_ns + _BEGIN_NS, arrays.arrival_ns + _BEGIN_NS
+            told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
+            payloads = encoder.encode(SensorSamples(arrival, stamps, np.zeros(len(stamps), dtype=np.bool_), told))
+            yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)

@@ -1,0 +1,64 @@
+"""Other Pythons that are asked to call functions, each a real process."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.runs.processes import FilterError, Interpreter
+
+LIMIT_S = 60.0
+HANGING = """
+import os, threading, time
+from functools import partial
+from lie_rigid_body.runs.processes import Interpreter
+
+other = Interpreter()
+print(other.ask(os.getpid, 60.0), flush=True)
+other.ask(partial(time.sleep, 600.0), 600.0)
+"""
+
+
+def test_reply_is_what_the_function_returns_or_raises():
+    other = Interpreter()
+    try:
+        assert not other.is_running
+        first = other.ask(os.getpid, LIMIT_S)
+        assert first == other.ask(os.getpid, LIMIT_S) != os.getpid()
+        with pytest.raises(RuntimeError, match="TypeError"):
+            other.ask(partial(len, 3), LIMIT_S)
+        with pytest.raises(FilterError, match="SystemExit: enough"):
+            other.ask(partial(sys.exit, "enough"), LIMIT_S)
+        assert other.ask(partial(print, "nowhere"), LIMIT_S) is None
+        with pytest.raises(EOFError, match="status 3"):
+            other.ask(partial(os._exit, 3), LIMIT_S)
+        assert not other.is_running
+        assert other.ask(os.getpid, LIMIT_S) != first
+        with pytest.raises(TimeoutError, match=r"within 0\.5 s"):
+            other.ask(partial(time.sleep, 600.0), 0.5)
+        with pytest.raises(InputError, match="of the package"):
+            other.ask(partial(_raise, "of the package"), LIMIT_S)
+    finally:
+        other.end()
+
+
+def _raise(words):
+    raise InputError(words)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /proc")
+def test_process_that_hangs_ends_with_the_one_that_asked():
+    asking = subprocess.Popen([sys.executable, "-c", HANGING], stdout=subprocess.PIPE, text=True)
+    assert asking.stdout is not None
+    status = Path("/proc", asking.stdout.readline().strip(), "stat")
+    asking.kill()
+    asking.communicate()
+    while status.exists() and status.read_text().split()[2] != "Z":
+        time.sleep(0.01)
