@@ -244,6 +244,8 @@ def progress(
     """
     from tqdm import tqdm
 
+    if sys.stderr.isatty() and not all(os.get_terminal_size(sys.stderr.fileno())):
+        more |= {"ncols": 79, "nrows": 23}  # one less than usual, as tqdm has it: this terminal tells no size
     with Interruption.current().put_off():  # half a bar could not be removed
         return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 
