@@ -98,11 +98,8 @@ def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not (stat.S_ISREG(mode) or (is_pipe and pipes)):
         raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")
-    return open(path, "rb", opener=_without_waiting)
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+    without_waiting = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+    return open(path, "rb", opener=lambda name, flags: os.open(name, flags | without_waiting))
 
 
 def read_text(path: str | Path, limit: int, *, kind: str = "a YAML file", pipes: bool = True) -> str:

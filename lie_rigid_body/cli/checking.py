@@ -21,6 +21,7 @@ from lie_rigid_body.certificate.certification import certify, passes
 from lie_rigid_body.certificate.law_result import ResidualsOverTime
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
+from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import ENDING, Interruption
 from lie_rigid_body.mechanics import RigidBody
@@ -39,7 +40,7 @@ _KILLED: Final = "the process that read it was killed, perhaps for its memory: f
 
 def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
-    topics = console.topic_names(given.topic, topic_types())
+    topics = topic_names(given.topic, topic_types())
     inertia = None if given.inertia is None else _inertia(given.inertia)
     require_page(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
     if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):

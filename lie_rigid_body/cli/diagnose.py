@@ -7,25 +7,26 @@ from typing import Any
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.estimators import ESTIMATOR, WORKERS, given_estimator
+from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
 
 
-@console.verb(
+@verb(
     "Say what is wrong with an attitude filter, by repairing it from outside.",
     *ESTIMATOR,
-    console.argument("--json", action="store_true", help="print what is found for programs"),
-    console.argument("--report", metavar="OUT.html", type=console.path, help="write what is found as one page"),
-    console.FORCE_PAGE,
+    argument("--json", action="store_true", help="print what is found for programs"),
+    argument("--report", metavar="OUT.html", type=file_name, help="write what is found as one page"),
+    FORCE_PAGE,
     WORKERS,
-    console.argument(
+    argument(
         "--max-runs",
         metavar="N",
         type=int,
         help="runs of the filter after which no more repairs are tried "
         f"(default: {MOST_RUNS}, and {MOST_RUNS_OF_NODE} of a node)",
     ),
-    console.argument(
+    argument(
         "--timeout",
         metavar="SECONDS",
         type=float,

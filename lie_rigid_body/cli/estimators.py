@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body.console import argument
+from lie_rigid_body.command_line import argument
 from lie_rigid_body.errors import InputError
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
+from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.parameters import Value, Vector
 
@@ -111,10 +112,10 @@ _WHY: Final = {
 """Symmetries by which something is conserved, or nothing is."""
 
 
-@console.verb(
+@verb(
     "Tell what the mathematics says about a scenario, without running it.",
-    console.argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
-    console.argument("--json", action="store_true", help="print it for programs; infinite and absent numbers are null"),
+    argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
+    argument("--json", action="store_true", help="print it for programs; infinite and absent numbers are null"),
     scenario=True,
 )
 def main(given: argparse.Namespace) -> int:
@@ -126,7 +127,7 @@ def main(given: argparse.Namespace) -> int:
     if given.name is not None and given.scenario is not None:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
     name = given.scenario = given.scenario or given.name
-    scenario = console.scenario(given)
+    scenario = scenario_of(given)
     description = describe(scenario.body(), scenario.start())
     is_whole = name and not (given.params_file or given.assignments)  # files and assignments make another of it
     title = f"{name}: {describe_file(scenario_files()[name])}" if is_whole else ""

@@ -6,26 +6,27 @@ import argparse
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.estimators import ESTIMATOR, WORKERS, given_estimator
+from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
-@console.verb(
+@verb(
     "Run an attitude filter over the cases of the league, or print its table.",
     *ESTIMATOR,
-    console.argument(
+    argument(
         "--with",
         metavar="ROWS.json",
         dest="others",
-        type=console.path,
+        type=file_name,
         action="append",
         default=[],
         help="rows of other filters, as --json writes them; may be repeated",
     ),
-    console.argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
-    console.argument("--report", metavar="OUT.html", type=console.path, help="write the table as one page"),
-    console.FORCE_PAGE,
+    argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
+    argument("--report", metavar="OUT.html", type=file_name, help="write the table as one page"),
+    FORCE_PAGE,
     WORKERS,
-    console.argument(
+    argument(
         "--timeout",
         metavar="SECONDS",
         type=float,

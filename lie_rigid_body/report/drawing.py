@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import require_suffix
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room, write_file
 from lie_rigid_body.wording import printable
@@ -61,7 +62,7 @@ def require_page(given: argparse.Namespace, inputs: Iterable[str | Path], *, wit
     InputError, BagError
     """
     if given.report is not None:
-        console.require_suffix("--report", given.report, ".html")
+        require_suffix("--report", given.report, ".html")
         if with_figures and not find_spec("plotly"):
             raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
         require_room(given.report, inputs, overwrite=given.force)
