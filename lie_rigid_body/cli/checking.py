@@ -30,7 +30,7 @@ from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import topic_types
 from lie_rigid_body.recording.samples import thinned_segments
 from lie_rigid_body.report import certificates
-from lie_rigid_body.report.drawing import answer, require_page
+from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import listed
@@ -42,7 +42,7 @@ def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
     topics = topic_names(given.topic, topic_types())
     inertia = None if given.inertia is None else _inertia(given.inertia)
-    require_page(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
+    require_outputs(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
     if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):
         _refuse_proof(given)
         return _answer(given, judge_all(_bags_of(given.bags), inertia, topics))

@@ -44,11 +44,11 @@ def main(given: argparse.Namespace) -> int:
             "no estimator: give MODULE:FUNCTION, such as my_filter:estimate, --command PROGRAM, or --node COMMAND"
         )
 
-    from lie_rigid_body.report.drawing import answer, require_page
+    from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_diagnosis, page_of_diagnosis
     from lie_rigid_body.scenario.parameter_file import gather
 
-    require_page(given, given.params_file)
+    require_outputs(given, given.params_file)
     chosen = gather(given.scenario, given.params_file, ())
     parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:

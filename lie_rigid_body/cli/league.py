@@ -40,12 +40,12 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
-    from lie_rigid_body.report.drawing import answer, require_page
+    from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_league, page_of_league
     from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
-    require_page(given, given.others)
+    require_outputs(given, given.others)
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
     if estimate is not None:

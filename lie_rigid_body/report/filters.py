@@ -13,6 +13,7 @@ from lie_rigid_body.diagnosis.result import degrees
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
+from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
 from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
@@ -22,8 +23,7 @@ _MISTAKES: Final = "{:<20} {:<18.18} {:>10} {:>10}  {}"
 _PROBES: Final = "{:<20} {:<8} {:>10}  "
 _SMALLEST_DEG: Final = 1e-4
 """Smallest error that is drawn, degrees."""
-_COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#333333")
-"""Distinct in every kind of colour vision."""
+_COLOURS: Final = (ORANGE, BLUE, GREEN, BLACK)
 
 _HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
 _ROWS: Final = "{:<42.42} {:>4} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -118,35 +119,16 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
     given.max_rms = next(iter(given.max_rms), None)
-    for option, path, suffix in (
-        ("--plot", given.plot, ".png"),
-        ("--report", given.report, ".html"),
-        ("--out", given.out, ".mcap"),
-    ):
-        require_suffix(option, path, suffix)
     return given
 
 
 def require_room(given: argparse.Namespace) -> None:
-    """Refuse outputs before the work if they could not be written after it, or are inputs or one file.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        As `parse` gives it.
-
-    Raises
-    ------
-    BagError
-    """
-    from lie_rigid_body.recording import output_file
+    """Refuse outputs before the work, of arguments as `parse` gives them; see `report.drawing.require_outputs`."""
     from lie_rigid_body.recording.bag_files import files_of
+    from lie_rigid_body.report.drawing import require_outputs
 
-    bags = [bag for bag in (given.run, given.truth) if bag is not None]
-    outputs = [path for path in (given.plot, given.report, given.out) if path is not None]
-    for number, path in enumerate(outputs):
-        output_file.require_room(path, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
-        output_file.require_other(path, outputs[:number], "output")
+    bags = filter(None, (given.run, given.truth))
+    require_outputs(given, (file for bag in bags for file in files_of(bag)), ("plot", "report", "out"))
 
 
 def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
@@ -166,35 +148,33 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
         The exit status.
     """
     from lie_rigid_body.report import drawing, scores
+    from lie_rigid_body.runs.recorded_estimate import write_scored
 
     (read, score), *others = scored
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))
-    written = [] if given.out is None else [given.out]
-    if given.out is not None:
-        from lie_rigid_body.runs.recorded_estimate import write_scored
-
-        write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
+    truth, axes = given.truth or given.run, given.covariance_axes
+    bag = {given.out: partial(write_scored, given.out, truth, scored, axes, overwrite=given.force)}
     if others:
         drawing.answer(
             given,
             {
+                **bag,
                 given.plot: lambda: drawing.png(scores.curves(title, scored)),
                 given.report: lambda: scores.page_of_several(title, scored),
             },
             lambda: scores.table_of_several(title, scored),
             lambda: scores.json_of_several(source, scored, series=given.series),
-            written,
         )
     else:
         drawing.answer(
             given,
             {
+                **bag,
                 given.plot: lambda: drawing.png(scores.draw(title, score)),
                 given.report: lambda: scores.page(title, read, score),
             },
             lambda: scores.as_table(title, read, score),
             lambda: scores.as_json(source or None, read, score, series=given.series),
-            written,
         )
     return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
 
