@@ -105,7 +105,7 @@ def _at_the_edge(one: Standing) -> Iterator[str]:
     """A hint for each parameter whose best value is the smallest or the largest that was tried."""
     for name, values in one.entry.contender.grid.items():
         best = one.entry.parameters[name]
-        if len({*map(str, values)}) > 1 and all(type(value) in (int, float) for value in values):
+        if len({*map(str, values)}) > 1 and _are_numbers(values):
             for end, further in ((min(values), "smaller"), (max(values), "larger")):
                 if best == end:
                     yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
