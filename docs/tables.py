@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Final
 from unittest.mock import patch
 
-from lie_rigid_body import console
 from lie_rigid_body.__main__ import VERBS, main
+from lie_rigid_body.command_line import Parser
 from lie_rigid_body.parameters import Parameter
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario.parameter_table import OWN
@@ -96,10 +96,10 @@ def in_common(texts: list[str]) -> str:
     return said[0].upper() + said[1:]
 
 
-def parser_of(verb: str) -> console.Parser:
+def parser_of(verb: str) -> Parser:
     """What reads the command line of a verb: it is asked for its help. That of ``sim`` is there without ROS as well."""
-    found: list[console.Parser] = []
-    with patch.object(console.Parser, "print_help", lambda self, file=None: found.append(self)), suppress(SystemExit):
+    found: list[Parser] = []
+    with patch.object(Parser, "print_help", lambda self, file=None: found.append(self)), suppress(SystemExit):
         if verb == "sim":
             parse(["--help"])
         else:

@@ -47,12 +47,6 @@ LONGEST_ROW: Final = 2**20
 _REAL: Final = re.compile(r"\s*[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf(inity)?|nan)\s*", re.ASCII | re.IGNORECASE)
 """How programs write numbers. Python also reads underscores and the digits of all scripts, which tell of a mistake."""
 _NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
-_UNREADABLE: Final[dict[type[Exception], str]] = {
-    FileNotFoundError: "does not exist: give the path of a YAML file",
-    IsADirectoryError: "is a folder: give a file in it",
-    UnicodeDecodeError: "is not UTF-8 text: give a YAML file",
-}
-"""What is wrong with a file that cannot be read, and what to do."""
 
 
 def real(text: str) -> float:
@@ -104,14 +98,11 @@ def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not (stat.S_ISREG(mode) or (is_pipe and pipes)):
         raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")
-    return open(path, "rb", opener=_without_waiting)
+    without_waiting = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+    return open(path, "rb", opener=lambda name, flags: os.open(name, flags | without_waiting))
 
 
-def _without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
-
-
-def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
+def read_text(path: str | Path, limit: int, *, kind: str = "a YAML file", pipes: bool = True) -> str:
     """The text of a file or a pipe, in UTF-8.
 
     Parameters
@@ -119,6 +110,8 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
     path : str or Path
     limit : int
         The most bytes it may have.
+    kind : str, optional
+        What is to be given, for the error.
     pipes : bool, optional
         Whether a pipe will do.
 
@@ -137,8 +130,13 @@ def read_text(path: str | Path, limit: int, *, pipes: bool = True) -> str:
     except InputError:
         raise
     except (OSError, ValueError) as error:
+        known: dict[type[Exception], str] = {
+            FileNotFoundError: f"does not exist: give the path of {kind}",
+            IsADirectoryError: "is a folder: give a file in it",
+            UnicodeDecodeError: f"is not UTF-8 text: give {kind}",
+        }
         other = f"cannot be read: {getattr(error, 'strerror', None) or error}: give another file"
-        raise InputError(f"{path} {_UNREADABLE.get(type(error), other)}") from None
+        raise InputError(f"{path} {known.get(type(error), other)}") from None
 
 
 def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
@@ -182,8 +180,16 @@ class BoundedLoader(yaml.SafeLoader):
         return str(super().construct_scalar(node))
 
 
-def load_json(text: str | bytes, source: str) -> Any:
+def load_json(text: str | bytes, source: str, kind: str = "a JSON file") -> Any:
     """The content of a JSON text.
+
+    Parameters
+    ----------
+    text : str or bytes
+    source : str
+        Where it is from, for the error.
+    kind : str, optional
+        What is to be given, for the error.
 
     Raises
     ------
@@ -192,10 +198,9 @@ def load_json(text: str | bytes, source: str) -> Any:
     """
     try:
         return json.loads(text)
-    except RecursionError:
-        raise InputError(f"{source}: not readable as JSON: it is nested too deeply") from None
-    except ValueError as error:
-        raise InputError(f"{source}: not readable as JSON: {error}") from None
+    except (RecursionError, ValueError) as error:
+        where = f", line {error.lineno}, column {error.colno}" if isinstance(error, json.JSONDecodeError) else ""
+        raise InputError(f"{source}{where}: not readable as JSON: give {kind}") from None
 
 
 def load_yaml(text: str, source: str, loader: type[BoundedLoader] = BoundedLoader) -> Any:

@@ -1,28 +1,23 @@
-"""The console of every executable: arguments, output, one-line errors and exit statuses."""
+"""The console of every executable: output, progress bars, one-line errors and exit statuses."""
 
 from __future__ import annotations
 
-import argparse
 import functools
 import os
-import re
 import shlex
 import sys
 import traceback
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NoReturn, TextIO, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.wording import LONGEST_LINE, listed, printable, shortened, shown, suggestion
+from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
 
 if TYPE_CHECKING:
-    from _typeshed import SupportsWrite
     from tqdm import tqdm
-
-    from lie_rigid_body.scenario import Scenario
 
 SUCCESS: Final = 0
 BROKEN: Final = 1
@@ -31,9 +26,6 @@ INTERRUPTED: Final = 130
 
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
-_ROS_BEGIN: Final = "--ros-args"
-_ROS_END: Final = "--"
-_STANDARD_STREAMS: Final = 3
 _OUT_OF_MEMORY: Final = (
     "failed to map segment",
     "annot allocate memory",
@@ -49,67 +41,6 @@ _PIP_NAMES: Final = {"yaml": "PyYAML"}
 Main = Callable[[Sequence[str] | None], int]
 
 
-Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
-"""Row of a parser's table: the names of an argument, and how it is read."""
-
-
-def argument(*names: str, **how: Any) -> Argument:
-    """Row of a parser's table, of what `argparse.ArgumentParser.add_argument` takes."""
-    return names, how
-
-
-class Parser(argparse.ArgumentParser):
-    """Parser whose usage errors are one line on stderr, and status 2.
-
-    Parameters
-    ----------
-    verb : str
-    description : str
-    *table : Argument
-        Rows, in the order of the help.
-    either : sequence of Argument, optional
-        Rows of which one at most may be given.
-    scenario : bool, optional
-        Whether ``--scenario``, ``--params-file`` and ``-p`` are read, for `scenario`.
-    epilog : str, optional
-        End of the help.
-    """
-
-    def __init__(
-        self,
-        verb: str,
-        description: str,
-        *table: Argument,
-        either: Sequence[Argument] = (),
-        scenario: bool = False,
-        epilog: str | None = None,
-    ) -> None:
-        super().__init__(prog=program(verb), description=description, epilog=epilog, allow_abbrev=False)
-        self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
-        groups: list[tuple[argparse._ActionsContainer, Sequence[Argument]]] = [(self, table)]
-        if either:
-            groups.append((self.add_mutually_exclusive_group(), either))
-        if scenario:
-            groups.append(
-                (
-                    self.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p"),
-                    SCENARIO,
-                )
-            )
-        for group, rows in groups:
-            for names, how in rows:
-                group.add_argument(*names, **how)
-
-    def print_help(self, file: SupportsWrite[str] | None = None) -> None:
-        """Print the help on stdout, by `say`."""
-        say(self.format_help().rstrip("\n"))
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong and end with status 2."""
-        complain(self.prog, f"{message}; '{self.prog} --help' explains the arguments")
-        raise SystemExit(UNUSABLE)
-
-
 def program(verb: str) -> str:
     """The command of a verb: an executable of its own where ROS 2 installed this one, else one of ``lie-rigid-body``.
 
@@ -118,21 +49,6 @@ def program(verb: str) -> str:
     this = Path(sys.argv[0])
     of_ros = this.parent.name == __package__ and this.suffix != ".py"
     return f"ros2 run {__package__} {verb}" if of_ros else f"lie-rigid-body {verb}"
-
-
-def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
-    """A command line's own arguments, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
-    own: list[str] = []
-    ros: list[str] = []
-    target = own
-    for text in argv:
-        if text == _ROS_BEGIN:
-            target = ros
-        elif text == _ROS_END and target is ros:
-            target = own
-        else:
-            target.append(text)
-    return own, [_ROS_BEGIN, *ros] if ros else []
 
 
 def how_to_certify(bag: str | Path) -> str:
@@ -154,32 +70,6 @@ def quoted(path: str | Path) -> str:
         return shlex.quote(name)
     plain = {*map(chr, range(32, 127))} - {*"\\'"}
     return "$'" + "".join(c if c in plain else "".join(f"\\x{b:02x}" for b in os.fsencode(c)) for c in name) + "'"
-
-
-def require_suffix(option: str, path: str | None, suffix: str) -> None:
-    """Refuse a file to write whose name does not end as its kind.
-
-    Raises
-    ------
-    InputError
-    """
-    if path is not None and Path(path).suffix.lower() != suffix:
-        raise InputError(f"{option} {path}: only {suffix[1:].upper()} is written: let the name end in {suffix}")
-
-
-def path(text: str) -> str:
-    """The name of a file or folder of a command line, for `argparse`.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        If it is empty, which is the folder one is in to the system, or ``-``, which would be a file of that name.
-    """
-    if not text:
-        raise argparse.ArgumentTypeError("'' names no file or folder: give a name")
-    if text == "-":
-        raise argparse.ArgumentTypeError("'-' stands for no stream here: give a name, ./- for a file called so")
-    return text
 
 
 def complain(prog: str, message: str, kind: str = "error") -> None:
@@ -244,6 +134,8 @@ def progress(
     """
     from tqdm import tqdm
 
+    if sys.stderr.isatty() and not all(os.get_terminal_size(sys.stderr.fileno())):
+        more |= {"ncols": 79, "nrows": 23}  # one less than usual, as tqdm has it: this terminal tells no size
     with Interruption.current().put_off():  # half a bar could not be removed
         return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 
@@ -264,7 +156,7 @@ def _open_standard_streams() -> None:
 
     Else the next file to be opened, such as a bag, would take its place, and whatever a library prints would go there.
     """
-    while (descriptor := os.open(os.devnull, os.O_RDWR)) < _STANDARD_STREAMS:
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:  # stdin, stdout and stderr are 0, 1 and 2
         pass
     os.close(descriptor)
     sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
@@ -292,92 +184,6 @@ def size(count: int) -> str:
     units = ("B", "kB", "MB", "GB", "TB")
     power = min((len(str(count)) - 1) // 3, len(units) - 1)
     return f"{count / 1000**power:.4g} {units[power]}"
-
-
-def scenario(arguments: argparse.Namespace) -> Scenario:
-    """The scenario that the arguments of `SCENARIO` give.
-
-    Raises
-    ------
-    InputError
-        Naming the file that gave a wrong parameter.
-    """
-    from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.scenario.parameter_file import file_that_gives, merge, sources
-
-    given = sources(arguments.scenario, arguments.params_file, arguments.assignments)
-    try:
-        return Scenario.from_parameters(merge(given))
-    except ParameterError as error:
-        path = file_that_gives(error.name, given)
-        raise error if path is None else InputError(f"{path}: {error}") from None
-
-
-SCENARIO: Final = (
-    argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them"),
-    argument(
-        "--params-file",
-        metavar="FILE",
-        type=path,
-        action="append",
-        default=[],
-        help="a ROS 2 parameter file; may be repeated",
-    ),
-    argument(
-        "-p",
-        metavar="NAME:=VALUE",
-        action="append",
-        default=[],
-        dest="assignments",
-        help="one parameter; may be repeated",
-    ),
-)
-"""Options that `scenario` reads."""
-
-FORCE_PAGE: Final = argument("--force", action="store_true", help="replace OUT.html if it exists")
-"""Option of the verbs that write a page."""
-TOPIC: Final = argument(
-    "--topic",
-    metavar="NAME:=/TOPIC",
-    action="append",
-    default=[],
-    help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
-)
-"""Option that `topic_names` reads."""
-
-
-def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str, str]:
-    """The topics of ``--topic`` by their relative names, each of which is known.
-
-    Raises
-    ------
-    InputError
-        If one is no assignment, names no topic that is known, or one that was named before.
-    """
-    found: dict[str, str] = {}
-    for text in assignments:
-        name, _, topic = text.partition(":=")
-        if not (name and topic):
-            raise InputError(f"--topic {shown(text)}: not NAME:=/TOPIC; give for example --topic pose:=/truth/pose")
-        if name not in known:
-            raise InputError(f"--topic {text}: no topic {name!r}: {suggestion(name, known, 'topics of a body')}")
-        if found.setdefault(name, topic) != topic:
-            raise InputError(f"--topic {text}: {name} is {found[name]} already: give {listed([name])} once")
-    return found
-
-
-def verb(description: str, *table: Argument, **more: Any) -> Callable[[Callable[[argparse.Namespace], int]], Main]:
-    """Decorator of a verb's work, which is given its arguments; the parameters are those of `Parser`, and see `run`."""
-
-    def decorated(work: Callable[[argparse.Namespace], int]) -> Main:
-        @run
-        @functools.wraps(work)
-        def main(argv: Sequence[str] | None = None) -> int:
-            return work(Parser(work.__module__.rpartition(".")[2], description, *table, **more).parse_args(argv))
-
-        return main
-
-    return decorated
 
 
 def run(main: Main) -> Main:
@@ -433,11 +239,10 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
         except Exception as error:
             if os.environ.get(DEBUG):
                 traceback.print_exc()
-            if isinstance(error, ImportError) and interruption.requested:
-                # libraries in C take the KeyboardInterrupt amid their import for a part that is missing
-                complain(prog, "interrupted")
-                return INTERRUPTED
-            complain(prog, explanation(error))
+            # libraries in C take a KeyboardInterrupt amid their import for a part that is missing
+            is_interrupted = isinstance(error, ImportError) and interruption.requested
+            complain(prog, "interrupted" if is_interrupted else explanation(error))
+            return INTERRUPTED if is_interrupted else UNUSABLE
     return UNUSABLE
 
 

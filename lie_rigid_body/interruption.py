@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, ClassVar, Final
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
 
-_NAMES: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
-ENDING: Final[tuple[signal.Signals, ...]] = tuple(getattr(signal, name) for name in _NAMES if hasattr(signal, name))
+ENDING: Final = tuple(each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"))
 """Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
 MOST_SIGNALS: Final = 4
 """Number of signals of which the last ends the process by its default action."""

@@ -115,20 +115,19 @@ class Parameter:
         ParameterError
             If the type, the length, the range or the choice is another.
         """
-        if self.kind == "double_array":
-            return self._array(value)
-        if self.kind == "double":
-            return self._number(value)
-        if self.kind == "int":
-            return self._integer(value)
-        if self.kind == "bool" and isinstance(value, bool):
-            return value
-        if self.kind == "string" and isinstance(value, str):
-            if self.choices and value not in self.choices:
+        match self.kind, value:
+            case "double", _:
+                return self._number(value)
+            case "double_array", _:
+                return self._array(value)
+            case "int", _:
+                return self._integer(value)
+            case "string_array", _:
+                return self._strings(value)
+            case ("bool", bool() as given) | ("string", str() as given) if not self.choices or given in self.choices:
+                return given
+            case "string", str():
                 raise self._error(f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
-            return value
-        if self.kind == "string_array":
-            return self._strings(value)
         raise self._error(f"{shown(value)} is not a {self.kind}: give for example {self.default!r}")
 
     def _error(self, message: str) -> ParameterError:

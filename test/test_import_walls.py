@@ -24,7 +24,7 @@ SCENARIO = {
     "scenario",
 }
 BAG = SCENARIO | {"simulation", "messages", "recording"}
-EDGE = BAG | {"certificate", "evaluation", "runs", "report", "console", "interruption"}
+EDGE = BAG | {"certificate", "evaluation", "runs", "report", "console", "command_line", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "wording": set(),
     "short_dataclass": set(),
@@ -54,8 +54,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     "league": SCENARIO | {"evaluation", "runs", "diagnosis"},
     "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
-    "console": {"parameters", "scenario", "interruption"},
-    "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "campaign", "league", "console"},
+    "console": {"parameters", "interruption"},
+    "command_line": {"console", "scenario"},
+    "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "campaign", "league", "console", "command_line"},
     "cli": EDGE | {"campaign", "diagnosis", "league", "system"},
     "ros": EDGE | {"system"},
     "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},

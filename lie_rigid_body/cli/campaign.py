@@ -6,7 +6,7 @@ import argparse
 from importlib.util import find_spec
 from typing import Final
 
-from lie_rigid_body import console
+from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import shown
 
@@ -19,33 +19,27 @@ def _workers(text: str) -> int:
     return int(text)
 
 
-@console.verb(
+@verb(
     "Record and certify many runs with parameters drawn at random.",
-    console.argument(
-        "campaign", metavar="CAMPAIGN.yaml", type=console.path, help="what varies, and how many runs there are"
-    ),
-    console.argument(
+    argument("campaign", metavar="CAMPAIGN.yaml", type=file_name, help="what varies, and how many runs there are"),
+    argument(
         "--out",
         metavar="DIR",
-        type=console.path,
+        type=file_name,
         required=True,
         help="folder of the table and the bags; resumed if begun",
     ),
-    console.argument("--no-bags", action="store_true", help="keep the table only"),
-    console.argument(
+    argument("--no-bags", action="store_true", help="keep the table only"),
+    argument(
         "--report",
         metavar="OUT.html",
-        type=console.path,
+        type=file_name,
         help="write the runs and the sizes of their residuals as one page (needs plotly)",
     ),
-    console.FORCE_PAGE,
+    FORCE_PAGE,
     either=(
-        console.argument(
-            "--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"
-        ),
-        console.argument(
-            "--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"
-        ),
+        argument("--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"),
+        argument("--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"),
     ),
 )
 def main(given: argparse.Namespace) -> int:

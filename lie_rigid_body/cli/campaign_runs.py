@@ -29,7 +29,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import campaign_scores, html_page
-from lie_rigid_body.report.drawing import require_page
+from lie_rigid_body.report.drawing import require_outputs
 from lie_rigid_body.report.overview import Line, page
 from lie_rigid_body.runs.estimators import MENDED
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
@@ -42,7 +42,7 @@ _LONGEST_REASON: Final = 70
 
 def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
-    require_page(given, [given.campaign], with_figures=True)
+    require_outputs(given, [given.campaign], with_figures=True)
     campaign = Campaign.from_file(given.campaign)
     if not Journal.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)

@@ -4,39 +4,39 @@ from __future__ import annotations
 
 import argparse
 
-from lie_rigid_body import console
+from lie_rigid_body.command_line import FORCE_PAGE, TOPIC, argument, file_name, verb
 
 
-@console.verb(
+@verb(
     "Certify that a bag obeys the laws of torque-free motion, and how exactly.",
-    console.argument(
+    argument(
         "bags",
         metavar="BAG",
-        type=console.path,
+        type=file_name,
         nargs="+",
         help="an MCAP file, a folder that 'ros2 bag record' made, or a folder of such bags, also in folders below it",
     ),
-    console.argument("--json", action="store_true", help="print the certificate for programs"),
-    console.argument(
+    argument("--json", action="store_true", help="print the certificate for programs"),
+    argument(
         "--inertia",
         metavar="a,b,c",
         help="3 principal moments or 6 tensor entries to use in place of the declared ones",
     ),
-    console.TOPIC,
-    console.argument(
+    TOPIC,
+    argument(
         "--prove",
         metavar="N",
         type=int,
         help="enclose the true motion at N samples spread over the bag, and at the worst ones, in ball arithmetic "
         "(needs python-flint)",
     ),
-    console.argument(
+    argument(
         "--report",
         metavar="OUT.html",
-        type=console.path,
+        type=file_name,
         help="write laws, drifts and the motion in 3-D as one page (needs plotly)",
     ),
-    console.FORCE_PAGE,
+    FORCE_PAGE,
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""

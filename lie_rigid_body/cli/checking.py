@@ -20,6 +20,7 @@ from lie_rigid_body.bounded_input import real
 from lie_rigid_body.certificate.certification import certify, passes
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
+from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.interruption import ENDING, Interruption
 from lie_rigid_body.mechanics import RigidBody
@@ -27,7 +28,7 @@ from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import topic_types
 from lie_rigid_body.report import certificates
-from lie_rigid_body.report.drawing import answer, require_page
+from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.report.thinned import ResidualsOverTime, thinned_segments
 from lie_rigid_body.system import cores
@@ -38,9 +39,9 @@ _KILLED: Final = "the process that read it was killed, perhaps for its memory: f
 
 def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
-    topics = console.topic_names(given.topic, topic_types())
+    topics = topic_names(given.topic, topic_types())
     inertia = None if given.inertia is None else _inertia(given.inertia)
-    require_page(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
+    require_outputs(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
     if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):
         _refuse_proof(given)
         return _answer(given, judge_all(_bags_of(given.bags), inertia, topics))

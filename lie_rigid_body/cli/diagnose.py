@@ -1,31 +1,82 @@
-"""``diagnose``: what is wrong with an attitude filter, by repairing it from outside."""
+"""``diagnose``: what is wrong with an attitude filter, by repairing it from outside; and how a filter is given.
+
+A filter is a function, a program that reads and writes CSV, or a ROS 2 node.
+"""
 
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, WORKERS, given_estimator
+from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
 
+if TYPE_CHECKING:
+    from lie_rigid_body.runs.programs import CommandEstimator
 
-@console.verb(
+ESTIMATOR: Final = (
+    argument(
+        "estimator",
+        metavar="ESTIMATOR",
+        nargs="?",
+        help="MODULE:FUNCTION, a function of a run that returns attitudes (N, 4), scalar last",
+    ),
+    argument(
+        "--command",
+        metavar="PROGRAM",
+        help="in its place: a program that reads readings as CSV and prints attitudes, t_ns,x,y,z,w",
+    ),
+    argument(
+        "--node",
+        metavar="COMMAND",
+        help="in its place: a ROS 2 node that hears imu/data_raw and imu/mag and publishes attitudes on imu/data; one "
+        "process a run, in lock-step",
+    ),
+)
+WORKERS: Final = argument("--workers", metavar="N", type=int, help="processes; one per core if absent")
+"""Arguments that `given_estimator` reads."""
+
+
+def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | str | None]:
+    """The words by which the estimator is given, and what they name; nothing where none is.
+
+    Raises
+    ------
+    InputError
+        If there are several.
+    """
+    kinds = {"": given.estimator, "--command ": given.command, "--node ": given.node}
+    there = [f"{kind}{name}" for kind, name in kinds.items() if name is not None]
+    if len(there) > 1:
+        raise InputError(f"{len(there)} estimators, {' and '.join(there)}: give one of them")
+    if given.node is not None:
+        from lie_rigid_body.runs.programs import NodeEstimator
+
+        return given.node, NodeEstimator(given.node, given.timeout)
+    if given.command is not None:
+        from lie_rigid_body.runs.programs import CommandEstimator
+
+        return given.command, CommandEstimator(given.command, given.timeout)
+    return given.estimator or "", given.estimator
+
+
+@verb(
     "Say what is wrong with an attitude filter, by repairing it from outside.",
     *ESTIMATOR,
-    console.argument("--json", action="store_true", help="print what is found for programs"),
-    console.argument("--report", metavar="OUT.html", type=console.path, help="write what is found as one page"),
-    console.FORCE_PAGE,
+    argument("--json", action="store_true", help="print what is found for programs"),
+    argument("--report", metavar="OUT.html", type=file_name, help="write what is found as one page"),
+    FORCE_PAGE,
     WORKERS,
-    console.argument(
+    argument(
         "--max-runs",
         metavar="N",
         type=int,
         help="runs of the filter after which no more repairs are tried "
         f"(default: {MOST_RUNS}, and {MOST_RUNS_OF_NODE} of a node)",
     ),
-    console.argument(
+    argument(
         "--timeout",
         metavar="SECONDS",
         type=float,
@@ -43,11 +94,11 @@ def main(given: argparse.Namespace) -> int:
             "no estimator: give MODULE:FUNCTION, such as my_filter:estimate, --command PROGRAM, or --node COMMAND"
         )
 
-    from lie_rigid_body.report.drawing import answer, require_page
+    from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_diagnosis, page_of_diagnosis
     from lie_rigid_body.scenario.parameter_file import gather
 
-    require_page(given, given.params_file)
+    require_outputs(given, given.params_file)
     chosen = gather(given.scenario, given.params_file, ())
     parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:

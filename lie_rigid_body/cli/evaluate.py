@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
+from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.report.request import answer, parse, require_room
 
 
@@ -20,7 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     from lie_rigid_body.runs.recorded_estimate import TRUE_TOPICS, recorded_estimate
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
-    topics = console.topic_names(given.topic, TRUE_TOPICS)
+    topics = topic_names(given.topic, TRUE_TOPICS)
     with progress_bar(filter(None, (given.run, given.truth)), passes=len(given.estimate)) as bar:
         reads = [recorded_estimate(given.run, topic, given.truth, topics, bar.update) for topic in given.estimate]
     return answer(given, given.run, [(read, read.score(limits, given.covariance_axes)) for read in reads])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
+from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.parameters import Value, Vector
 
@@ -40,7 +41,6 @@ _TOPS: Final = {
     ),
 }
 """Kinds of bodies: a sentence, and the principal axes in words, in ascending order of their moments."""
-_FLAT: Final = "It is flat: the largest moment is the sum of the others, as if all mass lay in one plane."
 _REGIMES: Final = {
     "rest": "The body is at rest, and stays so in any attitude.",
     "steady": "A steady rotation about {axis}. {stability}",
@@ -111,10 +111,10 @@ _WHY: Final = {
 """Symmetries by which something is conserved, or nothing is."""
 
 
-@console.verb(
+@verb(
     "Tell what the mathematics says about a scenario, without running it.",
-    console.argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
-    console.argument("--json", action="store_true", help="print it for programs; infinite and absent numbers are null"),
+    argument("name", metavar="NAME", nargs="?", help="a scenario of the package, as by --scenario"),
+    argument("--json", action="store_true", help="print it for programs; infinite and absent numbers are null"),
     scenario=True,
 )
 def main(given: argparse.Namespace) -> int:
@@ -126,11 +126,16 @@ def main(given: argparse.Namespace) -> int:
     if given.name is not None and given.scenario is not None:
         raise InputError(f"two scenarios, {given.name} and --scenario {given.scenario}: give one of them")
     name = given.scenario = given.scenario or given.name
-    scenario = console.scenario(given)
+    scenario = scenario_of(given)
     description = describe(scenario.body(), scenario.start())
     is_whole = name and not (given.params_file or given.assignments)  # files and assignments make another of it
     title = f"{name}: {describe_file(scenario_files()[name])}" if is_whole else ""
-    answer(given, {}, lambda: _as_text(scenario, description, title), lambda: _as_json(scenario, description))
+    answer(
+        given,
+        {},
+        lambda: _as_text(scenario, description, title),
+        lambda: {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)},
+    )
     return console.SUCCESS
 
 
@@ -166,17 +171,13 @@ def _as_text(scenario: Scenario, description: Description, title: str = "") -> s
     return "\n".join(lines)
 
 
-def _as_json(scenario: Scenario, description: Description) -> dict[str, object]:
-    """Data of the description for JSON; a number that there is not is infinite or NaN."""
-    return {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)}
-
-
 def _body_lines(description: Description) -> list[str]:
     axes = [
         (_axis_name(description, i), f"{axis.moment_kg_m2:.6g} kg m²", f"along {_vector(axis.direction)}")
         for i, axis in enumerate(description.axes)
     ]
-    return [_TOPS[description.kind][0], *([_FLAT] if description.flat else []), *_columns(axes)]
+    flat = "It is flat: the largest moment is the sum of the others, as if all mass lay in one plane."
+    return [_TOPS[description.kind][0], *([flat] if description.flat else []), *_columns(axes)]
 
 
 def _regime(description: Description) -> str:
@@ -212,8 +213,8 @@ def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
         cases |= {"separatrix"} if endless else {"periodic", "regular" if lowest == highest else "nutating"}
         if flips := circulation.flips:
             values["nearest"] = _degrees(flips.nearest_angle_rad)
-            returns = "sudden" if flips.sudden else "slow"
-            cases.add(returns if not endless else "last flip" if math.isfinite(flips.first_s) else "no flip")
+            last = "last flip" if math.isfinite(flips.first_s) else "no flip"
+            cases.add(last if endless else "sudden" if flips.sudden else "slow")
         if top := description.symmetric_top:
             cases.add("symmetric")
             values |= {"to_axis": _degrees(top.rate_to_axis_rad), "to_momentum": _degrees(top.rate_to_momentum_rad)}

@@ -5,27 +5,28 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.estimators import ESTIMATOR, WORKERS, given_estimator
+from lie_rigid_body.cli.diagnose import ESTIMATOR, WORKERS, given_estimator
+from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
-@console.verb(
+@verb(
     "Run an attitude filter over the cases of the league, or print its table.",
     *ESTIMATOR,
-    console.argument(
+    argument(
         "--with",
         metavar="ROWS.json",
         dest="others",
-        type=console.path,
+        type=file_name,
         action="append",
         default=[],
         help="rows of other filters, as --json writes them; may be repeated",
     ),
-    console.argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
-    console.argument("--report", metavar="OUT.html", type=console.path, help="write the table as one page"),
-    console.FORCE_PAGE,
+    argument("--json", action="store_true", help="print the filter's row, or all rows, for programs"),
+    argument("--report", metavar="OUT.html", type=file_name, help="write the table as one page"),
+    FORCE_PAGE,
     WORKERS,
-    console.argument(
+    argument(
         "--timeout",
         metavar="SECONDS",
         type=float,
@@ -39,12 +40,12 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
-    from lie_rigid_body.report.drawing import answer, require_page
+    from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_league, page_of_league
     from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
-    require_page(given, given.others)
+    require_outputs(given, given.others)
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
     if estimate is not None:

@@ -8,36 +8,35 @@ from pathlib import Path
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
+from lie_rigid_body.command_line import TOPIC, argument, file_name, require_suffix, topic_names, verb
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room
 
 
-@console.verb(
+@verb(
     "Draw body rate, drifts and polhode of a bag into one PNG.",
-    console.argument(
-        "bag", metavar="BAG", type=console.path, help="an MCAP file, or a folder that 'ros2 bag record' made"
-    ),
-    console.TOPIC,
-    console.argument(
+    argument("bag", metavar="BAG", type=file_name, help="an MCAP file, or a folder that 'ros2 bag record' made"),
+    TOPIC,
+    argument(
         "-o",
         "--out",
         metavar="OUT.png",
-        type=console.path,
+        type=file_name,
         help="by default BAG's name with .png",
     ),
-    console.argument("--force", action="store_true", help="replace OUT.png if it exists"),
+    argument("--force", action="store_true", help="replace OUT.png if it exists"),
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     if not (given.out or Path(given.bag).name):
         raise InputError(f"{given.bag}: a folder without a name gives the picture none: give -o OUT.png")
     out = given.out or str(Path(given.bag).with_suffix(".png"))
-    console.require_suffix("-o", out, ".png")
+    require_suffix("-o", out, ".png")
 
     from lie_rigid_body.recording.bag_files import files_of
     from lie_rigid_body.recording.bodies import topic_types
 
-    topics = console.topic_names(given.topic, topic_types())
+    topics = topic_names(given.topic, topic_types())
     require_room(out, files_of(given.bag), overwrite=given.force)
 
     os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed

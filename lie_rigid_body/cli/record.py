@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import argument, file_name, scenario_of, verb
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import exact_duration
@@ -23,23 +24,21 @@ _LARGEST_CHUNK: Final = 16 * 1024**2
 """Largest number of bytes of a chunk, uncompressed."""
 
 
-@console.verb(
+@verb(
     "Write a bag of a scenario, without ROS.",
-    console.argument("out", metavar="OUT.mcap", type=console.path, help="the file to write"),
-    console.argument(
+    argument("out", metavar="OUT.mcap", type=file_name, help="the file to write"),
+    argument(
         "--duration", metavar="SECONDS", required=True, help="record every sample before this time after the first"
     ),
-    console.argument(
-        "--compression", choices=_COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"
-    ),
-    console.argument(
+    argument("--compression", choices=_COMPRESSIONS, default="zstd", help="of the bag's chunks (default: %(default)s)"),
+    argument(
         "--chunk-size",
         metavar="BYTES",
         default=str(512 * 1024),
         help="end a chunk of the bag after so many bytes, uncompressed (default: %(default)s)",
     ),
-    console.argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole"),
-    console.argument("--quiet", action="store_true", help="print errors only"),
+    argument("--force", action="store_true", help="replace OUT.mcap if it exists, when the new one is whole"),
+    argument("--quiet", action="store_true", help="print errors only"),
     scenario=True,
 )
 def main(given: argparse.Namespace) -> int:
@@ -54,7 +53,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.simulation import SampleClock, Simulation
 
     require_other(given.out, files_read(given.scenario, given.params_file))
-    scenario = console.scenario(given)
+    scenario = scenario_of(given)
     if scenario.without_effect and not given.quiet:
         console.complain(console.program("record"), scenario.without_effect, "warning")
     simulation, out = Simulation(scenario), Path(given.out)

@@ -8,31 +8,30 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import argument, file_name, verb
 from lie_rigid_body.wording import counted, printable
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.recovery import Recovery
 
 
-@console.verb(
+@verb(
     "Write every whole message of a bag that was cut off into a new one.",
-    console.argument(
+    argument(
         "broken",
         metavar="BROKEN",
-        type=console.path,
+        type=file_name,
         help="the MCAP file that was cut off, or the folder that 'ros2 bag record' made of it; it is only read",
     ),
-    console.argument(
+    argument(
         "-o",
         "--out",
         metavar="FIXED",
-        type=console.path,
+        type=file_name,
         required=True,
         help="the file to write, or the folder to make",
     ),
-    console.argument(
-        "--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"
-    ),
+    argument("--force", action="store_true", help="replace the file FIXED if it exists, when the new one is whole"),
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import argument, verb
 
 
-@console.verb(
+@verb(
     "List the scenarios that come with the package, for --scenario NAME.",
-    console.argument("--json", action="store_true", help="print them for programs, with all parameters"),
+    argument("--json", action="store_true", help="print them for programs, with all parameters"),
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""

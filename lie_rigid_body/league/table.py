@@ -22,6 +22,7 @@ EDITION: Final = "2026.1"
 REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
 _MOST_BYTES: Final = 2**22
 """Most bytes of a file of rows; the reference has a tenth of that."""
+_ROWS_FILE: Final = "a file that 'league --json' writes"
 LOST_DEG: Final = 180.0
 """Error of a filter that fails, degrees."""
 SMALLEST_DEG: Final = 1e-9
@@ -116,7 +117,8 @@ class FilterRow:
             if not np.isfinite(numbers).all():
                 raise ValueError("an error that is not finite")
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
-            raise InputError(f"no row of the league ({shown(str(error))}): give what 'league --json' writes") from None
+            what = f"{error} is missing" if isinstance(error, KeyError) else "a value is unknown, or of another kind"
+            raise InputError(f"no row of the league ({what}): give what 'league --json' writes") from None
         return row
 
 
@@ -182,13 +184,13 @@ def rows_of(path: str | Path) -> list[FilterRow]:
     InputError
         If it is no such file, or of another edition.
     """
-    content = load_json(read_text(path, _MOST_BYTES), str(path))
+    content = load_json(read_text(path, _MOST_BYTES, kind=_ROWS_FILE), str(path), _ROWS_FILE)
     edition = content.get("edition") if isinstance(content, dict) else None
-    if edition != EDITION:
+    if edition not in (None, EDITION):
         raise InputError(
             f"{path}: edition {shown(str(edition))} is not {EDITION}, whose cases differ: run the filter again"
         )
-    rows = content.get("rows")
+    rows = None if edition is None else content.get("rows")
     if not (isinstance(rows, list) and rows):
         raise InputError(f"{path}: it has no rows: give what 'league --json' writes")
     try:

@@ -15,6 +15,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
+from lie_rigid_body.report.drawing import DISTINCT
 from lie_rigid_body.report.html_page import axis, drawn, figure, grid, line, listing, logarithmic, paragraph, table
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.wording import counted, listed, printable, shortened
@@ -34,8 +35,6 @@ _HEAD: Final = "Medians over the runs; of errors and times 95 % of the runs are 
 _WIDTHS: Final = "{:<24} {:>15} {:>15} {:>15} {:>15} {:>6} {:>10} {:>7} {:>9}"
 _PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
 """Scores of which the median and a larger one are told, and their units."""
-_COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333")
-"""Distinct in every kind of colour vision."""
 _WORST: Final = 3
 """Number of worst runs that are named, of each estimator."""
 _WIDE: Final = 30.0
@@ -106,7 +105,7 @@ def _at_the_edge(one: Standing) -> Iterator[str]:
     """A hint for each parameter whose best value is the smallest or the largest that was tried."""
     for name, values in one.entry.contender.grid.items():
         best = one.entry.parameters[name]
-        if len({*map(str, values)}) > 1 and all(type(value) in (int, float) for value in values):
+        if len({*map(str, values)}) > 1 and _are_numbers(values):
             for end, further in ((min(values), "smaller"), (max(values), "larger")):
                 if best == end:
                     yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
@@ -118,7 +117,7 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iter
     yield from map(paragraph, _sentences(comparison))
     yield table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings])
     yield paragraph(_HEAD)
-    shown = [(one, _COLOURS[at % len(_COLOURS)]) for at, one in enumerate(comparison.standings)]
+    shown = [(one, DISTINCT[at % len(DISTINCT)]) for at, one in enumerate(comparison.standings)]
     yield grid(_figures(comparison, shown, varied), wide=True)
     commands = [
         f"{escape(one.name)}: <code>{escape(_command(campaign, run))}</code>"
@@ -178,7 +177,7 @@ def _grid(one: Standing, colour: str) -> str:
             "y": [mean for _, mean in means],
             "name": key or one.name,
             "mode": "lines+markers" if are_numbers else "markers",
-            "line": {"color": colour if len(lines) == 1 else _COLOURS[at % len(_COLOURS)]},
+            "line": {"color": colour if len(lines) == 1 else DISTINCT[at % len(DISTINCT)]},
         }
         for at, (key, means) in enumerate(lines.items())
     ]

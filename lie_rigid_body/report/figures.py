@@ -14,6 +14,7 @@ from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
+from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.html_page import (
     Figure,
     axis,
@@ -28,13 +29,8 @@ from lie_rigid_body.report.html_page import (
     paragraph,
 )
 from lie_rigid_body.report.recorded_motion import (
-    CIRCLES,
-    COLOURS,
     FEW_SAMPLES,
-    GREY,
     MOST_RESETS,
-    RED,
-    SURFACE,
     Ellipsoid,
     extremes,
     path,
@@ -139,7 +135,7 @@ def polhode(piece: RecordedSegment) -> Figure | None:
             "hoverinfo": "skip",
             "lighting": {"specular": 0.1, "diffuse": 0.6},
         },
-        line(circles, "principal planes", CIRCLES, 1.5),
+        line(circles, "principal planes", FRAME, 1.5),
         line(ellipsoid.polhode, "polhode", RED, 5),
         mark(ellipsoid.polhode[0], "first sample", size=4, color="black"),
     ]

@@ -13,6 +13,7 @@ from lie_rigid_body.diagnosis.result import degrees
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
+from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
 from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
@@ -22,13 +23,10 @@ _MISTAKES: Final = "{:<20} {:<18.18} {:>10} {:>10}  {}"
 _PROBES: Final = "{:<20} {:<8} {:>10}  "
 _SMALLEST_DEG: Final = 1e-4
 """Smallest error that is drawn, degrees."""
-_COLOURS: Final = ("#D55E00", "#0072B2", "#009E73", "#333333")
-"""Distinct in every kind of colour vision."""
+_COLOURS: Final = (ORANGE, BLUE, GREEN, BLACK)
 
 _HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
 _ROWS: Final = "{:<42.42} {:>4} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}"
-_OWN: Final = "> "
-"""Mark of one's own rows."""
 
 
 def lines_of_diagnosis(found: FilterDiagnosis) -> Iterator[str]:
@@ -36,8 +34,8 @@ def lines_of_diagnosis(found: FilterDiagnosis) -> Iterator[str]:
     for sentence in found.sentences:
         yield from wrapped(sentence)
     if found.mistakes:
-        yield from ("", _MISTAKES.format("mistake", "repair", "before", "after", "does as well"))
-        yield from (_MISTAKES.format(*cells).rstrip() for cells in _cells_of_mistakes(found))
+        rows = [("mistake", "repair", "before", "after", "does as well"), *_cells_of_mistakes(found)]
+        yield from ("", *(_MISTAKES.format(*cells).rstrip() for cells in rows))
     if found.probes:
         yield from ("", _PROBES.format("probe", "", "value").rstrip())
     for p in found.probes:
@@ -111,7 +109,7 @@ def lines_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[st
     yield _ROWS.format(*_HEADINGS).rstrip()
     for row in table.rows:
         name, *others = _cells_of_row(table, row)
-        yield _ROWS.format(_OWN * (row in own) + name, *others)
+        yield _ROWS.format("> " * (row in own) + name, *others)
     yield _ROWS.format(*_cells_of_row(table, table.best_possible))
     for row in own:
         yield from ("", *wrapped(standing(table, row)))

@@ -13,7 +13,7 @@ import numpy as np
 
 from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.report.drawing import svg
+from lie_rigid_body.report.drawing import FRAME, svg
 from lie_rigid_body.simulation import Segment
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Figure = Mapping[str, Any]
 """A figure of plotly.js: ``data`` and ``layout``, perhaps ``film``."""
 
-_FRAME: Final = "#8A97A8"
 _MARKS: Final = 6
 """Largest number of decades that are labelled."""
 _FEW: Final = 50
@@ -202,9 +201,9 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
         "gridcolor": "#E4E7EB",
         "zeroline": False,
         "showline": True,
-        "linecolor": _FRAME,
+        "linecolor": FRAME,
         "ticks": "outside",
-        "tickcolor": _FRAME,
+        "tickcolor": FRAME,
         "automargin": True,
         "ticklabeloverflow": "allow",  # where all were hidden, plotly.js would put the title at infinity
         **more,

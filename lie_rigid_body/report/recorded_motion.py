@@ -13,14 +13,6 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.report.thinned import RecordedSegment
 from lie_rigid_body.short_dataclass import short_dataclass
 
-COLOURS: Final = ("#D55E00", "#009E73", "#0072B2")
-"""Colours of the x, y and z components, distinct in every kind of colour vision."""
-GREY: Final = "#555555"
-RED: Final = "#CC2222"
-SURFACE: Final = "#C9D6E8"
-CIRCLES: Final = "#8A97A8"
-"""Colours of limits, of paths and what is broken, of the ellipsoid, and of its principal circles."""
-
 FEW_SAMPLES: Final = 3
 """Largest number of samples that a line alone would hardly show."""
 MANY_SAMPLES: Final = 20_000

@@ -14,16 +14,12 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.lie import so3
+from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
-    CIRCLES,
-    COLOURS,
     DOTS,
     FEW_SAMPLES,
-    GREY,
     MANY_SAMPLES,
     MOST_RESETS,
-    RED,
-    SURFACE,
     Ellipsoid,
     curve_style,
     reset_times,
@@ -155,7 +151,7 @@ def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None
     axes.view_init(*view)
     axes.set_proj_type("ortho")
     axes.plot_surface(*ellipsoid.surface(), color=SURFACE, alpha=0.5, linewidth=0, antialiased=False, shade=False)
-    on_surface = [(circle, CIRCLES, 0.7) for circle in ellipsoid.principal_circles()]
+    on_surface = [(circle, FRAME, 0.7) for circle in ellipsoid.principal_circles()]
     for points, colour, width in [*on_surface, (ellipsoid.polhode, RED, 2.6)]:
         facing = ellipsoid.faces(points, view)
         for visible, alpha in ((False, 0.25), (True, 1.0)):  # faint behind, as the renderer sorts no lines by depth

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import listed
 
@@ -26,59 +28,57 @@ says the score. The topics are named after --ros-args: -r estimate:=/imu/data, a
 itself -r truth:=TOPIC, a scenario or poses. Exit status: 0, 1 when a limit is broken, 2 when there is nothing to score.
 """
 _ARGUMENTS: Final = (
-    console.argument(
+    argument(
         "run",
         metavar="RUN",
-        type=console.path,
+        type=file_name,
         nargs="?",
         help="an MCAP file, or a folder that 'ros2 bag record' made",
     ),
-    console.argument(
+    argument(
         "--estimate",
         metavar="TOPIC",
         action="append",
         help="of a bag: PoseStamped, PoseWithCovarianceStamped, QuaternionStamped, Imu, Odometry or TFMessage; "
         "several are compared",
     ),
-    console.argument("--truth", metavar="OTHER", type=console.path, help="the bag of the truth, if it is not in RUN"),
-    console.TOPIC,
-    console.argument("--json", action="store_true", help="print the score for programs"),
-    console.argument("--series", action="store_true", help="with --json: also the errors of every sample"),
-    console.argument("--plot", metavar="OUT.png", type=console.path, help="draw the errors over time"),
-    console.argument(
-        "--report", metavar="OUT.html", type=console.path, help="write score, findings and picture as one page"
-    ),
-    console.argument(
+    argument("--truth", metavar="OTHER", type=file_name, help="the bag of the truth, if it is not in RUN"),
+    TOPIC,
+    argument("--json", action="store_true", help="print the score for programs"),
+    argument("--series", action="store_true", help="with --json: also the errors of every sample"),
+    argument("--plot", metavar="OUT.png", type=file_name, help="draw the errors over time"),
+    argument("--report", metavar="OUT.html", type=file_name, help="write score, findings and picture as one page"),
+    argument(
         "--out",
         metavar="SCORED.mcap",
-        type=console.path,
+        type=file_name,
         help="write truth, estimates and their errors over time as a bag, for PlotJuggler and Foxglove",
     ),
-    console.argument(
+    argument(
         "--max-rms",
         metavar="ANGLE",
         action="append",
         default=[],
         help="largest RMS of the total error, such as 1deg",
     ),
-    console.argument(
+    argument(
         "--max-after",
         metavar="TIME:ANGLE",
         action="append",
         default=[],
         help="largest total error after a time since the first estimate, such as 10s:2deg; may be repeated",
     ),
-    console.argument(
+    argument(
         "--covariance-axes",
         choices=("world", "body"),
         default="world",
         help="what the covariance of the estimate is about (default: %(default)s)",
     ),
-    console.argument("--force", action="store_true", help="replace outputs that exist"),
-    console.argument(
+    argument("--force", action="store_true", help="replace outputs that exist"),
+    argument(
         "--duration", metavar="SECONDS", type=float, help="of topics: end when the stamps of the estimate span this"
     ),
-    console.argument(
+    argument(
         "--wait",
         metavar="SECONDS",
         type=float,
@@ -100,8 +100,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     InputError
         If an option goes only with a bag, and there is none, or the other way round.
     """
-    own, ros = console.split_ros_arguments(argv)
-    parser = console.Parser(
+    own, ros = split_ros_arguments(argv)
+    parser = Parser(
         "evaluate", "Score and diagnose an attitude estimate against the truth.", *_ARGUMENTS, epilog=_EPILOG
     )
     given = parser.parse_args(own, argparse.Namespace(ros=ros))
@@ -119,35 +119,16 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
     given.max_rms = next(iter(given.max_rms), None)
-    for option, path, suffix in (
-        ("--plot", given.plot, ".png"),
-        ("--report", given.report, ".html"),
-        ("--out", given.out, ".mcap"),
-    ):
-        console.require_suffix(option, path, suffix)
     return given
 
 
 def require_room(given: argparse.Namespace) -> None:
-    """Refuse outputs before the work if they could not be written after it, or are inputs or one file.
-
-    Parameters
-    ----------
-    given : argparse.Namespace
-        As `parse` gives it.
-
-    Raises
-    ------
-    BagError
-    """
-    from lie_rigid_body.recording import output_file
+    """Refuse outputs before the work, of arguments as `parse` gives them; see `report.drawing.require_outputs`."""
     from lie_rigid_body.recording.bag_files import files_of
+    from lie_rigid_body.report.drawing import require_outputs
 
-    bags = [bag for bag in (given.run, given.truth) if bag is not None]
-    outputs = [path for path in (given.plot, given.report, given.out) if path is not None]
-    for number, path in enumerate(outputs):
-        output_file.require_room(path, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
-        output_file.require_other(path, outputs[:number], "output")
+    bags = filter(None, (given.run, given.truth))
+    require_outputs(given, (file for bag in bags for file in files_of(bag)), ("plot", "report", "out"))
 
 
 def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
@@ -167,35 +148,33 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
         The exit status.
     """
     from lie_rigid_body.report import drawing, scores
+    from lie_rigid_body.runs.recorded_estimate import write_scored
 
     (read, score), *others = scored
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))
-    written = [] if given.out is None else [given.out]
-    if given.out is not None:
-        from lie_rigid_body.runs.recorded_estimate import write_scored
-
-        write_scored(given.out, given.truth or given.run, scored, given.covariance_axes, overwrite=given.force)
+    truth, axes = given.truth or given.run, given.covariance_axes
+    bag = {given.out: partial(write_scored, given.out, truth, scored, axes, overwrite=given.force)}
     if others:
         drawing.answer(
             given,
             {
+                **bag,
                 given.plot: lambda: drawing.png(scores.curves(title, scored)),
                 given.report: lambda: scores.page_of_several(title, scored),
             },
             lambda: scores.table_of_several(title, scored),
             lambda: scores.json_of_several(source, scored, series=given.series),
-            written,
         )
     else:
         drawing.answer(
             given,
             {
+                **bag,
                 given.plot: lambda: drawing.png(scores.draw(title, score)),
                 given.report: lambda: scores.page(title, read, score),
             },
             lambda: scores.as_table(title, read, score),
             lambda: scores.as_json(source or None, read, score, series=given.series),
-            written,
         )
     return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
 
@@ -220,7 +199,7 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import drawing, scores
 
-    console.require_suffix("path", str(path), ".png")
+    require_suffix("path", str(path), ".png")
     write_file(path, drawing.png(scores.draw(title, score)), overwrite=overwrite)
 
 
@@ -232,5 +211,5 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import scores
 
-    console.require_suffix("path", str(path), ".html")
+    require_suffix("path", str(path), ".html")
     write_file(path, scores.page(title, None, score), overwrite=overwrite)

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from html import escape
 from itertools import chain, combinations
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import GAP
-from lie_rigid_body.evaluation.score import HEADINGS, Score, angles, facts, findings, numbers, table, verdict, wrapped
+from lie_rigid_body.evaluation.consistency import Consistency
+from lie_rigid_body.evaluation.score import (
+    HEADINGS,
+    BiasEstimate,
+    Score,
+    angles,
+    facts,
+    findings,
+    numbers,
+    table,
+    verdict,
+    wrapped,
+)
 from lie_rigid_body.evaluation.statistics import Difference, of_run
 from lie_rigid_body.report import html_page
-from lie_rigid_body.report.recorded_motion import COLOURS, RED, curve_style, extremes
+from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
+from lie_rigid_body.report.recorded_motion import curve_style, extremes
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.wording import counted, printable, shortened
 
@@ -24,13 +38,13 @@ if TYPE_CHECKING:
 
 Scored: TypeAlias = Sequence[tuple[RecordedEstimate, Score]]
 """Estimates with their scores."""
+Panel: TypeAlias = "tuple[Callable[[Axes], None], str, int]"
+"""Panel of a figure: what draws it, the label of its axis, and the number of columns of its legend."""
 
 _HEADINGS: Final = ("estimate", "total", "heading", "inclination", "95 %", "converges", "lag", "NEES", "findings")
 _WIDTHS: Final = "{:<28} {:>9} {:>9} {:>11} {:>9} {:>9} {:>9} {:>7}  {}"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
-_BLACK, _BLUE, _ORANGE, _PINK, _GREEN = "#333333", "#0072B2", "#D55E00", "#CC79A7", "#009E73"
-"""Colours of curves, distinct in every kind of colour vision."""
 COLUMNS: Final = 2000
 """Number of intervals of time of a long curve, so that no peak is lost."""
 _LONGEST_LINE: Final = 110
@@ -45,19 +59,15 @@ _NARROW: Final = 5.0
 
 def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
     """Lines of a score for a terminal, without a final newline."""
-    notes = chain.from_iterable(wrapped(note, "note: ") for note in read.notes)
+    notes = (line for note in read.notes for line in wrapped(note, "note: "))
     head = [printable(title), *wrapped(extent(read, score)), "", *table(score), "", *notes]
-    return "\n".join([*head, *findings(score), *_lines(verdict(score))])
+    return "\n".join([*head, *findings(score), *chain.from_iterable(map(wrapped, verdict(score)))])
 
 
 def table_of_several(title: str, scored: Scored) -> str:
     """Lines of several scores for a terminal, without a final newline."""
     rows = [_WIDTHS.format(*cells) for cells in (_HEADINGS, *(_cells(*each) for each in scored))]
-    return "\n".join([printable(title), "", *rows, "", *_lines(_sentences(scored))])
-
-
-def _lines(sentences: Iterable[str]) -> Iterator[str]:
-    return chain.from_iterable(map(wrapped, sentences))
+    return "\n".join([printable(title), "", *rows, "", *chain.from_iterable(map(wrapped, _sentences(scored)))])
 
 
 def _cells(read: RecordedEstimate, score: Score) -> list[str]:
@@ -207,36 +217,35 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
         Width, inches; a narrow one is for the screen of a phone.
     """
     columns = 5 if width > _NARROW else 2
-    panels = [(_draw_total, "error [deg]", columns), (_draw_parts, "error [deg]", columns)]
-    panels += [(_draw_nees, "NEES", columns)] if score.consistency else []
-    panels += [(_draw_bias, "gyro bias [rad/s]", 3)] if score.gyro_bias else []
+    nees, bias = score.consistency, score.gyro_bias
+    panels: list[Panel] = [
+        (partial(_draw_total, score=score), "error [deg]", columns),
+        (partial(_draw_parts, score=score), "error [deg]", columns),
+        *([(partial(_draw_nees, t_s=score.t_s, found=nees), "NEES", columns)] if nees else []),
+        *([(partial(_draw_bias, first_ns=score.stamps_ns[0], bias=bias), "gyro bias [rad/s]", 3)] if bias else []),
+    ]
     height = 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels)
     rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
-    return _figure([title, rms], (width, height), panels, score)
+    return _figure([title, rms], (width, height), panels)
 
 
 def curves(title: str, scored: Scored, width: float = 10.0) -> Figure:
     """Figure of the total errors of several estimates, under their topics; see `draw`."""
     columns = 2 if width > _NARROW else 1
     size = (width, 3.4 + 0.25 * len(scored) / columns)
-    return _figure([title], size, [(_draw_several, "total error [deg]", columns)], scored, "left")
+    return _figure([title], size, [(partial(_draw_several, scored=scored), "total error [deg]", columns)], "left")
 
 
-def _figure(
-    titles: Sequence[str],
-    size: tuple[float, float],
-    panels: Sequence[tuple[Callable[[Axes, Any], None], str, int]],
-    content: Any,
-    side: str = "right",
-) -> Figure:
-    """Panels of some content one above the other: what draws each, the label of its axis, and columns of its legend."""
-    from lie_rigid_body.report.picture import Picture
+def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[Panel], side: str = "right") -> Figure:
+    """Panels one above the other, and titles above them."""
+    from matplotlib.figure import Figure
 
-    figure, place = Picture(figsize=size, dpi=120, layout="constrained"), float(side == "right")
+    figure, place = Figure(figsize=size, dpi=120, layout="constrained"), float(side == "right")
+    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]  # by which a notebook shows it
     for (draw_panel, label, columns), axes in zip(
         panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
     ):
-        draw_panel(axes, content)
+        draw_panel(axes)
         axes.margins(x=0.0)
         axes.set_ylabel(label)
         axes.grid(alpha=0.3, lw=0.6)
@@ -272,10 +281,10 @@ def _draw_total(axes: Axes, score: Score) -> None:
     total, end = np.degrees(score.error.total), float(score.t_s[-1])
     axes.set_xlim(0.0, end or 1.0)
     drawn = [total]
-    _plot(axes, score.t_s, total, "total", _BLACK)
+    _plot(axes, score.t_s, total, "total", BLACK)
     if score.best is not None and not score.best.unobserved:
         drawn.append(score.best.filtered_deg)
-        _plot(axes, score.t_s, score.best.filtered_deg, "best by noise", _PINK)
+        _plot(axes, score.t_s, score.best.filtered_deg, "best by noise", PINK)
     rms = score.limits.max_rms_deg
     limits = [] if rms is None else [(0.0, rms, ":", f"limit {rms:g}° rms")]
     limits += [(start, limit, "-", f"limit {limit:g}° from {start:g} s") for start, limit in score.limits.max_after]
@@ -284,31 +293,29 @@ def _draw_total(axes: Axes, score: Score) -> None:
         where = ", far above" if limit > high else ", far below" if limit < low else ""
         axes.plot([min(start, end), end], [limit] * 2, color=RED, lw=1.3, ls=style, label=f"{name}{where}")
     if score.time_to_converge_s:
-        axes.axvline(score.time_to_converge_s, color=_GREEN, lw=1.0, ls="--", label="converged")
+        axes.axvline(score.time_to_converge_s, color=GREEN, lw=1.0, ls="--", label="converged")
 
 
 def _draw_parts(axes: Axes, score: Score) -> None:
     """Draw the heading and the inclination error."""
     heading, inclination = np.degrees(score.error.heading), np.degrees(score.error.inclination)
-    _plot(axes, score.t_s, heading, "heading", _BLUE)
-    _plot(axes, score.t_s, inclination, "inclination", _ORANGE)
+    _plot(axes, score.t_s, heading, "heading", BLUE)
+    _plot(axes, score.t_s, inclination, "inclination", ORANGE)
     _scale(axes, [np.maximum(heading, inclination)])
 
 
-def _draw_nees(axes: Axes, score: Score) -> None:
-    if found := score.consistency:
-        _plot(axes, score.t_s, found.nees, "NEES", _BLACK, 0.9)
-        axes.axhspan(*found.bounds, color=_GREEN, alpha=0.2, lw=0.0, label=f"{found.probability:.0%} bounds")
-        axes.set_yscale("log")
+def _draw_nees(axes: Axes, t_s: Array, found: Consistency) -> None:
+    _plot(axes, t_s, found.nees, "NEES", BLACK, 0.9)
+    axes.axhspan(*found.bounds, color=GREEN, alpha=0.2, lw=0.0, label=f"{found.probability:.0%} bounds")
+    axes.set_yscale("log")
 
 
-def _draw_bias(axes: Axes, score: Score) -> None:
+def _draw_bias(axes: Axes, first_ns: int, bias: BiasEstimate) -> None:
     """Draw the estimated biases of the gyro, each beside the true one."""
-    if bias := score.gyro_bias:
-        t_s = (bias.stamps_ns - score.stamps_ns[0]) / 1e9
-        for name, colour, estimate, truth in zip("xyz", COLOURS, bias.estimate.T, bias.truth.T, strict=True):
-            _plot(axes, t_s, estimate, f"estimated {name}", colour)
-            _plot(axes, t_s, truth, f"true {name}", colour, style="--")
+    t_s = (bias.stamps_ns - first_ns) / 1e9
+    for name, colour, estimate, truth in zip("xyz", COLOURS, bias.estimate.T, bias.truth.T, strict=True):
+        _plot(axes, t_s, estimate, f"estimated {name}", colour)
+        _plot(axes, t_s, truth, f"true {name}", colour, style="--")
 
 
 def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import Parser
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.installation import require_ros
 
@@ -46,8 +47,8 @@ def _main(argv: Sequence[str] | None) -> int:
     return console.SUCCESS
 
 
-def _parser() -> console.Parser:
-    parser = console.Parser("listen", "Print the poses that the node publishes, or ask the node for one thing.")
+def _parser() -> Parser:
+    parser = Parser("listen", "Print the poses that the node publishes, or ask the node for one thing.")
     parser.prog = PROGRAM
     parser.add_argument("--pose", metavar="TOPIC", default="/pose", help="the topic to listen to; /pose if not given")
     one = parser.add_mutually_exclusive_group()

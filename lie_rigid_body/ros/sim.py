@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Final
 
 from lie_rigid_body import console
+from lie_rigid_body.command_line import Parser, split_ros_arguments
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.installation import require_ros
 
@@ -54,8 +55,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         The options of a scenario, and as ``ros`` the arguments for rclpy, with their
         ``--ros-args``; empty if there are none.
     """
-    own, ros = console.split_ros_arguments(argv)
-    given = console.Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG, scenario=True).parse_args(own)
+    own, ros = split_ros_arguments(argv)
+    given = Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG, scenario=True).parse_args(own)
     given.ros = ros
     return given
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import pty
+import re
 import select
 import shutil
 import signal
@@ -237,10 +238,10 @@ def test_force_keeps_the_old_file_until_the_new_one_is_whole(out: Path) -> None:
     assert out.read_text() == "precious"
 
 
-def on_terminal(*arguments: str | Path) -> str:
-    """What a terminal shows of stderr."""
+def on_terminal(*arguments: str | Path, size: tuple[int, int] = (24, 80)) -> str:
+    """What a terminal of so many rows and columns shows of stderr."""
     ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", *size, 0, 0))
     with subprocess.Popen([*RECORD, *arguments], stderr=theirs, stdout=subprocess.DEVNULL) as process:
         os.close(theirs)
         shown = b""
@@ -252,6 +253,14 @@ def on_terminal(*arguments: str | Path) -> str:
     os.close(ours)
     assert process.returncode == 0
     return shown.decode()
+
+
+@pytest.mark.parametrize("size", [(24, 0), (0, 80), (0, 0)])
+def test_a_terminal_that_tells_no_size_shows_whole_bars(tmp_path: Path, size: tuple[int, int]) -> None:
+    shown = on_terminal(tmp_path / "a.mcap", *FAST, "--duration", "50", size=size)
+    *_, last = filter(None, shown.replace("\n", "\r").split("\r"))
+    assert re.fullmatch(r"100%\|.{20,}\| 5.00k/5.00k \[.* samples/s\]", last)
+    assert len(last) == 79
 
 
 def test_a_terminal_shows_progress_unless_quiet(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -193,6 +194,28 @@ def test_what_is_no_row_of_this_edition_is_refused(tmp_path, capsys, content):
     assert main(["--with", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert str(path.name) in line
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        None,
+        b"name, rms",
+        b"\xff\xfe",
+        b"[" * 100_000,
+        b"[]",
+        json.dumps({"edition": EDITION, "rows": [5]}).encode(),
+        json.dumps({"edition": EDITION, "rows": [{**row("x", 1.0).to_json(), "results": {"a": {"b": 1}}}]}).encode(),
+    ],
+)
+def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_path, capsys, content):
+    path = tmp_path / "rows.txt"
+    if content is not None:
+        path.write_bytes(content)
+    assert main(["--with", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("'league --json' writes")
+    assert not {"YAML", "char", "__init__()", "object", "None"} & set(re.findall(r"\w+(?:\(\))?", line))
 
 
 def test_other_readings_are_told():

@@ -1,0 +1,209 @@
+"""Command lines: options as rows of tables, what they read, and the decorator that makes a verb of a function."""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import re
+from collections.abc import Callable, Collection, Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
+
+from lie_rigid_body.console import UNUSABLE, Main, complain, program, run, say
+from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.wording import listed, shown, suggestion
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
+
+    from lie_rigid_body.scenario import Scenario
+
+_ROS_BEGIN: Final = "--ros-args"
+_ROS_END: Final = "--"
+
+Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
+"""Row of a parser's table: the names of an argument, and how it is read."""
+
+
+def argument(*names: str, **how: Any) -> Argument:
+    """Row of a parser's table, of what `argparse.ArgumentParser.add_argument` takes."""
+    return names, how
+
+
+class Parser(argparse.ArgumentParser):
+    """Parser whose usage errors are one line on stderr, and status 2.
+
+    Parameters
+    ----------
+    verb : str
+    description : str
+    *table : Argument
+        Rows, in the order of the help.
+    either : sequence of Argument, optional
+        Rows of which one at most may be given.
+    scenario : bool, optional
+        Whether ``--scenario``, ``--params-file`` and ``-p`` are read, for `scenario_of`.
+    epilog : str, optional
+        End of the help.
+    """
+
+    def __init__(
+        self,
+        verb: str,
+        description: str,
+        *table: Argument,
+        either: Sequence[Argument] = (),
+        scenario: bool = False,
+        epilog: str | None = None,
+    ) -> None:
+        super().__init__(prog=program(verb), description=description, epilog=epilog, allow_abbrev=False)
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
+        groups: list[tuple[argparse._ActionsContainer, Sequence[Argument]]] = [(self, table)]
+        if either:
+            groups.append((self.add_mutually_exclusive_group(), either))
+        if scenario:
+            groups.append(
+                (
+                    self.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p"),
+                    SCENARIO,
+                )
+            )
+        for group, rows in groups:
+            for names, how in rows:
+                group.add_argument(*names, **how)
+
+    def print_help(self, file: SupportsWrite[str] | None = None) -> None:
+        """Print the help on stdout, by `say`."""
+        say(self.format_help().rstrip("\n"))
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and end with status 2."""
+        complain(self.prog, f"{message}; '{self.prog} --help' explains the arguments")
+        raise SystemExit(UNUSABLE)
+
+
+def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
+    """A command line's own arguments, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
+    own: list[str] = []
+    ros: list[str] = []
+    target = own
+    for text in argv:
+        if text == _ROS_BEGIN:
+            target = ros
+        elif text == _ROS_END and target is ros:
+            target = own
+        else:
+            target.append(text)
+    return own, [_ROS_BEGIN, *ros] if ros else []
+
+
+def require_suffix(option: str, path: str | None, suffix: str) -> None:
+    """Refuse a file to write whose name does not end as its kind.
+
+    Raises
+    ------
+    InputError
+    """
+    if path is not None and Path(path).suffix.lower() != suffix:
+        raise InputError(f"{option} {path}: only {suffix[1:].upper()} is written: let the name end in {suffix}")
+
+
+def file_name(text: str) -> str:
+    """The name of a file or folder of a command line, for `argparse`.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is empty, which is the folder one is in to the system, or ``-``, which would be a file of that name.
+    """
+    if not text:
+        raise argparse.ArgumentTypeError("'' names no file or folder: give a name")
+    if text == "-":
+        raise argparse.ArgumentTypeError("'-' stands for no stream here: give a name, ./- for a file called so")
+    return text
+
+
+def scenario_of(arguments: argparse.Namespace) -> Scenario:
+    """The scenario that the arguments of `SCENARIO` give.
+
+    Raises
+    ------
+    InputError
+        Naming the file that gave a wrong parameter.
+    """
+    from lie_rigid_body.scenario import Scenario
+    from lie_rigid_body.scenario.parameter_file import file_that_gives, merge, sources
+
+    given = sources(arguments.scenario, arguments.params_file, arguments.assignments)
+    try:
+        return Scenario.from_parameters(merge(given))
+    except ParameterError as error:
+        path = file_that_gives(error.name, given)
+        raise error if path is None else InputError(f"{path}: {error}") from None
+
+
+SCENARIO: Final = (
+    argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them"),
+    argument(
+        "--params-file",
+        metavar="FILE",
+        type=file_name,
+        action="append",
+        default=[],
+        help="a ROS 2 parameter file; may be repeated",
+    ),
+    argument(
+        "-p",
+        metavar="NAME:=VALUE",
+        action="append",
+        default=[],
+        dest="assignments",
+        help="one parameter; may be repeated",
+    ),
+)
+"""Options that `scenario_of` reads."""
+
+FORCE_PAGE: Final = argument("--force", action="store_true", help="replace OUT.html if it exists")
+"""Option of the verbs that write a page."""
+TOPIC: Final = argument(
+    "--topic",
+    metavar="NAME:=/TOPIC",
+    action="append",
+    default=[],
+    help="what a topic of the true motion is called in the bag, such as pose:=/truth/pose; may be repeated",
+)
+"""Option that `topic_names` reads."""
+
+
+def topic_names(assignments: Sequence[str], known: Collection[str]) -> dict[str, str]:
+    """The topics of ``--topic`` by their relative names, each of which is known.
+
+    Raises
+    ------
+    InputError
+        If one is no assignment, names no topic that is known, or one that was named before.
+    """
+    found: dict[str, str] = {}
+    for text in assignments:
+        name, _, topic = text.partition(":=")
+        if not (name and topic):
+            raise InputError(f"--topic {shown(text)}: not NAME:=/TOPIC; give for example --topic pose:=/truth/pose")
+        if name not in known:
+            raise InputError(f"--topic {text}: no topic {name!r}: {suggestion(name, known, 'topics of a body')}")
+        if found.setdefault(name, topic) != topic:
+            raise InputError(f"--topic {text}: {name} is {found[name]} already: give {listed([name])} once")
+    return found
+
+
+def verb(description: str, *table: Argument, **more: Any) -> Callable[[Callable[[argparse.Namespace], int]], Main]:
+    """Decorator of a verb's work, which is given its arguments; the parameters are those of `Parser`, and see `run`."""
+
+    def decorated(work: Callable[[argparse.Namespace], int]) -> Main:
+        @run
+        @functools.wraps(work)
+        def main(argv: Sequence[str] | None = None) -> int:
+            return work(Parser(work.__module__.rpartition(".")[2], description, *table, **more).parse_args(argv))
+
+        return main
+
+    return decorated
