@@ -12,15 +12,17 @@ covariances that are repaired, the likelier ones that are honest name it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.consistency import nees_and_logarithm, require_axes
+from lie_rigid_body.evaluation.arguments import numbers
+from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -105,11 +107,6 @@ class Honesty:
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
-    def to_dict(self) -> dict[str, Any]:
-        """The verdict as JSON-serialisable data."""
-        coverage = {f"{probability:g}": share for probability, share in self.coverage.items()}
-        return {**asdict(self), "coverage": coverage, "passed": self.passed, "message": self.message}
-
 
 _WORDS: Final = {
     "axes": "it is honest about the other axes, of world and body: give covariance_axes",
@@ -121,19 +118,24 @@ _WORDS: Final = {
 
 
 def honesty(
-    t_s: Array, errors: Array, covariance: Array, attitude_xyzw: Array | None = None, axes: str = "world", seed: int = 0
+    t_s: ArrayLike,
+    errors: ArrayLike,
+    covariance: ArrayLike,
+    attitude_xyzw: ArrayLike | None = None,
+    axes: str = "world",
+    seed: int = 0,
 ) -> Honesty:
     """Judge the covariance of an estimate over many independent runs.
 
     Parameters
     ----------
-    t_s : ndarray, shape (T,)
+    t_s : array_like, shape (T,)
         Times that the runs have in common, s.
-    errors : ndarray, shape (R, T, d)
+    errors : array_like, shape (R, T, d)
         Errors: of an attitude small rotations, rad, about the axes of the covariance.
-    covariance : ndarray, shape (R, T, d, d)
+    covariance : array_like, shape (R, T, d, d) or (d, d)
         Covariances that the filter gave, in the squared unit of the errors.
-    attitude_xyzw : ndarray, shape (R, T, 4), optional
+    attitude_xyzw : array_like, shape (R, T, 4), optional
         Attitudes world-from-body, scalar last; with them a covariance about the wrong axes is named.
     axes : str
         ``world`` or ``body``: the axes of the covariance.
@@ -143,18 +145,23 @@ def honesty(
     Raises
     ------
     InputError
-        If there are too few runs, or a covariance is not symmetric and positive definite.
+        If a shape is wrong, a number not finite, or there are too few runs. Also if a covariance is not symmetric and
+        positive definite, or errors are so large beside it that the NEES overflows.
     """
     require_axes(axes)
-    runs, _, dimension = errors.shape
+    e, P = errors_and_covariances(errors, covariance, "R", "T", "d")
+    runs, count, dimension = e.shape
     if runs < FEWEST_RUNS:
         raise InputError(f"the covariances of {runs} runs: their spread tells too little: give {FEWEST_RUNS} or more")
-    values, scores = _nees_and_score(errors, covariance)
+    times = numbers("t_s", t_s, count, whole=True)
+    shape = runs, count, 4
+    attitude = None if attitude_xyzw is None else numbers("attitude_xyzw", attitude_xyzw, *shape, whole=True)
+    values, scores = _nees_and_score(e, P)
     means = values.mean(axis=1)
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
-    verdict, outside = _verdict(t_s, values, dimension, seed)
-    repairs = {} if verdict == "honest" else _repairs(attitude_xyzw, axes, factor)
+    verdict, outside = _verdict(times, values, dimension, seed)
+    repairs = {} if verdict == "honest" else _repairs(attitude, axes, factor)
     return Honesty(
         runs,
         dimension,
@@ -163,7 +170,7 @@ def honesty(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        _cause(t_s, errors, covariance, scores, repairs, seed),
+        _cause(times, e, P, scores, repairs, seed),
         factor,
         (low / dimension, high / dimension),
     )

@@ -21,8 +21,9 @@ from lie_rigid_body.evaluation.causes import BY_CODE, Finding, Part, Track, fit,
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.explanations import FEWEST, TIE, Evidence, Explanation
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score, Tally
-from lie_rigid_body.evaluation.statistics import Limits, Statistics, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.limits import Limits, Tally
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score
+from lie_rigid_body.evaluation.statistics import Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
 
@@ -152,7 +153,7 @@ def evaluate(
         lag_s=diagnosis.lag.lag_s,
         lag_standard_error_s=diagnosis.lag.standard_error_s,
         findings=tuple(replace(f, rms_deg_after=statistics.rms) if np.isnan(f.rms_deg_after) else f for f in found),
-        broken=tally.broken_in_all(len(stamps) + left_out, due_ns),
+        broken=tuple(tally.broken(len(stamps) + left_out, due_ns)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=None if P is None else attitude_nees(track.attitude_xyzw, true, P, covariance_axes),

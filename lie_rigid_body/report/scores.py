@@ -11,8 +11,8 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import GAP
+from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import HEADINGS, Score, angles, facts, findings, numbers, table, verdict, wrapped
-from lie_rigid_body.evaluation.statistics import Difference, of_run
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.recorded_motion import COLOURS, RED, curve_style, extremes
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
