@@ -117,7 +117,7 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
         raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
     e, P = errors_and_covariances(errors, covariance, "N", "d")
-    d, (values, _) = e.shape[-1], nees_and_logarithm(e, P)
+    (values, _), d = nees_and_logarithm(e, P), e.shape[1]
     tail, samples = 0.5 * (1.0 - probability), np.array([1, len(e)])
     low, mean_low = (scipy.stats.chi2.ppf(tail, d * samples) / samples).tolist()
     high, mean_high = (scipy.stats.chi2.isf(tail, d * samples) / samples).tolist()

@@ -97,7 +97,7 @@ class Honesty:
     @property
     def message(self) -> str:
         """The verdict in one sentence."""
-        said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
+        said = _REPAIRS[self.cause][1].format(self.factor, *self.factor_bounds) if self.cause else ""
         times = "; ".join(
             f"{i.verdict} at {i.begin_s:.4g} s"
             if i.begin_s == i.end_s
@@ -108,13 +108,29 @@ class Honesty:
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
 
-_WORDS: Final = {
-    "axes": "it is honest about the other axes, of world and body: give covariance_axes",
-    "standard_deviation": "it is honest when it is squared: give variances, no standard deviations",
-    "degrees": "it is honest when degrees become radians: give rad²",
-    "cross_covariances": "it is honest with cross-covariances of the other sign",
-    "factor": "multiply it by {:.3g} ({:.3g} to {:.3g})",
+_REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] = {
+    "axes": (
+        lambda P, R, factor: R @ P @ np.swapaxes(R, -1, -2),
+        "it is honest about the other axes, of world and body: give covariance_axes",
+    ),
+    "standard_deviation": (
+        lambda P, R, factor: P @ P,
+        "it is honest when it is squared: give variances, no standard deviations",
+    ),
+    "degrees": (
+        lambda P, R, factor: P * np.radians(1.0) ** 2,
+        "it is honest when degrees become radians: give rad²",
+    ),
+    "cross_covariances": (
+        lambda P, R, factor: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
+        "it is honest with cross-covariances of the other sign",
+    ),
+    "factor": (lambda P, R, factor: factor * P, "multiply it by {:.3g} ({:.3g} to {:.3g})"),
 }
+"""Repaired covariances, from covariances P, turns R to the other axes and a factor, and what is said, by causes.
+
+That with a constant is the last.
+"""
 
 
 def honesty(
@@ -154,14 +170,16 @@ def honesty(
     if runs < FEWEST_RUNS:
         raise InputError(f"the covariances of {runs} runs: their spread tells too little: give {FEWEST_RUNS} or more")
     times = numbers("t_s", t_s, count, whole=True)
-    shape = runs, count, 4
-    attitude = None if attitude_xyzw is None else numbers("attitude_xyzw", attitude_xyzw, *shape, whole=True)
+    R = np.eye(dimension)
+    if attitude_xyzw is not None:
+        q = numbers("attitude_xyzw", attitude_xyzw, runs, count, 4, whole=True)
+        R = quaternion.to_matrix(q if axes == "world" else quaternion.conjugate(q))
     values, scores = _nees_and_score(e, P)
     means = values.mean(axis=1)
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(times, values, dimension, seed)
-    repairs = {} if verdict == "honest" else _repairs(attitude, axes, factor)
+    cause = "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed)
     return Honesty(
         runs,
         dimension,
@@ -170,7 +188,7 @@ def honesty(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        _cause(times, e, P, scores, repairs, seed),
+        cause,
         factor,
         (low / dimension, high / dimension),
     )
@@ -236,43 +254,23 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
     least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
     parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
-    outside = [
-        (t_s[part], "overconfident" if sides[part[0]] > 0 else "conservative") for part in parts if sides[part[0]]
-    ]
-    return tuple(Interval(float(times[0]), float(times[-1]), verdict) for times, verdict in outside)
+    verdicts = {1: "overconfident", -1: "conservative"}
+    return tuple(
+        Interval(float(t_s[part[0]]), float(t_s[part[-1]]), verdicts[sides[part[0]]])
+        for part in parts
+        if sides[part[0]]
+    )
 
 
-def _repairs(attitude_xyzw: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
-    """Repaired covariances by causes, those without a constant first."""
-    found: dict[str, Callable[[Array], Array]] = {}
-    if attitude_xyzw is not None:
-        R = quaternion.to_matrix(attitude_xyzw if axes == "world" else quaternion.conjugate(attitude_xyzw))
-        found["axes"] = lambda P: R @ P @ np.swapaxes(R, -1, -2)
-    return {
-        **found,
-        "standard_deviation": lambda P: P @ P,
-        "degrees": lambda P: P * np.radians(1.0) ** 2,
-        "cross_covariances": lambda P: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
-        "factor": lambda P: factor * P,
-    }
-
-
-def _cause(
-    t_s: Array,
-    errors: Array,
-    covariance: Array,
-    scores: Array,
-    repairs: dict[str, Callable[[Array], Array]],
-    seed: int,
-) -> str:
+def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
     """The repair that makes the errors likelier and the covariance honest: the likeliest, with a factor if no other."""
     runs, dimension = len(errors), errors.shape[-1]
     found: dict[str, float] = {}
-    for code, repair in repairs.items():
+    for code, (repair, _) in _REPAIRS.items():
         if code == "factor" and found:
             break
         try:
-            values, repaired = _nees_and_score(errors, repair(covariance))
+            values, repaired = _nees_and_score(errors, repair(covariance, R, factor))
         except InputError:  # the repaired one is none
             continue
         gain = scores - repaired

@@ -82,14 +82,14 @@ def test_what_has_no_number_or_another_shape_is_refused():
         wrong[3, 5, 1] = value
         with pytest.raises(InputError, match="errors: "):
             honesty(times, wrong, covariance)
-    for name, given in {
-        "errors": (times, errors[0], covariance),
-        "covariance": (times, errors, covariance[0]),
-        "t_s": (times[1:], errors, covariance),
-        "attitude_xyzw": (times, errors, covariance, attitude[0]),
-    }.items():
+    for name, t_s, e, P, q in (
+        ("errors", times, errors[0], covariance, attitude),
+        ("covariance", times, errors, covariance[0], attitude),
+        ("t_s", times[1:], errors, covariance, attitude),
+        ("attitude_xyzw", times, errors, covariance, attitude[0]),
+    ):
         with pytest.raises(InputError, match=f"{name}: shape "):
-            honesty(*given)
+            honesty(t_s, e, P, q)
 
 
 def test_lists_and_one_covariance_of_all_are_read():
