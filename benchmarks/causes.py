@@ -14,7 +14,6 @@ of a spin several are the same map.
 from __future__ import annotations
 
 import argparse
-import inspect
 import os
 import time
 from collections import Counter, defaultdict
@@ -33,6 +32,7 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.runs.truth import left_by_errors_of
 
 Array = np.ndarray[Any, Any]
 
@@ -147,8 +147,8 @@ class Readings:
         The unit vector of the field in the world.
     truth_xyzw : ndarray, shape (N, 4)
     truth : SampledTruth
-    left : Any
-        What the constant errors of the sensors leave to a filter, if the package tells it.
+    left : float
+        Largest turn that the constant errors of the sensors leave to a filter, rad.
     """
 
     stamps_ns: Array
@@ -159,7 +159,7 @@ class Readings:
     north: Array
     truth_xyzw: Array
     truth: SampledTruth
-    left: Any
+    left: float
 
 
 @cache
@@ -176,16 +176,9 @@ def readings(motion: str, grade: str, seed: int) -> Readings:
     north = np.array(model.field) / np.linalg.norm(model.field)
     truth = SampledTruth(fine, run.attitude().at(fine))
     true = truth.at(imu.t_ns)
-    return Readings(imu.t_ns, step_ns / 1e9, imu.gyro, unit[0], unit[1], north, true, truth, left_by_sensors(run))
-
-
-def left_by_sensors(run: Run) -> Any:
-    """What the constant errors of a run's sensors leave to a filter, where the package tells it."""
-    try:
-        from lie_rigid_body.runs.truth import left_by_errors_of
-    except ImportError:
-        return None
-    return left_by_errors_of(run.segments)
+    return Readings(
+        imu.t_ns, step_ns / 1e9, imu.gyro, unit[0], unit[1], north, true, truth, left_by_errors_of(run.segments)
+    )
 
 
 def mahony(r: Together, gyro: Array, gain: float, *, bias: float = 0.0, ahead: bool = False) -> Array:
@@ -392,21 +385,12 @@ def prepared(case: Case) -> tuple[Readings, Array, Array, bool, str, float]:
     rng = case.rng()
     motion, grade = str(rng.choice(list(MOTIONS))), str(rng.choice(GRADES))
     seed, name = int(rng.integers(SEEDS)), str(rng.choice([*RIGHT, "truth"]))
-    r = readings(motion, grade, seed)
-    where = f"{motion}, {grade}, seed {seed}, {name}"
+    is_right = case.kind[0].startswith("right")
+    name = RIGHT[case.number // len(KINDS) % len(RIGHT)] if is_right else name
+    r, where = readings(motion, grade, seed), f"{motion}, {grade}, seed {seed}, {name}"
     if not case.codes:
-        if case.kind[0].startswith("right"):
-            name = RIGHT[case.number // len(KINDS) % len(RIGHT)]
-            return (
-                r,
-                r.stamps_ns,
-                filtered(name, motion, grade, seed),
-                True,
-                f"{motion}, {grade}, seed {seed}, {name}",
-                0.0,
-            )
-        biased = case.kind[0] == "bias"
-        attitude = filtered("biased", motion, grade, seed) if biased else honest(case.kind[0], r, rng)
+        own = name if is_right else "biased" if case.kind[0] == "bias" else None
+        attitude = honest(case.kind[0], r, rng) if own is None else filtered(own, motion, grade, seed)
         return r, r.stamps_ns, attitude, True, where, 0.0
     if case.kind[0] in {"turn_rate", "turn_axes"}:
         q, right = of_gyro(case.kind[0], r, rng), integrated(r, r.gyro)
@@ -431,21 +415,17 @@ def prepared(case: Case) -> tuple[Readings, Array, Array, bool, str, float]:
                 was = SampledTruth(old, before).at(stamps[shared])
             else:
                 was = before[np.isin(old, stamps)]
-            least = max(4.0 * settled, r.left or 0.0)
+            least = max(4.0 * settled, r.left)
             fair &= bool(np.median(angles_between(q[shared], was)) > least) and settled < np.radians(20.0)
     return r, stamps, q, fair, where, float(np.degrees(np.sqrt(np.mean(error**2))))
-
-
-TAKES: Final = set(inspect.signature(evaluate).parameters)
 
 
 def judged(number: int) -> Result:
     """Score a case."""
     case = Case(number)
     r, stamps, q, fair, where, without_deg = prepared(case)
-    more = {"sensors": r.left} if "sensors" in TAKES and r.left is not None else {}
     begin = time.process_time()
-    findings = evaluate(stamps, q, r.truth, **more).findings
+    findings = evaluate(stamps, q, r.truth, sensors=r.left).findings
     seconds = time.process_time() - begin
     told = [f.code for f in findings]
     if "gaps" not in case.codes:  # stamps that are wrong lie outside of the truth

@@ -15,8 +15,9 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_writing, record, runs, tell
 from lie_rigid_body.messages.template import PUT
+
+from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_writing, record, runs, tell
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 
 

@@ -13,8 +13,8 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Entry
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
-from lie_rigid_body.evaluation.statistics import Difference, of_runs
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.short_dataclass import short_dataclass

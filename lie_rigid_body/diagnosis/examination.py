@@ -17,7 +17,7 @@ from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job, of_output
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
 from lie_rigid_body.diagnosis.search import Each, Search, plain, settled
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.causes import error_of
+from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.runs.programs import NodeEstimator
@@ -155,7 +155,7 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
         tracks = [answer.without(outputs).track for answer in given if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
             left = float(np.degrees(error_of([settled(each) for each in tracks])))
-            yield ErrorOverTime(code, tracks[0].stamps_ns / 1e9, np.degrees(tracks[0].errors()), left)
+            yield ErrorOverTime(code, tracks[0].stamps_ns / 1e9, np.degrees(tracks[0].error().total), left)
 
 
 def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:

@@ -17,11 +17,11 @@ from lie_rigid_body.diagnosis.search import Each, Trial
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
-from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.consistency import rotation_block
 from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
 from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.runs.processes import FilterError
@@ -218,7 +218,7 @@ def _noise_judged(setup: Setup, answers: Answers) -> Judged:
     assert bound
     least, error = UnavoidableError.rms(bound.filtered[begin:]), answers[0].error()
     beside = f"; such noise leaves {with_unit(float(np.degrees(least)))} at least, {error / least:.2g} times less"
-    return Judged(error, 1.01 * rms(single.errors()[begin:]), beside)
+    return Judged(error, 1.01 * rms(single.error().total[begin:]), beside)
 
 
 def _axes(first: Array, second: Array) -> Array:
@@ -235,7 +235,7 @@ def _gaps(setup: Setup) -> list[Course]:
 
 
 def _gaps_judged(setup: Setup, answers: Answers) -> Judged:
-    errors, t_s = answers[0].track.errors(), answers[0].track.stamps_ns / 1e9
+    errors, t_s = answers[0].track.error().total, answers[0].track.stamps_ns / 1e9
     last, most = rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     return Judged(last, -1.0, ": attitudes are not finite") if answers[0].broken.size else Judged(last, most)
 

@@ -14,8 +14,9 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import Part, Track, undone
+from lie_rigid_body.evaluation.causes import Part, undone
 from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator, called
@@ -260,7 +261,7 @@ class Answer:
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error between two shares of the samples, rad."""
-        errors = self.track.errors()
+        errors = self.track.error().total
         return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
 
 

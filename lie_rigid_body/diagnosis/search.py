@@ -15,7 +15,8 @@ from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs, silent
-from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, Track, Tracks, error_of, undone
+from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, undone
+from lie_rigid_body.evaluation.track import Track, Tracks, error_of
 from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
 

@@ -80,21 +80,21 @@ def _require_unmasked(name: str, value: ArrayLike) -> None:
         )
 
 
-def numbers(name: str, value: ArrayLike, *size: int) -> Array:
-    """Read finite numbers whose last axes have the given size, as float64.
+def numbers(name: str, value: ArrayLike, *size: int, whole: bool = False) -> Array:
+    """Read finite numbers whose last axes, or with `whole` all axes, have the given size, as float64.
 
     Raises
     ------
     InputError
         With the first row that is at fault.
     """
-    wanted = f"(..., {', '.join(map(str, size))})"
+    wanted = str(size) if whole else f"(..., {', '.join(map(str, size))})"
     array = real_numbers(name, value, wanted)
-    if array.shape[-len(size) :] != size:
+    if (array.shape if whole else array.shape[-len(size) :]) != size:
         raise InputError(f"{name}: shape {array.shape} is not {wanted}: {shape_remedy(array.shape, size)}")
     if array.size == 0:
         raise InputError(f"{name}: empty: give at least one row")
-    finite = np.isfinite(array).all(axis=tuple(range(-len(size), 0))).ravel()
+    finite = np.isfinite(array).all(axis=tuple(range(whole - len(size), 0))).ravel()
     if not finite.all():
         raise InputError(
             f"{name}: {np.count_nonzero(~finite)} of {finite.size} rows are not finite, the first is row "

@@ -192,7 +192,6 @@ class HasTruth(Protocol):
 
     def attitude(self) -> Truth:
         """The true attitude."""
-        ...
 
 
 class Truth(ABC):

@@ -16,24 +16,14 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations
-from typing import Final, Literal, get_args
+from typing import Final
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.evaluation.attitudes import (
-    AttitudeError,
-    Truth,
-    angle_and_axis,
-    angles,
-    angles_between,
-    places,
-    sizes,
-    times,
-    turns,
-)
-from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, sizes, times, turns
+from lie_rigid_body.evaluation.track import Track, Tracks, error_of, products
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import components
@@ -44,74 +34,6 @@ ONE: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
 """What is said of a cause that a mistake at the input of the filter may feign."""
-
-
-@short_dataclass(frozen=True, eq=False)
-class Track:
-    """Attitudes that were estimated, beside the truth.
-
-    Attributes
-    ----------
-    stamps_ns : ndarray of int64, shape (N,)
-        Stamps, ns.
-    attitude_xyzw : ndarray, shape (N, 4)
-        World-from-body, scalar last, of unit norm.
-    truth : Truth
-        The true attitude at any stamp.
-    origin_ns : int, optional
-        Stamp at which a clock of another rate was right, ns; by default the first of the whole track.
-    """
-
-    stamps_ns: Integers
-    attitude_xyzw: Array
-    truth: Truth
-    origin_ns: int | None = None
-
-    @property
-    def origin(self) -> int:
-        """Stamp at which a clock of another rate was right, ns."""
-        return int(self.stamps_ns[0]) if self.origin_ns is None else self.origin_ns
-
-    @property
-    def since_s(self) -> Array:
-        """Times since the origin, s, shape (N,)."""
-        return np.asarray((self.stamps_ns - self.origin) / 1e9)
-
-    def part(self, chosen: slice | Integers | Booleans) -> Track:
-        """Some of the samples."""
-        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
-        return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
-
-    def few(self, most: int = 40) -> Track:
-        """At most so many of the samples, evenly spread over all."""
-        return self.part(spread(len(self.stamps_ns), most))
-
-    def known(self) -> Track:
-        """The samples at whose stamps the truth is known."""
-        return self.part(self.truth.covers(self.stamps_ns))
-
-    def errors(self) -> Array:
-        """Total error of each sample, shape (N,), rad."""
-        return self._error().total
-
-    def _error(self) -> AttitudeError:
-        truth = self.truth.at(self.stamps_ns)
-        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth)))
-
-    def partial_errors(self) -> tuple[float, float]:
-        """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
-        step = max(1, len(self.stamps_ns) // 10)
-        attitudes = self.attitude_xyzw, self.truth.at(self.stamps_ns)
-        wrong, right = (quaternion.exp(turns(q[:-step], q[step:])) for q in attitudes)
-        return rms(self._error().inclination), rms(angles_between(wrong, right))
-
-
-def spread(count: int, most: int) -> Integers:
-    """Indices of at most so many samples, evenly spread over all."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
-
-
-Tracks = Sequence[Track]
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,8 +85,8 @@ class Cause:
 
     def fitted(self, tracks: Tracks) -> tuple[Array, float]:
         """The best constants, and the RMS of the total error that they leave, rad."""
-        found, few = self.fits(tracks), [track.few() for track in tracks]
-        best = found[0] if len(found) == 1 else min(found, key=lambda constants: self.left(few, constants))
+        few = [track.few() for track in tracks]
+        best = min(self.fits(tracks), key=lambda constants: self.left(few, constants))
         return best, self.left(tracks, best)
 
     def left(self, tracks: Tracks, constants: Array) -> float:
@@ -195,11 +117,6 @@ class Finding:
     code: str
     message: str
     rms_deg_after: float = np.nan
-
-
-def error_of(tracks: Tracks) -> float:
-    """RMS of the total error over all samples of tracks, rad."""
-    return rms(np.concatenate([track.errors() for track in tracks]))
 
 
 def undone(track: Track, parts: Sequence[Part]) -> Track:
@@ -245,12 +162,6 @@ def weights(norms: Array) -> Array:
     """Geman and McClure's weights, 1 / (1 + (r/s)²)², with a scale s of three medians."""
     scale = 3.0 * float(np.median(norms)) if norms.size else 0.0
     return np.asarray(1.0 / (1.0 + (norms / scale) ** 2) ** 2 if scale else np.ones_like(norms))
-
-
-def products(track: Track, stamps_ns: Integers) -> Array:
-    """The 16 numbers q ⊗ p of each sample, of the truth at some stamps and the estimate, shape (..., N, 16)."""
-    q, p = track.truth.at(stamps_ns), track.attitude_xyzw
-    return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
 
 
 def _left(turns_xyzw: Array) -> Array:
@@ -316,25 +227,23 @@ def vector(c: Array) -> Array:
     return -quaternion.log(np.roll(c, -1))
 
 
-def _best_of_scan(tracks: Tracks, undo: Callable[[Track, Array], Track], values: Array) -> float:
-    """The value that leaves the least, of a constant in whose fit there are several valleys."""
-    left = np.zeros(len(values))
-    for track in (track.few() for track in tracks):
-        stamps = np.stack([undo(track, np.array([value])).stamps_ns for value in values])
-        cosine = np.einsum("lni,ni->ln", track.truth.at(stamps), track.attitude_xyzw)
-        left += np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1)
-    return float(values[np.argmin(left)])
+def _misses(track: Track, undo: Callable[[Track, Array], Track], values: Array) -> Array:
+    """Sum of the squared halves of the errors, rad², that a constant of the stamps leaves, for each of some values."""
+    stamps = np.stack([undo(track, np.array([value])).stamps_ns for value in values])
+    cosine = np.einsum("lni,ni->ln", track.truth.at(stamps), track.attitude_xyzw)
+    return np.asarray(np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1))
 
 
 def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Callable[[Tracks], Sequence[Array]]:
-    """A constant that changes stamps, fitted to some samples from the best of some values.
+    """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values.
 
     With a sign it is a lag of more than a sample.
     """
 
     def fits(tracks: Tracks) -> Sequence[Array]:
-        start = np.array([_best_of_scan(tracks, BY_CODE[code].undo, values)])
-        [(_, found)] = fit([track.few(most) for track in tracks], [(BY_CODE[code], start)])
+        cause = BY_CODE[code]
+        start = values[[np.argmin(sum(_misses(track.few(), cause.undo, values) for track in tracks))]]
+        [(_, found)] = fit([track.few(most) for track in tracks], [(cause, start)])
         steps = np.diff(tracks[0].stamps_ns)
         least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
         return [found if not sign or sign * found[0] > least else np.zeros(1)]
@@ -342,8 +251,7 @@ def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Ca
     return fits
 
 
-Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
-_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
+_ORDERS: Final = ("ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX")
 """Orders of turns about axes of the body, the usual one first."""
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)
@@ -484,6 +392,11 @@ CAUSES: Final = (
 )
 """The causes, in the order in which they are named where several do as well and cost as much."""
 BY_CODE: Final = {cause.code: cause for cause in CAUSES}
+
+
+def late(lag_s: float) -> Part:
+    """The cause of stamps that are late by a lag, s, or ahead where it is not above 0."""
+    return BY_CODE["lagging" if lag_s > 0.0 else "leading"], np.array([lag_s])
 
 
 def _order(number: float) -> str:

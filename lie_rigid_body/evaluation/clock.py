@@ -14,24 +14,11 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, derivative, fit, undone, weights
-from lie_rigid_body.evaluation.explanations import (
-    BOTH,
-    FEWEST,
-    FULL,
-    LARGEST_LEFT,
-    LEAD,
-    LEAST_LATE,
-    NEGLIGIBLE,
-    SHARE,
-    SPIN,
-    UNLIKE,
-    Explanation,
-    quarters,
-    spins,
-    still,
-)
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, derivative, fit, late, undone, weights
+from lie_rigid_body.evaluation.evidence import BOTH, FULL, LEAD, LEAST_LATE, SHARE, UNLIKE
+from lie_rigid_body.evaluation.explanations import LARGEST_LEFT, NEGLIGIBLE, Explanation
 from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.evaluation.track import FEWEST, SPIN, Track, quarters, spins, still
 from lie_rigid_body.lie import quaternion
 
 SIGNIFICANT: Final = 3.0
@@ -94,7 +81,7 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
     track = undone(track.few(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
-    lag = (BY_CODE["lagging"], np.array([named.lag_s or 0.0]))
+    lag = late(named.lag_s or 0.0)
     both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
     for turned in ([*parts, *both], parts):
         if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
@@ -111,7 +98,7 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
 def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], period_s: float) -> Lag:
     """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be."""
     lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
-    left, before, raw = (float(np.median(undone(track, parts).errors())) for parts in (fitted, without, ()))
+    left, before, raw = (float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, ()))
     turn = rms(sizes(track.truth.states(track.stamps_ns)[1]))
     if left > LARGEST_LEFT:  # what follows the truth so little tells no lag
         return Lag()
@@ -183,11 +170,11 @@ def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | No
     found = []
     for rates, lags in _grids(track, GRID_TURN / fastest):
         for k in _lowest(_costs(track, rates, lags)):
-            lag = (BY_CODE["lagging"], np.array([lags[k]]))
-            clock = [lag] if rates[k] == 1.0 else [(BY_CODE["clock_rate"], np.array([rates[k]])), lag]
+            rate = [] if rates[k] == 1.0 else [(BY_CODE["clock_rate"], np.array([rates[k]]))]
+            clock = [*rate, late(float(lags[k]))]
             found += [one for one in _refined(track, clock) if len(clock) > 1 or abs(one[0][0][1][0]) > beyond_s]
     # as good as each other: one constant before two
-    return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].errors())), default=None)
+    return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].error().total)), default=None)
 
 
 def rate_of(clock: Clock) -> float:

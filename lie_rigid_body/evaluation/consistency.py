@@ -116,25 +116,13 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
     """
     if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
         raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
-    e = real_numbers("errors", errors, "(N, d)")
-    if e.ndim != 2:
-        raise InputError(f"errors: shape {e.shape} is not (N, d): give a row for each error")
-    d = e.shape[1]
-    e, P = numbers("errors", e, d), numbers("covariance", covariance, d, d)
-    if P.shape not in {(d, d), (len(e), d, d)}:
-        raise InputError(
-            f"covariance: shape {P.shape} is not ({d}, {d}) or ({len(e)}, {d}, {d}): give one, or one an error"
-        )
-    with np.errstate(over="ignore"):
-        values, _ = nees_and_logarithm(e, P)
-        mean = float(np.mean(values))
-    if not np.isfinite(mean):
-        raise InputError(f"errors: up to {np.abs(e).max():.3g}: the NEES overflows: give them in the covariance's unit")
+    e, P = errors_and_covariances(errors, covariance, "N", "d")
+    (values, _), d = nees_and_logarithm(e, P), e.shape[1]
     tail, samples = 0.5 * (1.0 - probability), np.array([1, len(e)])
     low, mean_low = (scipy.stats.chi2.ppf(tail, d * samples) / samples).tolist()
     high, mean_high = (scipy.stats.chi2.isf(tail, d * samples) / samples).tolist()
     inside = float(np.mean((values >= low) & (values <= high)))
-    return Consistency(values, d, mean, (mean_low, mean_high), (low, high), inside, probability)
+    return Consistency(values, d, float(np.mean(values)), (mean_low, mean_high), (low, high), inside, probability)
 
 
 def attitude_nees(
@@ -220,10 +208,40 @@ def rotation_block(covariance: ArrayLike) -> Array:
     return P
 
 
+def errors_and_covariances(errors: ArrayLike, covariance: ArrayLike, *axes: str) -> tuple[Array, Array]:
+    """Read errors, whose axes have these names, and the covariance of each, or one of all.
+
+    Raises
+    ------
+    InputError
+        If a shape is wrong or a number not finite.
+    """
+    wanted = f"({', '.join(axes)})"
+    e = real_numbers("errors", errors, wanted)
+    if e.ndim != len(axes):
+        raise InputError(f"errors: shape {e.shape} is not {wanted}: give a row for each error")
+    d = e.shape[-1]
+    e, P = numbers("errors", e, d), numbers("covariance", covariance, d, d)
+    if P.shape not in {(d, d), (*e.shape, d)}:
+        raise InputError(f"covariance: shape {P.shape} is not {(d, d)} or {(*e.shape, d)}: give one, or one an error")
+    return e, P
+
+
 def nees_and_logarithm(errors: Array, covariance: Array) -> tuple[Array, Array]:
-    """NEES of errors, shape (..., d), and half of the logarithms of the determinants of covariances (..., d, d)."""
+    """NEES of errors, shape (..., d), and half of the logarithms of the determinants of covariances (..., d, d).
+
+    Raises
+    ------
+    InputError
+        As `factor_of`, or if the NEES overflows.
+    """
     factor = factor_of(covariance)
-    values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+    with np.errstate(over="ignore"):
+        values = np.sum(np.linalg.solve(factor, errors[..., np.newaxis])[..., 0] ** 2, axis=-1)
+        if not np.isfinite(np.mean(values)):
+            raise InputError(
+                f"errors: up to {np.abs(errors).max():.3g}: the NEES overflows: give them in the covariance's unit"
+            )
     return values, np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
 
 

@@ -1,93 +1,35 @@
-"""Explanations of the error of an estimate: which causes, alone or together, may be named, and what they leave.
+"""Explanations of the error of an estimate: causes with their constants, what they leave, and what they cost.
 
 An explanation is a chain of causes without a constant, then at most two with constants: turns of the world and of the
 body, and a lag. Every one is judged by one number a quarter of the run, from the second on (in the first a filter may
 converge). It is the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
-
-One rule. The best explanation costs least, in units of halved errors: log₂ of what it leaves, plus its price. It is
-named if each of its causes is needed: without it at least `1 / SHARE` times as much is left, in each of these quarters.
-So drifts, random walks and noise are no causes, as no constant of some quarters fits the others. A right filter may be
-ahead by up to a sample, as it compares readings with the attitude before its gyro step. Every explanation without a lag
-may have such a lead at no price, and it is no cause.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, Track, heading, products, vector
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, vector
 
-SHARE: Final = 1.0 / 3.0
-"""Largest share of what is left without it that a named cause may leave, root mean square in a quarter."""
-LAG_SHARE: Final = 0.5
-"""Largest such share of a lag: slow errors hardly go with the rate of a body, unless it turns about one axis."""
-SPIN: Final = 0.9
-"""Squared length of the mean axis of rotation above which a body turns about one axis."""
-LEAST_LATE: Final = 0.5
-"""Least lag, in samples, that is named where other errors are as large."""
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
 """Prices of causes with constants, in halved errors; of one without a constant it is 1.
 
 Far is a lag by which the body turns by more than half a turn: there are many, so this is a further price.
 """
-TIE: Final = 1.25
-"""Ratio of two errors up to which their explanations are as good."""
 NEGLIGIBLE: Final = float(np.radians(1e-3))
 """Error that needs no explanation, rad; smaller ones count as this."""
-UNEVEN: Final = 3.0
-"""Largest ratio of what a far lag leaves in two quarters: of a motion that nearly repeats each has its own."""
-FOLLOWING: Final = 0.125
-"""Largest share of the error that causes leave which are no names, but tell that the body is followed."""
-UNLIKE: Final = 0.5
-"""Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
 LARGEST_LEFT: Final = float(np.radians(20.0))
 """Largest error that named causes leave, rad; where one has a constant, over their number."""
 LEFT_BY_THREE: Final = float(np.radians(7.7))
 """Largest error that a cause with three constants leaves, rad, over the number of those with any."""
-LEAST_TILT: Final = float(np.radians(10.0))
-"""Least tilt of a turned world, rad, and least angle to one upside down: sensors err by less. A turn about the vertical
-is a heading offset, and a world upside down is NED with a heading offset."""
-LEAD: Final = 1.5
-"""Largest lead of a right filter, samples: one, and what its sensors err by."""
-FLOOR: Final = 0.1
-"""Largest constant turn of a right filter with perfect sensors, as a share of the turn between two samples."""
-LAG_TURN: Final = 0.25
-"""Turn of the body from one lag that is tried to the next, rad."""
-MOST_LAGS: Final = 181
-FEWEST: Final = 20
-"""Least number of samples whose quarters tell anything."""
-SAMPLES: Final = 400
-"""Largest number of samples by which explanations are judged."""
-SCANNED: Final = 100
-"""Largest number of samples by which lags are compared at first."""
-MOST_BOTH: Final = 6
-"""Number of forms with which a heading and a mounting are fitted together, the best with one of them."""
-OF_SENSORS: Final = float(np.radians(1.0))
-"""Error that sensors make, rad; it is nearer to a constant turn than to a lag."""
-LAG_TIE: Final = 3.0
-"""Ratio of two errors up to which a lag is told as an alternative to a cause of such a small error."""
-FULL: Final = 0.999
-"""Share of the longest lag from which on a lag is at the limit of the search."""
-REFINED: Final = 8
-"""Number of lags, the best of all explanations, that are refined."""
-HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
-"""Turns about the vertical, numbers w and z, from which a heading and a mounting are fitted together."""
 
 Turned = tuple[str, ...]
-TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
-BOTH: Final = ("heading_offset", "body_mounting")
-"""Turns that are tried, and those that are fitted together."""
-LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
-"""Turns that are tried beside a lag."""
-
-
+"""Turns of the world and of the body, in the order of undoing."""
 Form = tuple[tuple[str, int], ...]
 """A chain of causes without constants in the order of undoing, each with the number of its map."""
 _SHIFTED, _INVERTED = ("scalar_first", 0), ("inverted", 0)
@@ -151,7 +93,7 @@ class Explanation:
         simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:
             simple += 0.04 * float(np.linalg.norm(vector(self.numbers[-4:]))) / np.pi
-        return float(np.mean(0.5 * np.log2(_counted(self.left)))) + simple
+        return float(np.mean(0.5 * np.log2(counted(self.left)))) + simple
 
     @property
     def parts(self) -> list[Part]:
@@ -161,29 +103,12 @@ class Explanation:
             (BY_CODE[code], heading(self.numbers[:2]) if code == "heading_offset" else vector(self.numbers[-4:]))
             for code in self.turned
         ]
-        if self.lag_s is None:
-            return [*forms, *turns]
-        return [*forms, *turns, (BY_CODE["lagging" if self.lag_s > 0.0 else "leading"], np.array([self.lag_s]))]
+        return [*forms, *turns, *([] if self.lag_s is None else [late(self.lag_s)])]
 
 
-def _counted(left: Array) -> Array:
+def counted(left: Array) -> Array:
+    """What is left in each quarter, errors that need no explanation as large as the largest of these."""
     return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
-
-
-def quarters(track: Track) -> Array:
-    """Mean of sin² of half of the error in each quarter but the first, shape (3,)."""
-    return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.errors(), 4)[1:]])
-
-
-def still(truth_xyzw: Array) -> float:
-    """Mean of sin² of half of the error of a constant attitude."""
-    return 1.0 - float(np.linalg.eigvalsh(truth_xyzw.T @ truth_xyzw)[-1]) / len(truth_xyzw)
-
-
-def spins(rate: Array, least: float = SPIN) -> bool:
-    """Whether a body with some rates, (N, 3), turns about one axis: so do errors of a gyro."""
-    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
-    return bool(np.sum(np.mean(axes, axis=0) ** 2) > least)
 
 
 @cache
@@ -193,241 +118,3 @@ def matrix(form: Form) -> Array:
     for code, number in form:
         undoing = BY_CODE[code].maps[number][0] @ undoing
     return undoing
-
-
-@cache
-def _base(form: Form, turned: Turned) -> Array:
-    """Base of the repairs of a form followed by turns, shape (d, 16)."""
-    maps = np.eye(4)[np.newaxis]
-    for code in turned:
-        maps = (maps[:, np.newaxis] @ BY_CODE[code].maps[0]).reshape(-1, 4, 4)
-    return (maps @ matrix(form)).reshape(-1, 16)
-
-
-def _best(forms: Array) -> Array:
-    """Unit vectors c of the largest cᵀ G c for each matrix G, shape (..., d)."""
-    return np.asarray(np.linalg.eigh(forms)[1][..., -1])
-
-
-def _best_of_both(forms: Array, first: Array) -> Array:
-    """Numbers of a turn about the vertical (2) and one of the body (4), fitted in turns, shape (..., 6)."""
-    G, up = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4), first
-    for _ in range(8):
-        body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
-        up = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
-    return np.concatenate([up, body], axis=-1)
-
-
-def _value(numbers: Array, forms: Array) -> Array:
-    """The largest cᵀ G c; numbers of two turns are those of their product."""
-    if numbers.shape[-1] == 6:
-        numbers = (numbers[..., :2, np.newaxis] * numbers[..., np.newaxis, 2:]).reshape(*numbers.shape[:-1], 8)
-    return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
-
-
-class Evidence:
-    """An estimate beside the truth, as sums of which every explanation is judged.
-
-    Parameters
-    ----------
-    track : Track
-        Samples whose true time, moved by the longest lag either way, is within the truth's times.
-    longest_lag_s : float
-    left_by_sensors : float
-        Largest constant turn that the sensors' own errors leave to a right filter, rad.
-    """
-
-    def __init__(self, track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
-        self.track, self.period_s = track.few(SAMPLES), period_ns(track.stamps_ns) / 1e9
-        self.longest_lag_s, self.left_by_sensors = longest_lag_s, left_by_sensors
-        truth, rate = self.track.truth.states(self.track.stamps_ns)
-        self.fastest = float(sizes(rate).max())
-        self.still, self.spins = still(truth), spins(rate)
-        # at the leads of a right filter: none, half a sample and one
-        self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
-        half = min(max(int(np.ceil(longest_lag_s * self.fastest / LAG_TURN)), 1), MOST_LAGS // 2)
-        self._lags = np.linspace(-longest_lag_s, longest_lag_s, 2 * half + 1)
-        # what a lag between two of these may leave less
-        self._slack = float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
-        self._known: dict[tuple[Form, Turned, bool], Explanation] = {}
-
-    def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
-        """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
-        few = self.track.few(most)
-        P = products(few, few.stamps_ns - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis])
-        return np.stack([np.swapaxes(q, 1, 2) @ q / q.shape[1] for q in np.array_split(P, 4, axis=1)[1:]], axis=1)
-
-    def judged(self, form: Form, turned: Turned, T: Array) -> tuple[Array, Array]:
-        """What a form with turns leaves in each quarter, (..., 3), and its numbers, from T of (..., 3, 16, 16)."""
-        base = _base(form, turned)
-        G = base @ T @ base.T
-        whole = G.sum(axis=-3)
-        others = whole[..., np.newaxis, :, :] - G
-        if turned == BOTH:
-            first = whole.reshape(-1, 8, 8)[0]
-            starts = _best_of_both(np.broadcast_to(first, (6, 8, 8)), HEADINGS)
-            best = starts[np.argmax(_value(starts, first)), :2]
-            numbers, crossed = (
-                _best_of_both(sums, np.broadcast_to(best, (*sums.shape[:-2], 2))) for sums in (whole, others)
-            )
-        else:
-            numbers, crossed = _best(whole), _best(others)
-        return 1.0 - _value(crossed, G), numbers
-
-    def get(self, form: Form = (), turned: Turned = (), *, late: bool = False) -> Explanation:
-        """The explanation of a form with turns, with a lag or without."""
-        key = form, turned, late
-        if key not in self._known:
-            self._known[key] = self._with_lag(form, turned) if late else self._without_lag(form, turned)
-        return self._known[key]
-
-    def _without_lag(self, form: Form, turned: Turned) -> Explanation:
-        left, numbers = self.judged(form, turned, self._ahead)
-        return Explanation(form, turned, left[np.argmin(left.mean(axis=1))], numbers[0])
-
-    @cached_property
-    def _scanned(self) -> dict[tuple[Form, Turned], Array]:
-        """What each form, with each of the turns that are tried beside a lag, leaves at the lags that are tried."""
-        T = self.sums(self._lags, SCANNED).mean(axis=1)
-        bases = {(form, turned): _base(form, turned) for turned in LATE for form in FORMS}
-        return {key: 1.0 - np.linalg.eigvalsh(base @ T @ base.T)[..., -1] for key, base in bases.items()}
-
-    def _with_lag(self, form: Form, turned: Turned) -> Explanation:
-        """The explanation with the nearest of the lags that leave about the least."""
-        lags, cost = self._lags, self._scanned[form, turned]
-        around = np.concatenate([[np.inf], cost, [np.inf]])
-        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
-        by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
-        step = float(lags[1] - lags[0])
-        found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(by_cost, by_size)]
-        least = min(_counted(e.left).mean() for e in found)
-        as_good = [e for e in found if _counted(e.left).mean() <= TIE**2 * least]
-        return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
-
-    def _at_lag(self, form: Form, turned: Turned, lag_s: float, step: float) -> Explanation:
-        """The explanation with the best lag near one: vertices of parabolas through three, ever nearer ones."""
-        base = _base(form, turned)
-        for _ in range(4):
-            three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
-            G = base @ self.sums(three) @ base.T
-            whole = G.sum(axis=1)
-            shift = _vertex(3.0 - np.linalg.eigvalsh(whole)[:, -1])
-            lag_s, step = float(np.clip(three[1] + shift * step, three[0], three[2])), step / 5.0
-        others = 2.0 - np.linalg.eigvalsh(whole[:, np.newaxis] - G)[..., -1]
-        crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
-        T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
-        left, numbers = self.judged(form, turned, T)
-        far = abs(lag_s) * self.fastest > np.pi
-        return Explanation(form, turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far)
-
-    @cached_property
-    def tried(self) -> list[Explanation]:
-        """Those that may be the best, the cheapest first."""
-        found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
-        turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
-        found += [self.get(form, BOTH) for form in list(turnable)[:MOST_BOTH]]
-        lowest = min(e.cost for e in found)
-        trials = [
-            Explanation(form, turned, np.array([costs.min() - self._slack]), np.zeros(0), 0.0)
-            for (form, turned), costs in self._scanned.items()
-        ]
-        promising = sorted((e for e in trials if e.cost < lowest), key=lambda e: e.cost)[:REFINED]
-        found += [self.get(e.form, e.turned, late=True) for e in promising]
-        return sorted(found, key=lambda e: e.cost)
-
-    def choice(self) -> tuple[Explanation, bool, bool]:
-        """Choose the causes of the errors by the one rule.
-
-        Returns
-        -------
-        Explanation
-            What is named, without a cause where none is sure.
-        bool
-            Whether a constant turn was found that is no larger than what the sensors' own errors leave.
-        bool
-            Whether a lag at the limit of the search leaves least: the true one may be longer.
-        """
-        plain, of_sensors, allowed = self.get(), False, {*BY_CODE, "lag"}
-        for e in self.tried[: self.tried.index(plain)]:
-            if not allowed.issuperset(e.causes):
-                continue
-            if e.lag_s is not None and abs(e.lag_s) > FULL * self.longest_lag_s:
-                return plain, of_sensors, True
-            if self.is_needed(e):
-                if not self.is_small(e):
-                    return e, of_sensors, False
-                allowed = {*e.causes}  # what is left without the small turn is of its other causes
-                of_sensors = self.left_by_sensors > 0.0
-        return plain, of_sensors, False
-
-    def without(self, explanation: Explanation, cause: str) -> Explanation:
-        """The explanation without one of its causes."""
-        form = tuple(part for part in explanation.form if part[0] != cause)
-        turned = tuple(code for code in explanation.turned if code != cause)
-        return self.get(form, turned, late=explanation.lag_s is not None and cause != "lag")
-
-    def is_needed(self, explanation: Explanation) -> bool:
-        """Whether an explanation leaves little beside the turn of the body, and needs each cause in each quarter."""
-        left, lag_s = _counted(explanation.left), explanation.lag_s
-        unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
-        if left.mean() > max(unlike**2 * self.still, _counted(np.zeros(1))[0]) or not explanation.explains:
-            return False
-        is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
-        tilts = [
-            angles(quaternion.exp(c)).inclination for cause, c in explanation.parts if cause.code == "world_turned"
-        ]
-        is_level = any(not LEAST_TILT < tilt < np.pi - LEAST_TILT for tilt in tilts)
-        if is_lead or is_level or (explanation.far and left.max() > UNEVEN**2 * left.min()):
-            return False
-        shares = dict.fromkeys(explanation.causes, SHARE)
-        if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
-            shares["lag"] = LAG_SHARE
-        return all(
-            np.all(left <= share**2 * _counted(self.without(explanation, cause).left))
-            for cause, share in shares.items()
-        )
-
-    def is_small(self, explanation: Explanation) -> bool:
-        """Whether one of the turns is no larger than what sensors leave, or that in a lag that leaves some error."""
-        turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
-        is_late = explanation.lag_s is not None and (
-            explanation.error > FOLLOWING * self.without(explanation, "lag").error
-            and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
-        )
-        least = max(self.left_by_sensors, FLOOR * self.fastest * self.period_s)
-        return is_late or min(turns_rad, default=np.inf) <= least
-
-    def follows(self) -> bool:
-        """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""
-        most = FOLLOWING * self.get().error
-        return any(e.error <= most and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
-
-    def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
-        """What is named with a lag beside it, if that is about the same without other turns."""
-        if named.lag_s is not None or named.turned not in LATE or self.spins:
-            return named
-        late = self.get(named.form, named.turned, late=True)
-        same = late.lag_s is not None and abs(late.lag_s - lag_s) <= 0.25 * abs(lag_s)
-        return replace(late, lag_s=lag_s) if same and not self.is_small(late) else named
-
-    def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
-        """Causes that, in the place of one that is named, leave about as much."""
-        rest, without, left = {*named.causes} - {cause}, self.without(named, cause), max(named.error, NEGLIGIBLE)
-        others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
-        found: dict[str, None] = {}
-        for other in others:
-            new = {*other.causes} - rest
-            if len(new) != 1 or cause in new or len(other.causes) != len(rest) + 1:
-                continue
-            small = "lag" in new and without.error < OF_SENSORS
-            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
-            if max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
-                found |= dict.fromkeys(new)
-        return tuple(found)
-
-
-def _vertex(three: Array) -> float:
-    """Place of the least of a parabola through three even points, in steps from the middle one, at most one."""
-    a, b, c = three.tolist()
-    bend = a - 2.0 * b + c
-    return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0

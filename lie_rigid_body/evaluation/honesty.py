@@ -12,15 +12,17 @@ covariances that are repaired, the likelier ones that are honest name it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.consistency import nees_and_logarithm, require_axes
+from lie_rigid_body.evaluation.arguments import numbers
+from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -95,7 +97,7 @@ class Honesty:
     @property
     def message(self) -> str:
         """The verdict in one sentence."""
-        said = _WORDS[self.cause].format(self.factor, *self.factor_bounds) if self.cause else ""
+        said = _REPAIRS[self.cause][1].format(self.factor, *self.factor_bounds) if self.cause else ""
         times = "; ".join(
             f"{i.verdict} at {i.begin_s:.4g} s"
             if i.begin_s == i.end_s
@@ -105,35 +107,51 @@ class Honesty:
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
 
-    def to_dict(self) -> dict[str, Any]:
-        """The verdict as JSON-serialisable data."""
-        coverage = {f"{probability:g}": share for probability, share in self.coverage.items()}
-        return {**asdict(self), "coverage": coverage, "passed": self.passed, "message": self.message}
 
-
-_WORDS: Final = {
-    "axes": "it is honest about the other axes, of world and body: give covariance_axes",
-    "standard_deviation": "it is honest when it is squared: give variances, no standard deviations",
-    "degrees": "it is honest when degrees become radians: give rad²",
-    "cross_covariances": "it is honest with cross-covariances of the other sign",
-    "factor": "multiply it by {:.3g} ({:.3g} to {:.3g})",
+_REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] = {
+    "axes": (
+        lambda P, R, factor: R @ P @ np.swapaxes(R, -1, -2),
+        "it is honest about the other axes, of world and body: give covariance_axes",
+    ),
+    "standard_deviation": (
+        lambda P, R, factor: P @ P,
+        "it is honest when it is squared: give variances, no standard deviations",
+    ),
+    "degrees": (
+        lambda P, R, factor: P * np.radians(1.0) ** 2,
+        "it is honest when degrees become radians: give rad²",
+    ),
+    "cross_covariances": (
+        lambda P, R, factor: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
+        "it is honest with cross-covariances of the other sign",
+    ),
+    "factor": (lambda P, R, factor: factor * P, "multiply it by {:.3g} ({:.3g} to {:.3g})"),
 }
+"""Repaired covariances, from covariances P, turns R to the other axes and a factor, and what is said, by causes.
+
+That with a constant is the last.
+"""
 
 
 def honesty(
-    t_s: Array, errors: Array, covariance: Array, attitude_xyzw: Array | None = None, axes: str = "world", seed: int = 0
+    t_s: ArrayLike,
+    errors: ArrayLike,
+    covariance: ArrayLike,
+    attitude_xyzw: ArrayLike | None = None,
+    axes: str = "world",
+    seed: int = 0,
 ) -> Honesty:
     """Judge the covariance of an estimate over many independent runs.
 
     Parameters
     ----------
-    t_s : ndarray, shape (T,)
+    t_s : array_like, shape (T,)
         Times that the runs have in common, s.
-    errors : ndarray, shape (R, T, d)
+    errors : array_like, shape (R, T, d)
         Errors: of an attitude small rotations, rad, about the axes of the covariance.
-    covariance : ndarray, shape (R, T, d, d)
+    covariance : array_like, shape (R, T, d, d) or (d, d)
         Covariances that the filter gave, in the squared unit of the errors.
-    attitude_xyzw : ndarray, shape (R, T, 4), optional
+    attitude_xyzw : array_like, shape (R, T, 4), optional
         Attitudes world-from-body, scalar last; with them a covariance about the wrong axes is named.
     axes : str
         ``world`` or ``body``: the axes of the covariance.
@@ -143,18 +161,25 @@ def honesty(
     Raises
     ------
     InputError
-        If there are too few runs, or a covariance is not symmetric and positive definite.
+        If a shape is wrong, a number not finite, or there are too few runs. Also if a covariance is not symmetric and
+        positive definite, or errors are so large beside it that the NEES overflows.
     """
     require_axes(axes)
-    runs, _, dimension = errors.shape
+    e, P = errors_and_covariances(errors, covariance, "R", "T", "d")
+    runs, count, dimension = e.shape
     if runs < FEWEST_RUNS:
         raise InputError(f"the covariances of {runs} runs: their spread tells too little: give {FEWEST_RUNS} or more")
-    values, scores = _nees_and_score(errors, covariance)
+    times = numbers("t_s", t_s, count, whole=True)
+    R = np.eye(dimension)
+    if attitude_xyzw is not None:
+        q = numbers("attitude_xyzw", attitude_xyzw, runs, count, 4, whole=True)
+        R = quaternion.to_matrix(q if axes == "world" else quaternion.conjugate(q))
+    values, scores = _nees_and_score(e, P)
     means = values.mean(axis=1)
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
-    verdict, outside = _verdict(t_s, values, dimension, seed)
-    repairs = {} if verdict == "honest" else _repairs(attitude_xyzw, axes, factor)
+    verdict, outside = _verdict(times, values, dimension, seed)
+    cause = "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed)
     return Honesty(
         runs,
         dimension,
@@ -163,7 +188,7 @@ def honesty(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        _cause(t_s, errors, covariance, scores, repairs, seed),
+        cause,
         factor,
         (low / dimension, high / dimension),
     )
@@ -229,43 +254,23 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
     least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
     parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
-    outside = [
-        (t_s[part], "overconfident" if sides[part[0]] > 0 else "conservative") for part in parts if sides[part[0]]
-    ]
-    return tuple(Interval(float(times[0]), float(times[-1]), verdict) for times, verdict in outside)
+    verdicts = {1: "overconfident", -1: "conservative"}
+    return tuple(
+        Interval(float(t_s[part[0]]), float(t_s[part[-1]]), verdicts[sides[part[0]]])
+        for part in parts
+        if sides[part[0]]
+    )
 
 
-def _repairs(attitude_xyzw: Array | None, axes: str, factor: float) -> dict[str, Callable[[Array], Array]]:
-    """Repaired covariances by causes, those without a constant first."""
-    found: dict[str, Callable[[Array], Array]] = {}
-    if attitude_xyzw is not None:
-        R = quaternion.to_matrix(attitude_xyzw if axes == "world" else quaternion.conjugate(attitude_xyzw))
-        found["axes"] = lambda P: R @ P @ np.swapaxes(R, -1, -2)
-    return {
-        **found,
-        "standard_deviation": lambda P: P @ P,
-        "degrees": lambda P: P * np.radians(1.0) ** 2,
-        "cross_covariances": lambda P: P * (2.0 * np.eye(P.shape[-1]) - 1.0),
-        "factor": lambda P: factor * P,
-    }
-
-
-def _cause(
-    t_s: Array,
-    errors: Array,
-    covariance: Array,
-    scores: Array,
-    repairs: dict[str, Callable[[Array], Array]],
-    seed: int,
-) -> str:
+def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
     """The repair that makes the errors likelier and the covariance honest: the likeliest, with a factor if no other."""
     runs, dimension = len(errors), errors.shape[-1]
     found: dict[str, float] = {}
-    for code, repair in repairs.items():
+    for code, (repair, _) in _REPAIRS.items():
         if code == "factor" and found:
             break
         try:
-            values, repaired = _nees_and_score(errors, repair(covariance))
+            values, repaired = _nees_and_score(errors, repair(covariance, R, factor))
         except InputError:  # the repaired one is none
             continue
         gain = scores - repaired

@@ -14,15 +14,8 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.causes import Finding
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.statistics import (
-    LEAST_SHARE,
-    SMALLEST_LIMIT,
-    Largest,
-    Limits,
-    Statistics,
-    bias_error,
-    largest,
-)
+from lie_rigid_body.evaluation.limits import Limits, Tally
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, bias_error
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown, data_frame, report
@@ -202,6 +195,12 @@ class Score(Shown):
         """Whether no limit is broken."""
         return not self.broken
 
+    def of_all(self, tally: Tally, given: int, due_ns: int) -> Score:
+        """Replace RMS, largest error and limits in a score of some samples by those of all; see `Tally.broken`."""
+        parts = zip(("total_deg", "heading_deg", "inclination_deg"), tally.rms_deg, tally.largest_deg, strict=True)
+        exact = {name: replace(getattr(self, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
+        return replace(self, broken=tuple(tally.broken(given, due_ns)), **exact)
+
     def plot(self, title: str = "attitude estimate") -> Figure:
         """Figure of Matplotlib: the errors over time, with the limits and the best that the noise allows."""
         figure: Figure = report("scores").draw(title, self)
@@ -358,77 +357,3 @@ def verdict(score: Score) -> list[str]:
 def wrapped(sentence: str, mark: str = "", width: int = 88) -> list[str]:
     """Lines of a sentence for a terminal, the first after a mark."""
     return textwrap.wrap(sentence, width, initial_indent=mark, subsequent_indent="  ")
-
-
-class Tally:
-    """Number, RMS and largest error of all samples so far, and the limits that they break.
-
-    Parameters
-    ----------
-    limits : Limits
-
-    Attributes
-    ----------
-    count : int
-    largest_deg : ndarray, shape (3,)
-        Largest total, heading and inclination error, degrees.
-    """
-
-    def __init__(self, limits: Limits) -> None:
-        self.limits, self.count = limits, 0
-        self._squares, self.largest_deg = np.zeros(3), np.zeros(3)
-        self._first_ns = self._last_ns = 0
-        self._worst: list[Largest] = [None for _ in limits.max_after]
-
-    def add(self, stamps_ns: Integers, error: AttitudeError) -> None:
-        """Take samples that come next: at least one, with their errors, rad."""
-        angles_deg = np.degrees(np.stack(error))
-        self._first_ns = self._first_ns if self.count else int(stamps_ns[0])
-        self._last_ns = int(stamps_ns[-1])
-        self.count += len(stamps_ns)
-        self._squares += np.sum(angles_deg**2, axis=1)
-        self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
-        t_s = (stamps_ns - self._first_ns) / 1e9
-        before = zip(self.limits.max_after, self._worst, strict=True)
-        self._worst = [largest(start, t_s, angles_deg[0], worst) for (start, _), worst in before]
-
-    @property
-    def rms_deg(self) -> Array:
-        """RMS of the total, heading and inclination error, degrees, shape (3,)."""
-        return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
-
-    def broken(self) -> Iterator[str]:
-        """Sentences about the limits that the samples so far break, one for each."""
-        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, (self._last_ns - self._first_ns) / 1e9
-        if most_deg is not None and rms_deg > most_deg:
-            yield f"the error is {rms_deg:.4g}° rms, above the limit of {most_deg:g}°"
-        for (start, limit), found in zip(self.limits.max_after, self._worst, strict=True):
-            if found is None:
-                yield f"the estimate ends at {span_s:g} s, before the limit after {start:g} s begins"
-            elif found[1] > limit:
-                when = f"at {found[0]:g} s, above the limit of {limit:g}° after {start:g} s"
-                yield f"the error is {found[1]:.4g}° {when}"
-
-    def broken_in_all(self, given: int, due_ns: int | None) -> tuple[str, ...]:
-        """Sentences about the limits that are broken, and about what was too little to keep any.
-
-        Parameters
-        ----------
-        given : int
-            Estimates, of which those that were compared were added.
-        due_ns : int or None
-            The stamp until which they are due.
-        """
-        span_s = (self._last_ns - self._first_ns) / 1e9
-        due_s = 0.0 if due_ns is None else (due_ns - self._first_ns) / 1e9
-        enough = "were compared: limits hold for at least half of them"
-        little = [f"only {self.count} of {given} estimates {enough}"] if self.count < LEAST_SHARE * given else []
-        if span_s < LEAST_SHARE * due_s:
-            little.append(f"only {span_s:.4g} of {due_s:.4g} s since the first estimate {enough}")
-        return (*self.broken(), *(little if self.limits != Limits() else ()))
-
-    def exact(self, score: Score, given: int, due_ns: int) -> Score:
-        """Replace RMS, largest error and limits in a score of some samples by those of all; see `broken_in_all`."""
-        parts = zip(("total_deg", "heading_deg", "inclination_deg"), self.rms_deg, self.largest_deg, strict=True)
-        exact = {name: replace(getattr(score, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
-        return replace(score, broken=self.broken_in_all(given, due_ns), **exact)

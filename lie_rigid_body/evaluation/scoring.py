@@ -17,12 +17,15 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
 from lie_rigid_body.evaluation.attitudes import HasTruth, Truth, attitude_error, period_ns
-from lie_rigid_body.evaluation.causes import BY_CODE, Finding, Part, Track, fit, undone
+from lie_rigid_body.evaluation.causes import Finding, Part, fit, late, undone
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
-from lie_rigid_body.evaluation.explanations import FEWEST, TIE, Evidence, Explanation
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score, Tally
-from lie_rigid_body.evaluation.statistics import Limits, Statistics, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.evidence import TIE, Evidence
+from lie_rigid_body.evaluation.explanations import Explanation
+from lie_rigid_body.evaluation.limits import Limits, Tally
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score
+from lie_rigid_body.evaluation.statistics import Statistics, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.track import FEWEST, Track
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
 
@@ -152,7 +155,7 @@ def evaluate(
         lag_s=diagnosis.lag.lag_s,
         lag_standard_error_s=diagnosis.lag.standard_error_s,
         findings=tuple(replace(f, rms_deg_after=statistics.rms) if np.isnan(f.rms_deg_after) else f for f in found),
-        broken=tally.broken_in_all(len(stamps) + left_out, due_ns),
+        broken=tuple(tally.broken(len(stamps) + left_out, due_ns)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
         consistency=None if P is None else attitude_nees(track.attitude_xyzw, true, P, covariance_axes),
@@ -200,7 +203,7 @@ def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sen
     sensors : float, optional
         Largest constant turn that the sensors' own errors leave to a right filter, rad.
     """
-    stamps, truth, turned, error = track.stamps_ns, track.truth, remarks.Turns(track), np.degrees(track.errors())
+    stamps, truth, turned, error = track.stamps_ns, track.truth, remarks.Turns(track), np.degrees(track.error().total)
     unlike = bool(np.median(error) > UNLIKE_DEG)
     sure = (turned.stuck() or turned.mixed()) if rms(error) > UNLIKE_DEG else None
     if sure:  # of fast turns every sample jumps
@@ -217,7 +220,7 @@ def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sen
     near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
     found = other_clock(whole, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
     most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
-    if found is not None and rms(found[1].errors()) <= most:
+    if found is not None and rms(found[1].error().total) <= most:
         clock, moved = found
         return Diagnosis(clock_lag(clock, moved), (_of_clock(whole, moved, clock),))
     if not evidence or not named:
@@ -254,15 +257,13 @@ def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 
 
 def _of_clock(whole: Track, track: Track, clock: Clock) -> Finding:
     """Put another clock into words, of all samples and of those that it puts within the truth's times."""
-    cause, constants = clock[0]
-    sign = cause if len(clock) > 1 else BY_CODE["lagging" if constants[0] > 0.0 else "leading"]
-    known = whole.known()
-    return _finding((sign, constants), _errors(known, []), np.degrees(track.errors()), known)
+    known, part = whole.known(), clock[0] if len(clock) > 1 else late(float(clock[0][1][0]))
+    return _finding(part, _errors(known, []), np.degrees(track.error().total), known)
 
 
 def _errors(track: Track, parts: Sequence[Part]) -> Array:
     """Errors without some causes where the truth is known, degrees."""
-    return np.asarray(np.degrees(undone(track, parts).known().errors()))
+    return np.asarray(np.degrees(undone(track, parts).known().error().total))
 
 
 def _finding(part: Part, before: Array, after: Array, track: Track, instead: Sequence[str] = ()) -> Finding:

@@ -311,14 +311,14 @@ def _system(
     pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
     F[:, :3, :3], F[:, :3, places[0]] = so3.exp(-turn), pushed[..., : places[0].stop - 3]
     walks = [gyro_walk]
-    B[:, :3, columns[0]] = jacobian @ _errors(gyro_errors, turn)
+    B[:, :3, columns[0]] = jacobian @ np.einsum("cij,nj->nic", gyro_errors, turn)
     for i, (sensor, unit) in enumerate(zip(vectors, units[1:], strict=True)):
         read = _count(stamps, sensor)
         weight = np.sqrt(read) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
         body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
         body = weight[:, np.newaxis] * body
         H[:, i, :, :3], H[:, i, :, places[i + 1]] = -hat(body), _diagonal(weight, places[i + 1])
-        D[:, i, :, columns[i + 1]] = _errors(matrices[i + 1], body)
+        D[:, i, :, columns[i + 1]] = np.einsum("cij,nj->nic", matrices[i + 1], body)
         read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
         walks.append(sensor.bias.step / unit * np.sqrt(np.maximum(read, 0.0)))
     for i, attitude in enumerate(attitudes, len(vectors)):
@@ -349,8 +349,3 @@ def _count(stamps: Integers, readings: VectorReadings | AttitudeReadings) -> Arr
 def _diagonal(values: Array, place: slice) -> Array:
     """Multiples of the identity, shape (N, 3, 3), where a bias has a place; else nothing, shape (N, 3, 0)."""
     return np.asarray(values[:, np.newaxis, np.newaxis] * np.eye(3)[:, : place.stop - place.start])
-
-
-def _errors(matrices: Array, vectors: Array) -> Array:
-    """Derivatives of the readings of vectors, (N, 3), by the constants of a sensor, shape (N, 3, c)."""
-    return np.asarray(np.einsum("cij,nj->nic", matrices, vectors))

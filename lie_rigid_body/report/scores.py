@@ -13,6 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import GAP
 from lie_rigid_body.evaluation.consistency import Consistency
+from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import (
     HEADINGS,
     BiasEstimate,
@@ -25,7 +26,6 @@ from lie_rigid_body.evaluation.score import (
     verdict,
     wrapped,
 )
-from lie_rigid_body.evaluation.statistics import Difference, of_run
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
 from lie_rigid_body.report.recorded_motion import curve_style, extremes

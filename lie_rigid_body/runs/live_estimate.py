@@ -12,7 +12,7 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP, period_ns
-from lie_rigid_body.evaluation.score import Tally
+from lie_rigid_body.evaluation.limits import Tally
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
@@ -225,7 +225,7 @@ class LiveEstimate:
         due_ns = truth.last_ns if kept.due_ns is None else kept.due_ns
         score = read.score(self._limits, self._covariance_axes, due_ns, bounded=most is None)
         if self.tally.count and (kept.stride > 1 or most is not None):
-            score = self.tally.exact(score, kept.count + read.left_out, due_ns)
+            score = score.of_all(self.tally, kept.count + read.left_out, due_ns)
         return read, score
 
     def _fault(self) -> str:

@@ -11,8 +11,9 @@ from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.causes import Track, undone
+from lie_rigid_body.evaluation.causes import undone
 from lie_rigid_body.evaluation.explanations import FORMS, Explanation, matrix
+from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 
 NOISE_DEG = 1.0

@@ -8,7 +8,7 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.statistics import MOST_SAMPLES, blocks_of, of_run, of_runs
+from lie_rigid_body.evaluation.differences import MOST_SAMPLES, blocks_of, of_run, of_runs
 
 
 def correlated(draws: np.random.Generator, count: int, memory: float) -> np.ndarray:
@@ -88,3 +88,19 @@ def test_lists_are_read_as_arrays_are():
 def test_too_few_have_no_interval():
     assert not of_run(np.ones(5), 2.0 * np.ones(5)).is_sure
     assert not of_runs(np.ones(5), 2.0 * np.ones(5)).is_sure
+
+
+@pytest.mark.parametrize("of", [of_run, of_runs])
+def test_lists_are_read_and_odd_shapes_refused(of):
+    draws = np.random.default_rng(8)
+    first, second = draws.gamma(4.0, 1.0, (2, 50))
+    assert of(first.tolist(), second.tolist()) == of(first, second)
+    for given in ((first, second[1:]), (first.reshape(5, 10), second.reshape(5, 10)), (1.0, 2.0), (first, "a")):
+        with pytest.raises(InputError, match=r"(first|second): "):
+            of(*given)
+
+
+def test_errors_of_one_run_are_numbers():
+    for value in (np.nan, np.inf):
+        with pytest.raises(InputError, match="1 of 20 rows are not finite, the first is row 3"):
+            of_run(np.ones(20), np.where(np.arange(20) == 3, value, 1.0))

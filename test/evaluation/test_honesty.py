@@ -51,7 +51,7 @@ def test_coverage_is_that_of_chi_square():
     found = honesty(covariances.TIMES, errors, covariance)
     for share in COVERAGES:
         assert found.coverage[share] == pytest.approx(share, abs=0.04)
-    assert found.to_dict()["passed"] is found.passed
+    assert found.passed is (found.verdict == "honest")
 
 
 def test_one_dimension_is_judged_as_well():
@@ -71,3 +71,29 @@ def test_what_cannot_be_judged_is_refused():
         honesty(covariances.TIMES, errors, -covariance)
     with pytest.raises(InputError):
         honesty(covariances.TIMES, errors, covariance, axes="earth")
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_has_no_number_or_another_shape_is_refused():
+    errors, covariance = covariances.drawn("stationary", np.random.default_rng(1))
+    times, attitude = covariances.TIMES, np.tile([0.0, 0.0, 0.0, 1.0], (*errors.shape[:2], 1))
+    for value in (np.nan, np.inf, 1e300):  # the square of the last overflows
+        wrong = errors.copy()
+        wrong[3, 5, 1] = value
+        with pytest.raises(InputError, match="errors: "):
+            honesty(times, wrong, covariance)
+    for name, t_s, e, P, q in (
+        ("errors", times, errors[0], covariance, attitude),
+        ("covariance", times, errors, covariance[0], attitude),
+        ("t_s", times[1:], errors, covariance, attitude),
+        ("attitude_xyzw", times, errors, covariance, attitude[0]),
+    ):
+        with pytest.raises(InputError, match=f"{name}: shape "):
+            honesty(t_s, e, P, q)
+
+
+def test_lists_and_one_covariance_of_all_are_read():
+    errors, covariance = covariances.drawn("stationary", np.random.default_rng(1))
+    assert honesty(covariances.TIMES.tolist(), errors.tolist(), covariance[0, 0].tolist()) == honesty(
+        covariances.TIMES, errors, covariance
+    )

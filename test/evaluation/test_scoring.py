@@ -11,8 +11,9 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 from lie_rigid_body import simulate
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
-from lie_rigid_body.evaluation.causes import BY_CODE, Track, fit
+from lie_rigid_body.evaluation.causes import BY_CODE, fit
 from lie_rigid_body.evaluation.clock import standard_error
+from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 
 MOTION = "slow_tumble"

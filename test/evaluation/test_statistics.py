@@ -15,7 +15,7 @@ from lie_rigid_body.evaluation import (
     evaluate,
     time_to_converge,
 )
-from lie_rigid_body.evaluation.score import Tally
+from lie_rigid_body.evaluation.limits import Tally
 from lie_rigid_body.evaluation.statistics import settling_limit
 
 
@@ -113,7 +113,7 @@ def test_limits_name_what_breaks_them():
 def test_a_limit_is_not_kept_where_little_was_compared():
     def broken(limits: Limits, compared: int, given: int, span_s: float, due_s: float) -> tuple[str, ...]:
         tally = tally_of(limits, np.linspace(0.0, span_s, compared), np.zeros(compared))
-        return tally.broken_in_all(given, round(1e9 * due_s))
+        return tuple(tally.broken(given, round(1e9 * due_s)))
 
     limits = Limits(1.0)
     assert broken(limits, 500, 1000, 10.0, 20.0) == ()

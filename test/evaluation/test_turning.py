@@ -12,8 +12,8 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import places
-from lie_rigid_body.evaluation.causes import Track
 from lie_rigid_body.evaluation.remarks import AXES, DEGREE, Turns
+from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 
 FEW = STAMPS[:500]

@@ -1,0 +1,112 @@
+"""Estimated attitudes beside the truth at their stamps, with the errors that they have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.evaluation.attitudes import AttitudeError, Truth, angles, angles_between, sizes, turns
+from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.lie import quaternion
+from lie_rigid_body.short_dataclass import short_dataclass
+
+SPIN: Final = 0.9
+"""Squared length of the mean axis of rotation above which a body turns about one axis."""
+FEWEST: Final = 20
+"""Least number of samples whose quarters tell anything."""
+
+
+@short_dataclass(frozen=True, eq=False)
+class Track:
+    """Attitudes that were estimated, beside the truth.
+
+    Attributes
+    ----------
+    stamps_ns : ndarray of int64, shape (N,)
+        Stamps, ns.
+    attitude_xyzw : ndarray, shape (N, 4)
+        World-from-body, scalar last, of unit norm.
+    truth : Truth
+        The true attitude at any stamp.
+    origin_ns : int, optional
+        Stamp at which a clock of another rate was right, ns; by default the first of the whole track.
+    """
+
+    stamps_ns: Integers
+    attitude_xyzw: Array
+    truth: Truth
+    origin_ns: int | None = None
+
+    @property
+    def origin(self) -> int:
+        """Stamp at which a clock of another rate was right, ns."""
+        return int(self.stamps_ns[0]) if self.origin_ns is None else self.origin_ns
+
+    @property
+    def since_s(self) -> Array:
+        """Times since the origin, s, shape (N,)."""
+        return np.asarray((self.stamps_ns - self.origin) / 1e9)
+
+    def part(self, chosen: slice | Integers | Booleans) -> Track:
+        """Some of the samples."""
+        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
+        return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
+
+    def few(self, most: int = 40) -> Track:
+        """At most so many of the samples, evenly spread over all."""
+        return self.part(spread(len(self.stamps_ns), most))
+
+    def known(self) -> Track:
+        """The samples at whose stamps the truth is known."""
+        return self.part(self.truth.covers(self.stamps_ns))
+
+    def error(self) -> AttitudeError:
+        """Error angles of each sample, shape (N,) each, rad."""
+        truth = self.truth.at(self.stamps_ns)
+        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth)))
+
+    def partial_errors(self) -> tuple[float, float]:
+        """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
+        step = max(1, len(self.stamps_ns) // 10)
+        attitudes = self.attitude_xyzw, self.truth.at(self.stamps_ns)
+        wrong, right = (quaternion.exp(turns(q[:-step], q[step:])) for q in attitudes)
+        return rms(self.error().inclination), rms(angles_between(wrong, right))
+
+
+Tracks = Sequence[Track]
+
+
+def spread(count: int, most: int) -> Integers:
+    """Indices of at most so many samples, evenly spread over all."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def error_of(tracks: Tracks) -> float:
+    """RMS of the total error over all samples of tracks, rad."""
+    return rms(np.concatenate([track.error().total for track in tracks]))
+
+
+def products(track: Track, stamps_ns: Integers) -> Array:
+    """The 16 numbers q ⊗ p of each sample, of the truth at some stamps and the estimate, shape (..., N, 16)."""
+    q, p = track.truth.at(stamps_ns), track.attitude_xyzw
+    return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
+
+
+def quarters(track: Track) -> Array:
+    """Mean of sin² of half of the error in each quarter but the first, shape (3,)."""
+    return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.error().total, 4)[1:]])
+
+
+def still(truth_xyzw: Array) -> float:
+    """Mean of sin² of half of the error of a constant attitude."""
+    return 1.0 - float(np.linalg.eigvalsh(truth_xyzw.T @ truth_xyzw)[-1]) / len(truth_xyzw)
+
+
+def spins(rate: Array, least: float = SPIN) -> bool:
+    """Whether a body with some rates, (N, 3), turns about one axis: so do errors of a gyro."""
+    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
+    return bool(np.sum(np.mean(axes, axis=0) ** 2) > least)
