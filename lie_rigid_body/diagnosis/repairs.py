@@ -14,7 +14,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import Part, Track, undone
+from lie_rigid_body.evaluation.causes import UP, Part, Track, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
@@ -23,6 +23,10 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Sensors by the names that codes have, and their readings."""
+
+
+DRIFT: Final = 0.1
+"""Rate of a gyro that drifts, share of the body's mean rate: in a course it makes hundreds of times the floor."""
 
 
 @short_dataclass(frozen=True)
@@ -151,6 +155,23 @@ def factor(value: float) -> Repair:
 def silent(sensor: str) -> Repair:
     """Readings of one sensor that vanish beside those that a filter uses; no repair of a mistake."""
     return Repair("", "", 0, partial(_multiplied, (sensor,), 1e-12 * np.eye(3)), "", "")
+
+
+def drift(sensor: str) -> Repair:
+    """A gyro that drifts about the one direction about which no sensor but this corrects it; no repair of a mistake.
+
+    It drifts by a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
+    vertical.
+    """
+    return Repair("", "", 0, partial(_drifting, sensor), "", "")
+
+
+def _drifting(sensor: str, given: Readings) -> Readings:
+    course = given.course
+    axis = course.field / np.linalg.norm(course.field) if sensor == "accelerometer" else UP
+    rate = DRIFT * course.turn * course.number("imu_rate") * axis
+    back = quaternion.conjugate(course.truth.at(given.t_ns))
+    return given.changed(gyro=given.vectors["gyro"] + quaternion.rotate(back, rate))
 
 
 def late(sensor: str, samples: float) -> Repair:

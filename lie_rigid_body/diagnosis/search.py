@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs, silent
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, drift, exact_repairs, silent
 from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, Track, Tracks, error_of, undone
 from lie_rigid_body.runs.estimators import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -42,9 +42,6 @@ UNCHANGED: Final = 1e-6
 """Change of the error, rad, below which a repair is none."""
 FINEST_FACTOR: Final = 1e-6
 """Accuracy to which a factor is fitted."""
-CALMED: Final = 1.4
-"""Factor by which a sensor in other units has to lessen the error that a gyro makes which is off, of an unstable
-filter. A right filter has 1.6 and more, one with a wrong Jacobian 1.2 at most."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
 
@@ -195,7 +192,7 @@ class Search:
     ) -> None:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self._short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]).nearly_perfect(),)
+        self.short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]).nearly_perfect(),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
         self.runs, self.is_cut, self.is_broken = 0, False, False
@@ -225,7 +222,7 @@ class Search:
         if self.is_broken or plain(nearly).error <= self.floor:
             return
         self.trials = nearly
-        self.change = max(self._changes(), default=0.0)
+        self.change = max(self.changes(), default=0.0)
         longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
         rested = list(self.fully([()], courses=longer))
         if plain(rested).error <= self.floor:
@@ -233,7 +230,7 @@ class Search:
         else:
             self.look()
 
-    def _changes(self) -> Iterator[float]:
+    def changes(self) -> Iterator[float]:
         """What sensors that are off by a little change, where it is much and no chance of the filter itself, rad."""
         for kind, repairs in product(KINDS, ((), (JOINT,))):
             course = self.courses[0].of_kind(kind)
@@ -249,7 +246,7 @@ class Search:
         self.trials += self.fully([()], CAUSES, pairs=True)
         if self._is_mended(1, 0):
             return
-        ((unrepaired,),) = self.tried([((), self._short)])
+        ((unrepaired,),) = self.tried([((), self.short)])
         singles = self._screened([(repair,) for repair in self._exact])
         if not self._is_mended(1, 0):
             singles += self._fitted_beside(())
@@ -288,7 +285,7 @@ class Search:
         if not chosen:
             return []
         single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
-        found = list(self.tried([(repairs, self._short) for repairs in chosen], QUICK if single else ()))
+        found = list(self.tried([(repairs, self.short) for repairs in chosen], QUICK if single else ()))
         least = {trials[0]: min(trial.error for trial in trials) for trials in found}
         best = sorted(least, key=least.__getitem__)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
@@ -299,16 +296,19 @@ class Search:
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
-        """Whether a sensor in other units corrects a gyro that is off: a wrong correction is also mended by silence.
+        """Whether each sensor in other units lessens what a drift of the gyro makes that it alone tells.
 
-        Of an unstable filter more is asked, as it may also be calmed by a correction that is nearly silent.
+        A wrong correction is also mended by one that is nearly silent: that makes of the drift as much or more. Errors
+        of up to the floor, which a repair may leave without a drift, lessen by chance what is left with it.
         """
         scaled = [repair.code.partition("_")[0] for repair in trial.inputs if repair.code.endswith("_units")]
-        off = (replace(self._short[0], off=(("gyro", (self.floor,) * 3),)),)
-        asked = [trial.repairs, *((*trial.repairs, silent(sensor)) for sensor in scaled)]
-        (used,), *unused = self.tried([(repairs, off) for repairs in asked]) if scaled else [[trial]]
-        least = (CALMED if self.change else 1.0) * used.error + UNCHANGED
-        return all(without.error > least for (without,) in unused)
+        return all(self.silence_costs(sensor, trial.repairs) > self.floor for sensor in scaled)
+
+    def silence_costs(self, sensor: str, repairs: Repairs) -> float:
+        """By how much the error is larger without a sensor, while the gyro drifts as this one alone tells, rad."""
+        drifting = (drift(sensor), *repairs)
+        (used,), (silenced,) = self.tried([(drifting, self.short), ((*drifting, silent(sensor)), self.short)])
+        return silenced.error - used.error
 
     def fully(
         self,
@@ -334,7 +334,7 @@ class Search:
         of, tried = FITTED[code]
 
         def left(values: Iterable[float]) -> list[float]:
-            return [each[0].error for each in self.tried([((of(value), *rest), self._short) for value in values])]
+            return [each[0].error for each in self.tried([((of(value), *rest), self.short) for value in values])]
 
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
@@ -373,7 +373,7 @@ class Search:
                 continue
             tracks = [settled(answer.track) for answer in right]
             parts = tracks[0].partial_errors()
-            if courses == self._short:
+            if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
             alone = Trial(repairs, (), kind, error_of(tracks), parts)
             mended = _without(tracks, causes, pairs=pairs)
