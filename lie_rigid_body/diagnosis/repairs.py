@@ -1,9 +1,9 @@
-"""Repairs of the input, changes of the readings that undo what a filter does wrong with them; and runs with them."""
+"""Repairs, changes of the readings or of the estimate that undo what a filter does wrong; and runs with them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import permutations, product
 from typing import Final
@@ -14,7 +14,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import UP, Part, Track, undone
+from lie_rigid_body.evaluation.causes import BY_CODE, UP, Cause, Track, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
@@ -31,7 +31,7 @@ DRIFT: Final = 0.1
 
 @short_dataclass(frozen=True)
 class Repair:
-    """A change of the readings.
+    """A change of the readings, or of the estimate.
 
     Attributes
     ----------
@@ -41,20 +41,23 @@ class Repair:
         What is done, in as few characters as tell it: ``y x -z``.
     price : int
         Number of fitted constants.
-    change : callable
-        The readings that a filter with the mistake is to be given.
+    change : callable or None
+        The readings that a filter with the mistake is to be given; None leaves them.
     fact : str
         The mistake in a sentence without a full stop.
     deed : str
         The repair in words, before "leave".
+    constants : ndarray or None
+        Those of the cause of this code that is undone in the estimate; None leaves it.
     """
 
     code: str
     text: str
     price: int
-    change: Callable[[Readings], Readings] = field(compare=False)
+    change: Callable[[Readings], Readings] | None = field(compare=False)
     fact: str
     deed: str
+    constants: Array | None = field(default=None, compare=False)
 
 
 def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
@@ -188,11 +191,10 @@ def late(sensor: str, samples: float) -> Repair:
     )
 
 
-def of_output(part: Part) -> Repair:
-    """What is told of a repair of the output, which leaves the readings as they are."""
-    cause, constants = part
+def of_output(cause: Cause, constants: Array) -> Repair:
+    """A repair of the estimate by undoing a cause."""
     text = " ".join(f"{constant:.5g}" for constant in constants) if cause.price else "undone"
-    return Repair(cause.code, text, cause.price, lambda given: given, cause.fact(constants), cause.deed(constants))
+    return Repair(cause.code, text, cause.price, None, cause.fact(constants), cause.deed(constants), constants)
 
 
 def exact_repairs() -> tuple[Repair, ...]:
@@ -251,7 +253,7 @@ class Answer:
     course : Course
     stamps_ns : ndarray of int64, shape (N,)
     attitude_xyzw : ndarray, shape (N, 4)
-        Its attitudes, divided by their norms; the identity where one is not finite or zero.
+        Its attitudes, repaired, divided by their norms; the identity where one is not finite or zero.
     broken : ndarray of int64
         Numbers of the samples that are not finite or zero.
     given : Estimate
@@ -269,11 +271,6 @@ class Answer:
         """The attitudes beside the truth."""
         return Track(self.stamps_ns, self.attitude_xyzw, self.course.truth)
 
-    def without(self, parts: Sequence[Part]) -> Answer:
-        """The answer with causes of errors in the output undone."""
-        track = undone(self.track, parts)
-        return replace(self, stamps_ns=track.stamps_ns, attitude_xyzw=track.attitude_xyzw)
-
     def apart(self, other: Answer) -> float:
         """Largest difference from another answer while both go on, rad."""
         both = min(len(self.attitude_xyzw), len(other.attitude_xyzw))
@@ -287,7 +284,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Job:
-    """One run of the filter: a course whose readings are repaired."""
+    """One run of the filter: a course whose readings are repaired, and the estimate."""
 
     course: Course
     repairs: tuple[Repair, ...] = ()
@@ -302,10 +299,12 @@ class Job:
         """
         given = readings(self.course)
         for repair in self.repairs:
-            given = repair.change(given)
+            given = repair.change(given) if repair.change else given
         found = called(estimate, given.run())
         norms = quaternion.norm(found.attitude_xyzw)
         good = np.isfinite(norms) & (norms > SMALLEST_NORM)
         attitude = np.where(good[:, np.newaxis], found.attitude_xyzw, (0.0, 0.0, 0.0, 1.0))
         unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
-        return Answer(self.course, found.t_ns, unit, np.flatnonzero(~good), found)
+        causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
+        track = undone(Track(found.t_ns, unit, self.course.truth), causes)
+        return Answer(self.course, track.stamps_ns, track.attitude_xyzw, np.flatnonzero(~good), found)

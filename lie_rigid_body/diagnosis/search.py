@@ -14,8 +14,19 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, drift, exact_repairs, silent
-from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, Track, Tracks, error_of, undone
+from lie_rigid_body.diagnosis.repairs import (
+    FITTED,
+    JOINT,
+    ORDER,
+    Answer,
+    Job,
+    Repair,
+    drift,
+    exact_repairs,
+    of_output,
+    silent,
+)
+from lie_rigid_body.evaluation.causes import CAUSES, Cause, Track, Tracks, error_of
 from lie_rigid_body.runs.estimators import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -46,8 +57,7 @@ QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", 
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
 
 Repairs = tuple[Repair, ...]
-Outputs = tuple[Part, ...]
-"""Repairs of the output, in the order in which they are applied."""
+"""Repairs in the order in which they are applied: of the input, `JOINT` if it is, of the output."""
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -57,9 +67,6 @@ class Trial:
     Attributes
     ----------
     repairs : tuple of Repair
-        Repairs of the input, with `JOINT` last where it is applied.
-    outputs : tuple of (Cause, ndarray)
-        Repairs of the output with their constants.
     kind : str
         The kind of gyro.
     error : float
@@ -70,7 +77,6 @@ class Trial:
     """
 
     repairs: Repairs
-    outputs: Outputs
     kind: str
     error: float
     parts: tuple[float, ...] = ()
@@ -81,27 +87,20 @@ class Trial:
         return JOINT in self.repairs
 
     @property
-    def inputs(self) -> Repairs:
-        """The repairs of the input that are of mistakes."""
+    def mistakes(self) -> Repairs:
+        """The repairs that are of mistakes."""
         return tuple(repair for repair in self.repairs if repair != JOINT)
 
     @property
     def codes(self) -> tuple[str, ...]:
         """The mistakes."""
-        return (*(repair.code for repair in self.inputs), *(cause.code for cause, _ in self.outputs))
+        return tuple(repair.code for repair in self.mistakes)
 
     @property
     def rank(self) -> tuple[int, int, list[int]]:
         """Number of repairs, price, and places in the table: the least is named."""
-        price = sum(repair.price for repair in self.inputs) + sum(cause.price for cause, _ in self.outputs)
+        price = sum(repair.price for repair in self.mistakes)
         return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
-
-    @property
-    def steps(self) -> list[tuple[Repairs, Outputs]]:
-        """The repairs one after the other: the first, the first two, and so on, each with `JOINT` as it is here."""
-        joint = (JOINT,) * self.joint
-        inputs = [((*self.inputs[: count + 1], *joint), ()) for count in range(len(self.inputs))]
-        return inputs + [(self.repairs, self.outputs[: count + 1]) for count in range(len(self.outputs))]
 
 
 @short_dataclass(frozen=True)
@@ -217,14 +216,14 @@ class Search:
 
     def run(self) -> None:
         """Look for repairs of a filter that is wrong, also after a longer rest: one that is right then goes on so."""
-        self.trials += self.fully([()], is_exact=True)
+        self.trials += self.fully([()], courses=self.courses)
         nearly = list(self.fully([()]))
         if self.is_broken or plain(nearly).error <= self.floor:
             return
         self.trials = nearly
         self.change = max(self.changes(), default=0.0)
         longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
-        rested = list(self.fully([()], courses=longer))
+        rested = list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))
         if plain(rested).error <= self.floor:
             self.courses, self.trials = longer, rested
         else:
@@ -250,9 +249,9 @@ class Search:
         singles = self._screened([(repair,) for repair in self._exact])
         if not self._is_mended(1, 0):
             singles += self._fitted_beside(())
-        changing = {trial.inputs[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
+        changing = {trial.mistakes[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
         self._exact = tuple(repair for repair in self._exact if repair in changing)
-        firsts = [trial.inputs for trial in _most_promising(singles)[:BEAM]]
+        firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
         for pairs_with in (self._exact_beside, self._fitted_beside):
             for first in firsts:
                 if self._is_mended(2, 0) or not self._may_go_on():
@@ -291,7 +290,7 @@ class Search:
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
         far = FAR * max(self.floor, least[best[0]])
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial] <= far]
-        finals = dict.fromkeys(trial.inputs for trial in promising if self._uses_what_it_scales(trial))
+        finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(trial))
         self.trials += self.fully(finals, CAUSES if single else ())
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
@@ -301,7 +300,7 @@ class Search:
         A wrong correction is also mended by one that is nearly silent: that makes of the drift as much or more. Errors
         of up to the floor, which a repair may leave without a drift, lessen by chance what is left with it.
         """
-        scaled = [repair.code.partition("_")[0] for repair in trial.inputs if repair.code.endswith("_units")]
+        scaled = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
         return all(self.silence_costs(sensor, trial.repairs) > self.floor for sensor in scaled)
 
     def silence_costs(self, sensor: str, repairs: Repairs) -> float:
@@ -316,16 +315,15 @@ class Search:
         causes: Sequence[Cause] = (),
         *,
         pairs: bool = False,
-        courses: tuple[Course, ...] = (),
-        is_exact: bool = False,
+        courses: Sequence[Course] = (),
     ) -> Iterator[Trial]:
-        """Try repairs on all courses, or on others, with both kinds of gyro, with and without `JOINT`.
+        """Try repairs on some courses with both kinds of gyro, with and without `JOINT`.
 
-        Sensors are perfect, or nearly so, which an unstable filter does not forgive.
+        By default these are all, with sensors nearly perfect, which an unstable filter does not forgive.
         """
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
-        exact = [[course.of_kind(kind) for course in courses or self.courses] for kind in KINDS]
-        by_kind = [tuple(c if is_exact else c.nearly_perfect() for c in each) for each in exact]
+        courses = courses or [course.nearly_perfect() for course in self.courses]
+        by_kind = [tuple(course.of_kind(kind) for course in courses) for kind in KINDS]
         for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
             yield from found
 
@@ -369,15 +367,15 @@ class Search:
             right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
             self.is_broken |= any(answer.broken.size > 0 for answer in right)
             if len(right) < len(courses):
-                yield [Trial(repairs, (), kind, np.pi, (np.pi, np.pi))]
+                yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
             tracks = [settled(answer.track) for answer in right]
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
-            alone = Trial(repairs, (), kind, error_of(tracks), parts)
+            alone = Trial(repairs, kind, error_of(tracks), parts)
             mended = _without(tracks, causes, pairs=pairs)
-            yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in mended)]
+            yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
@@ -387,13 +385,13 @@ def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
     return [trials[number] for number in np.argsort(places, kind="stable")]
 
 
-def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:
+def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
     """Each cause, or every two of which the first has no constant, with what is left without them."""
     for cause in causes:
         constants, error = cause.fitted(tracks)
-        part = cause, constants
-        yield (part,), error
+        repair = of_output(cause, constants)
+        yield (repair,), error
         if pairs and not cause.price:
             others = (other for other in CAUSES if other.code != cause.code)
-            rest = _without([undone(track, [part]) for track in tracks], others, pairs=False)
-            yield from (((part, *second), left) for second, left in rest)
+            rest = _without([cause.undo(track, constants) for track in tracks], others, pairs=False)
+            yield from (((repair, *second), left) for second, left in rest)

@@ -294,7 +294,7 @@ def test_unit_that_makes_a_right_filter_unstable_is_heard_again(
     gain: float, code: str, units: tuple[float, float], repair: str
 ) -> None:
     search, trials = repairs_by_units(partial(textbook.proportional, gain=gain, units=units), code)
-    (right,) = (trial for trial in trials if trial.inputs[0].text == repair)
+    (right,) = (trial for trial in trials if trial.mistakes[0].text == repair)
     assert search.silence_costs(code.partition("_")[0], right.repairs) > 10.0 * search.floor
 
 
