@@ -13,7 +13,7 @@ import numpy as np
 
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import Setup, probed
-from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job, of_output
+from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
 from lie_rigid_body.diagnosis.search import Each, Search, plain, settled
 from lie_rigid_body.errors import InputError
@@ -147,12 +147,11 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
 
 def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     """The errors of the filter as it is, and after each of the repairs that are named."""
-    chosen = search.chosen
-    courses, steps = [course.of_kind(chosen.kind) for course in search.courses], [((), ()), *chosen.steps]
-    answers = search.ask([Job(course, repairs) for repairs, _ in steps for course in courses])
-    for code, (_, outputs) in zip(("", *chosen.codes), steps, strict=True):
-        given = [next(answers) for _ in courses]
-        tracks = [answer.without(outputs).track for answer in given if isinstance(answer, Answer)]
+    chosen, courses = search.chosen, [course.of_kind(search.chosen.kind) for course in search.courses]
+    for count, code in enumerate(("", *chosen.codes)):
+        repairs = (*chosen.mistakes[:count], *(JOINT,) * (chosen.joint and count > 0))
+        answers = search.ask([Job(course, repairs) for course in courses])
+        tracks = [answer.track for answer in answers if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
             left = float(np.degrees(error_of([settled(each) for each in tracks])))
             yield ErrorOverTime(code, tracks[0].stamps_ns / 1e9, np.degrees(tracks[0].error().total), left)
@@ -165,7 +164,7 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
         return
     left = {choice.named.codes[-1]: float(np.degrees(choice.named.error)), **{e.code: e.rms_deg for e in errors}}
     before = left.get("", float(np.degrees(plain(search.trials, joint=False).error)))
-    for found in (*choice.named.inputs, *map(of_output, choice.named.outputs)):
+    for found in choice.named.mistakes:
         after, or_else = left.get(found.code, before), choice.or_else(found.code)
         doubt = f" Undoing {' or '.join(or_else)} does as well on this motion." if or_else else ""
         leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"

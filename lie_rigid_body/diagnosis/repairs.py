@@ -1,9 +1,9 @@
-"""Repairs of the input, changes of the readings that undo what a filter does wrong with them; and runs with them."""
+"""Repairs, changes of the readings or of the estimate that undo what a filter does wrong; and runs with them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import permutations, product
 from typing import Final
@@ -14,7 +14,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import Part, undone
+from lie_rigid_body.evaluation.causes import BY_CODE, UP, Cause, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
@@ -26,9 +26,13 @@ SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetomet
 """Sensors by the names that codes have, and their readings."""
 
 
+DRIFT: Final = 0.1
+"""Rate of a gyro that drifts, share of the body's mean rate: in a course it makes hundreds of times the floor."""
+
+
 @short_dataclass(frozen=True)
 class Repair:
-    """A change of the readings.
+    """A change of the readings, or of the estimate.
 
     Attributes
     ----------
@@ -38,20 +42,23 @@ class Repair:
         What is done, in as few characters as tell it: ``y x -z``.
     price : int
         Number of fitted constants.
-    change : callable
-        The readings that a filter with the mistake is to be given.
+    change : callable or None
+        The readings that a filter with the mistake is to be given; None leaves them.
     fact : str
         The mistake in a sentence without a full stop.
     deed : str
         The repair in words, before "leave".
+    constants : ndarray or None
+        Those of the cause of this code that is undone in the estimate; None leaves it.
     """
 
     code: str
     text: str
     price: int
-    change: Callable[[Readings], Readings] = field(compare=False)
+    change: Callable[[Readings], Readings] | None = field(compare=False)
     fact: str
     deed: str
+    constants: Array | None = field(default=None, compare=False)
 
 
 def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
@@ -154,6 +161,23 @@ def silent(sensor: str) -> Repair:
     return Repair("", "", 0, partial(_multiplied, (sensor,), 1e-12 * np.eye(3)), "", "")
 
 
+def drift(sensor: str) -> Repair:
+    """A gyro that drifts about the one direction about which no sensor but this corrects it; no repair of a mistake.
+
+    It drifts by a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
+    vertical.
+    """
+    return Repair("", "", 0, partial(_drifting, sensor), "", "")
+
+
+def _drifting(sensor: str, given: Readings) -> Readings:
+    course = given.course
+    axis = course.field / np.linalg.norm(course.field) if sensor == "accelerometer" else UP
+    rate = DRIFT * course.turn * course.number("imu_rate") * axis
+    back = quaternion.conjugate(course.truth.at(given.t_ns))
+    return given.changed(gyro=given.vectors["gyro"] + quaternion.rotate(back, rate))
+
+
 def late(sensor: str, samples: float) -> Repair:
     """Readings of one sensor moved in time by a whole number of samples."""
     count = int(samples)
@@ -168,11 +192,10 @@ def late(sensor: str, samples: float) -> Repair:
     )
 
 
-def of_output(part: Part) -> Repair:
-    """What is told of a repair of the output, which leaves the readings as they are."""
-    cause, constants = part
+def of_output(cause: Cause, constants: Array) -> Repair:
+    """A repair of the estimate by undoing a cause."""
     text = " ".join(f"{constant:.5g}" for constant in constants) if cause.price else "undone"
-    return Repair(cause.code, text, cause.price, lambda given: given, cause.fact(constants), cause.deed(constants))
+    return Repair(cause.code, text, cause.price, None, cause.fact(constants), cause.deed(constants), constants)
 
 
 def exact_repairs() -> tuple[Repair, ...]:
@@ -231,7 +254,7 @@ class Answer:
     course : Course
     stamps_ns : ndarray of int64, shape (N,)
     attitude_xyzw : ndarray, shape (N, 4)
-        Its attitudes, divided by their norms; the identity where one is not finite or zero.
+        Its attitudes, repaired, divided by their norms; the identity where one is not finite or zero.
     broken : ndarray of int64
         Numbers of the samples that are not finite or zero.
     given : Estimate
@@ -249,11 +272,6 @@ class Answer:
         """The attitudes beside the truth."""
         return Track(self.stamps_ns, self.attitude_xyzw, self.course.truth)
 
-    def without(self, parts: Sequence[Part]) -> Answer:
-        """The answer with causes of errors in the output undone."""
-        track = undone(self.track, parts)
-        return replace(self, stamps_ns=track.stamps_ns, attitude_xyzw=track.attitude_xyzw)
-
     def apart(self, other: Answer) -> float:
         """Largest difference from another answer while both go on, rad."""
         both = min(len(self.attitude_xyzw), len(other.attitude_xyzw))
@@ -267,7 +285,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Job:
-    """One run of the filter: a course whose readings are repaired."""
+    """One run of the filter: a course whose readings are repaired, and the estimate."""
 
     course: Course
     repairs: tuple[Repair, ...] = ()
@@ -282,10 +300,12 @@ class Job:
         """
         given = readings(self.course)
         for repair in self.repairs:
-            given = repair.change(given)
+            given = repair.change(given) if repair.change else given
         found = called(estimate, given.run())
         norms = quaternion.norm(found.attitude_xyzw)
         good = np.isfinite(norms) & (norms > SMALLEST_NORM)
         attitude = np.where(good[:, np.newaxis], found.attitude_xyzw, (0.0, 0.0, 0.0, 1.0))
         unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
-        return Answer(self.course, found.t_ns, unit, np.flatnonzero(~good), found)
+        causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
+        track = undone(Track(found.t_ns, unit, self.course.truth), causes)
+        return Answer(self.course, track.stamps_ns, track.attitude_xyzw, np.flatnonzero(~good), found)

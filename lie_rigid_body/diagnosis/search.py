@@ -14,8 +14,19 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, Answer, Job, Repair, exact_repairs, silent
-from lie_rigid_body.evaluation.causes import CAUSES, Cause, Part, undone
+from lie_rigid_body.diagnosis.repairs import (
+    FITTED,
+    JOINT,
+    ORDER,
+    Answer,
+    Job,
+    Repair,
+    drift,
+    exact_repairs,
+    of_output,
+    silent,
+)
+from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of
 from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -43,15 +54,11 @@ UNCHANGED: Final = 1e-6
 """Change of the error, rad, below which a repair is none."""
 FINEST_FACTOR: Final = 1e-6
 """Accuracy to which a factor is fitted."""
-CALMED: Final = 1.4
-"""Factor by which a sensor in other units has to lessen the error that a gyro makes which is off, of an unstable
-filter. A right filter has 1.6 and more, one with a wrong Jacobian 1.2 at most."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
 
 Repairs = tuple[Repair, ...]
-Outputs = tuple[Part, ...]
-"""Repairs of the output, in the order in which they are applied."""
+"""Repairs in the order in which they are applied: of the input, `JOINT` if it is, of the output."""
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -61,9 +68,6 @@ class Trial:
     Attributes
     ----------
     repairs : tuple of Repair
-        Repairs of the input, with `JOINT` last where it is applied.
-    outputs : tuple of (Cause, ndarray)
-        Repairs of the output with their constants.
     kind : str
         The kind of gyro.
     error : float
@@ -74,7 +78,6 @@ class Trial:
     """
 
     repairs: Repairs
-    outputs: Outputs
     kind: str
     error: float
     parts: tuple[float, ...] = ()
@@ -85,27 +88,20 @@ class Trial:
         return JOINT in self.repairs
 
     @property
-    def inputs(self) -> Repairs:
-        """The repairs of the input that are of mistakes."""
+    def mistakes(self) -> Repairs:
+        """The repairs that are of mistakes."""
         return tuple(repair for repair in self.repairs if repair != JOINT)
 
     @property
     def codes(self) -> tuple[str, ...]:
         """The mistakes."""
-        return (*(repair.code for repair in self.inputs), *(cause.code for cause, _ in self.outputs))
+        return tuple(repair.code for repair in self.mistakes)
 
     @property
     def rank(self) -> tuple[int, int, list[int]]:
         """Number of repairs, price, and places in the table: the least is named."""
-        price = sum(repair.price for repair in self.inputs) + sum(cause.price for cause, _ in self.outputs)
+        price = sum(repair.price for repair in self.mistakes)
         return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
-
-    @property
-    def steps(self) -> list[tuple[Repairs, Outputs]]:
-        """The repairs one after the other: the first, the first two, and so on, each with `JOINT` as it is here."""
-        joint = (JOINT,) * self.joint
-        inputs = [((*self.inputs[: count + 1], *joint), ()) for count in range(len(self.inputs))]
-        return inputs + [(self.repairs, self.outputs[: count + 1]) for count in range(len(self.outputs))]
 
 
 @short_dataclass(frozen=True)
@@ -196,7 +192,7 @@ class Search:
     ) -> None:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self._short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]).nearly_perfect(),)
+        self.short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]).nearly_perfect(),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
         self.runs, self.is_cut, self.is_broken = 0, False, False
@@ -221,20 +217,20 @@ class Search:
 
     def run(self) -> None:
         """Look for repairs of a filter that is wrong, also after a longer rest: one that is right then goes on so."""
-        self.trials += self.fully([()], is_exact=True)
+        self.trials += self.fully([()], courses=self.courses)
         nearly = list(self.fully([()]))
         if self.is_broken or plain(nearly).error <= self.floor:
             return
         self.trials = nearly
-        self.change = max(self._changes(), default=0.0)
+        self.change = max(self.changes(), default=0.0)
         longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
-        rested = list(self.fully([()], courses=longer))
+        rested = list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))
         if plain(rested).error <= self.floor:
             self.courses, self.trials = longer, rested
         else:
             self.look()
 
-    def _changes(self) -> Iterator[float]:
+    def changes(self) -> Iterator[float]:
         """What sensors that are off by a little change, where it is much and no chance of the filter itself, rad."""
         for kind, repairs in product(KINDS, ((), (JOINT,))):
             course = self.courses[0].of_kind(kind)
@@ -250,13 +246,13 @@ class Search:
         self.trials += self.fully([()], CAUSES, pairs=True)
         if self._is_mended(1, 0):
             return
-        ((unrepaired,),) = self.tried([((), self._short)])
+        ((unrepaired,),) = self.tried([((), self.short)])
         singles = self._screened([(repair,) for repair in self._exact])
         if not self._is_mended(1, 0):
             singles += self._fitted_beside(())
-        changing = {trial.inputs[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
+        changing = {trial.mistakes[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
         self._exact = tuple(repair for repair in self._exact if repair in changing)
-        firsts = [trial.inputs for trial in _most_promising(singles)[:BEAM]]
+        firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
         for pairs_with in (self._exact_beside, self._fitted_beside):
             for first in firsts:
                 if self._is_mended(2, 0) or not self._may_go_on():
@@ -289,27 +285,30 @@ class Search:
         if not chosen:
             return []
         single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
-        found = list(self.tried([(repairs, self._short) for repairs in chosen], QUICK if single else ()))
+        found = list(self.tried([(repairs, self.short) for repairs in chosen], QUICK if single else ()))
         least = {trials[0]: min(trial.error for trial in trials) for trials in found}
         best = sorted(least, key=least.__getitem__)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
         far = FAR * max(self.floor, least[best[0]])
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial] <= far]
-        finals = dict.fromkeys(trial.inputs for trial in promising if self._uses_what_it_scales(trial))
+        finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(trial))
         self.trials += self.fully(finals, CAUSES if single else ())
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
-        """Whether a sensor in other units corrects a gyro that is off: a wrong correction is also mended by silence.
+        """Whether each sensor in other units lessens what a drift of the gyro makes that it alone tells.
 
-        Of an unstable filter more is asked, as it may also be calmed by a correction that is nearly silent.
+        A wrong correction is also mended by one that is nearly silent: that makes of the drift as much or more. Errors
+        of up to the floor, which a repair may leave without a drift, lessen by chance what is left with it.
         """
-        scaled = [repair.code.partition("_")[0] for repair in trial.inputs if repair.code.endswith("_units")]
-        off = (replace(self._short[0], off=(("gyro", (self.floor,) * 3),)),)
-        asked = [trial.repairs, *((*trial.repairs, silent(sensor)) for sensor in scaled)]
-        (used,), *unused = self.tried([(repairs, off) for repairs in asked]) if scaled else [[trial]]
-        least = (CALMED if self.change else 1.0) * used.error + UNCHANGED
-        return all(without.error > least for (without,) in unused)
+        scaled = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
+        return all(self.silence_costs(sensor, trial.repairs) > self.floor for sensor in scaled)
+
+    def silence_costs(self, sensor: str, repairs: Repairs) -> float:
+        """By how much the error is larger without a sensor, while the gyro drifts as this one alone tells, rad."""
+        drifting = (drift(sensor), *repairs)
+        (used,), (silenced,) = self.tried([(drifting, self.short), ((*drifting, silent(sensor)), self.short)])
+        return silenced.error - used.error
 
     def fully(
         self,
@@ -317,16 +316,15 @@ class Search:
         causes: Sequence[Cause] = (),
         *,
         pairs: bool = False,
-        courses: tuple[Course, ...] = (),
-        is_exact: bool = False,
+        courses: Sequence[Course] = (),
     ) -> Iterator[Trial]:
-        """Try repairs on all courses, or on others, with both kinds of gyro, with and without `JOINT`.
+        """Try repairs on some courses with both kinds of gyro, with and without `JOINT`.
 
-        Sensors are perfect, or nearly so, which an unstable filter does not forgive.
+        By default these are all, with sensors nearly perfect, which an unstable filter does not forgive.
         """
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
-        exact = [[course.of_kind(kind) for course in courses or self.courses] for kind in KINDS]
-        by_kind = [tuple(c if is_exact else c.nearly_perfect() for c in each) for each in exact]
+        courses = courses or [course.nearly_perfect() for course in self.courses]
+        by_kind = [tuple(course.of_kind(kind) for course in courses) for kind in KINDS]
         for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
             yield from found
 
@@ -335,7 +333,7 @@ class Search:
         of, tried = FITTED[code]
 
         def left(values: Iterable[float]) -> list[float]:
-            return [each[0].error for each in self.tried([((of(value), *rest), self._short) for value in values])]
+            return [each[0].error for each in self.tried([((of(value), *rest), self.short) for value in values])]
 
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
@@ -370,15 +368,15 @@ class Search:
             right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
             self.is_broken |= any(answer.broken.size > 0 for answer in right)
             if len(right) < len(courses):
-                yield [Trial(repairs, (), kind, np.pi, (np.pi, np.pi))]
+                yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
             tracks = [settled(answer.track) for answer in right]
             parts = tracks[0].partial_errors()
-            if courses == self._short:
+            if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
-            alone = Trial(repairs, (), kind, error_of(tracks), parts)
+            alone = Trial(repairs, kind, error_of(tracks), parts)
             mended = _without(tracks, causes, pairs=pairs)
-            yield [alone, *(Trial(repairs, outputs, kind, error) for outputs, error in mended)]
+            yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
@@ -388,13 +386,13 @@ def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
     return [trials[number] for number in np.argsort(places, kind="stable")]
 
 
-def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Outputs, float]]:
+def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
     """Each cause, or every two of which the first has no constant, with what is left without them."""
     for cause in causes:
         constants, error = cause.fitted(tracks)
-        part = cause, constants
-        yield (part,), error
+        repair = of_output(cause, constants)
+        yield (repair,), error
         if pairs and not cause.price:
             others = (other for other in CAUSES if other.code != cause.code)
-            rest = _without([undone(track, [part]) for track in tracks], others, pairs=False)
-            yield from (((part, *second), left) for second, left in rest)
+            rest = _without([cause.undo(track, constants) for track in tracks], others, pairs=False)
+            yield from (((repair, *second), left) for second, left in rest)

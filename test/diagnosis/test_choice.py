@@ -10,7 +10,7 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.course import readings as readings_of
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late, of_output
 from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES
@@ -22,8 +22,8 @@ REPAIRS = {repair.code: repair for repair in exact_repairs()}
 
 
 def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
-    constants = tuple((BY_CODE[code], np.zeros(1)) for code in outputs)
-    return Trial(tuple(REPAIRS[code] for code in codes), constants, "integrated", error)
+    causes = (of_output(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in outputs)
+    return Trial((*(REPAIRS[code] for code in codes), *causes), "integrated", error)
 
 
 @pytest.mark.parametrize(

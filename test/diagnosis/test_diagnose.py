@@ -20,7 +20,7 @@ from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import exact_repairs
-from lie_rigid_body.diagnosis.search import Search
+from lie_rigid_body.diagnosis.search import Search, Trial
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimators import each_alone
 
@@ -265,15 +265,46 @@ def test_right_filter_that_expects_integrated_rates_is_told_so() -> None:
     assert {note.code: note.value for note in found.notes} == {"gyro_kind": "integrated"}
 
 
-def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter() -> None:
-    """Without the sensor that it takes wrongly the filter leaves 0.00°, as with readings in other units."""
-    search = Search(partial(each_alone, textbook.with_wrong_jacobian), courses_of({}), 2000)
-    search.change = max(search._changes())
-    assert np.degrees(search.change) > 30.0
-    units = [(repair,) for repair in exact_repairs() if repair.code == "magnetometer_units"]
-    trials = [trial for (trial,) in search.tried([(repairs, search._short) for repairs in units])]
-    assert min(trial.error for trial in trials) < search.floor
-    assert not any(search._uses_what_it_scales(trial) for trial in trials if trial.error < search.floor)
+def repairs_by_units(estimate: Callable[[Any], Any], code: str) -> tuple[Search, list[Trial]]:
+    """A search, and the repairs of units that leave less than the floor in a short course."""
+    search = Search(partial(each_alone, estimate), courses_of({}), 2000)
+    units = [((repair,), search.short) for repair in exact_repairs() if repair.code == code]
+    return search, [trial for (trial,) in search.tried(units) if trial.error < search.floor]
+
+
+@pytest.mark.parametrize(
+    ("estimate", "code"),
+    [
+        (textbook.with_wrong_jacobian, "magnetometer_units"),
+        (partial(textbook.proportional, signs=(-1.0, 1.0), gain=10.0), "accelerometer_units"),
+        (partial(textbook.proportional, signs=(1.0, -1.0)), "accelerometer_units"),
+    ],
+)
+def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter(
+    estimate: Callable[[Any], Any], code: str
+) -> None:
+    """A sensor taken wrongly leaves 0.00° where it is nearly silent, or where the right one outweighs it."""
+    search, trials = repairs_by_units(estimate, code)
+    assert np.degrees(max(search.changes())) > 3.0
+    assert trials
+    assert not any(search._uses_what_it_scales(trial) for trial in trials)
+
+
+@pytest.mark.parametrize(
+    ("code", "units", "repair"),
+    [
+        ("magnetometer_units", (1.0, 1e6), "× 1e-06"),
+        ("magnetometer_units", (1.0, 1e4), "× 0.0001"),
+        ("accelerometer_units", (1e3 / 9.80665, 1.0), "× 0.00980665"),
+    ],
+)
+@pytest.mark.parametrize("gain", [0.2, 2.0])
+def test_unit_that_makes_a_right_filter_unstable_is_heard_again(
+    gain: float, code: str, units: tuple[float, float], repair: str
+) -> None:
+    search, trials = repairs_by_units(partial(textbook.proportional, gain=gain, units=units), code)
+    (right,) = (trial for trial in trials if trial.mistakes[0].text == repair)
+    assert search.silence_costs(code.partition("_")[0], right.repairs) > 10.0 * search.floor
 
 
 def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:

@@ -224,28 +224,68 @@ def triad_for_the_body(run: Any) -> Any:
     return replace(triad_with_covariance(run), covariance_axes="body")
 
 
-def with_wrong_jacobian(run: Any) -> Array:
-    """A Kalman filter of the attitude whose Jacobian of the magnetometer has the wrong sign.
+def by_known_sizes(run: Any, units: Sequence[float] = (1.0, 1.0)) -> tuple[Array, Array, Array, Array]:
+    """Up and the field, and what is read of them over their known sizes, times what a filter takes the units for."""
+    field, up = np.array(run.scenario.parameters()["magnetic_field"]), np.array([0.0, 0.0, 1.0])
+    size = np.linalg.norm(field)
+    return up, field / size, units[0] * run.imu.specific_force / 9.80665, units[1] * run.magnetometer.field / size
 
-    With exact readings it follows until round-off has grown. It divides the field by its size in the world, and makes
-    the Jacobian of what is read: with tiny readings it goes on without them, and is right.
+
+def proportional(
+    run: Any, gain: float = 2.0, signs: Sequence[float] = (1.0, 1.0), step: float = 1.0, **given: Sequence[float]
+) -> Array:
+    """Mahony's correction without a bias, of vectors that are not divided by their norms but by known sizes.
+
+    The signs are those of its corrections by the accelerometer and by the magnetometer.
     """
-    field = np.array(run.scenario.parameters()["magnetic_field"])
-    size, up = np.linalg.norm(field), np.array([0.0, 0.0, 1.0])
+    up, field, *vectors = by_known_sizes(run, **given)
+    q: Quaternion = tuple(triad(run)[0].tolist())
+    rate, out = 0.01 * step * gain, []
+    for gyro, force, magnetic in zip(run.imu.gyro.tolist(), *(each.tolist() for each in vectors), strict=True):
+        q = product(q, exponential(tuple(0.01 * turn for turn in gyro)))
+        e, f = cross(force, to_body(q, tuple(up))), cross(magnetic, to_body(q, tuple(field)))
+        q = product(q, exponential(tuple(rate * (signs[0] * a + signs[1] * b) for a, b in zip(e, f, strict=True))))
+        size = sqrt(sum(x * x for x in q))
+        q = (q[0] / size, q[1] / size, q[2] / size, q[3] / size)
+        out.append(q)
+    return np.array(out)
+
+
+def kalman(
+    run: Any,
+    signs: Sequence[float] = (1.0, 1.0),
+    *,
+    predicted: bool = False,
+    step: float = 1.0,
+    **given: Sequence[float],
+) -> Array:
+    """A Kalman filter of the attitude, whose Jacobians of the accelerometer and of the magnetometer have these signs.
+
+    It divides vectors by their known sizes, and makes its Jacobians of what is read or of what is predicted.
+    """
+    up, field, *vectors = by_known_sizes(run, **given)
     q, P, out = triad(run)[0], 1e-2 * np.eye(3), []
-    readings = run.imu.gyro, run.imu.specific_force / 9.80665, run.magnetometer.field / size
-    for gyro, force, magnetic in zip(*readings, strict=True):
+    for gyro, force, magnetic in zip(run.imu.gyro, *vectors, strict=True):
         q = np.array(product(tuple(q.tolist()), exponential(tuple((0.01 * gyro).tolist()))))
-        expected = [np.array(to_body(tuple(q.tolist()), tuple(v))) for v in (up, field / size)]
+        expected = [np.array(to_body(tuple(q.tolist()), tuple(v))) for v in (up, field)]
         Phi = np.eye(3) - 0.01 * hat(gyro)
         P = Phi @ P @ Phi.T + 1e-7 * np.eye(3)
-        H = np.concatenate([hat(force), -hat(magnetic)])
+        first, second = expected if predicted else (force, magnetic)
+        H = np.concatenate([signs[0] * hat(first), signs[1] * hat(second)])
         K = P @ H.T @ np.linalg.inv(H @ P @ H.T + 1e-4 * np.eye(6))
-        step = K @ np.concatenate([force - expected[0], magnetic - expected[1]])
-        q = np.array(product(tuple(q.tolist()), exponential(tuple(step.tolist()))))
+        turn = step * K @ np.concatenate([force - expected[0], magnetic - expected[1]])
+        q = np.array(product(tuple(q.tolist()), exponential(tuple(turn.tolist()))))
         q, P = q / np.linalg.norm(q), P - K @ H @ P
         out.append(q)
     return np.array(out)
+
+
+def with_wrong_jacobian(run: Any) -> Array:
+    """A Kalman filter whose Jacobian of the magnetometer has the wrong sign.
+
+    With exact readings it follows until round-off has grown; with tiny ones of the field it goes on without them.
+    """
+    return kalman(run, signs=(1.0, -1.0))
 
 
 def hat(v: Array) -> Array:
