@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from bags import MakeBag
 from mcap.reader import make_reader
+from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.runs import simulate
+from said import Error
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
 
@@ -58,7 +60,7 @@ def test_a_folder_of_sqlite_holds_what_its_messages_are(folder: Path, tmp_path: 
 def test_its_metadata_must_fit(folder: Path) -> None:
     metadata = folder / "metadata.yaml"
     metadata.write_text(metadata.read_text().replace("storage_identifier: sqlite3", "storage_identifier: mcap"))
-    with pytest.raises(BagError, match="does not fit its files: storage_identifier: 'mcap' said, 'sqlite3' found"):
+    with refused("storage", said="mcap", found="sqlite3"):
         Bag(folder)
 
 
@@ -73,29 +75,32 @@ def test_a_damaged_database_is_one_line(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "error"),
     [
-        ("update messages set data = 'hello' where id = 9", "has text in the column data, where a blob belongs"),
+        ("data = 'hello' where id = 9", refused("type of a value", kind="text", column="data", wanted="a blob")),
         (
-            "update messages set timestamp = 'x' where id = 9",
-            "has text in the column timestamp, where an integer belongs",
+            "timestamp = 'x' where id = 9",
+            refused("type of a value", kind="text", column="timestamp", wanted="an integer"),
         ),
-        ("update messages set timestamp = 0.5 where id = 9", "has a real number in the column timestamp, where an"),
-        ("update messages set timestamp = 'x'", "a column of its tables has a value of another type"),
+        (
+            "timestamp = 0.5 where id = 9",
+            refused("type of a value", kind="a real number", column="timestamp", wanted="an integer"),
+        ),
+        ("timestamp = 'x'", refused("type of a column")),
     ],
 )
-def test_a_value_of_another_type_is_named(folder: Path, change: str, said: str) -> None:
+def test_a_value_of_another_type_is_named(folder: Path, change: str, error: Error) -> None:
     (file,) = folder.glob("*.db3")
     with closing(sqlite3.connect(file)) as database:
-        database.execute(change)
+        database.execute(f"update messages set {change}")
         database.commit()
-    with pytest.raises(BagError, match=said):
+    with error:
         Bag(folder)
 
 
 def test_without_the_library_it_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
-    with pytest.raises(BagError, match=r"pip install 'lie-rigid-body\[sqlite\]'"):
+    with refused("no library"):
         Bag(folder)
 
 
