@@ -14,7 +14,11 @@ from rooms import MODULES
 RIDDLE = re.compile(r"\s*(Of|That of|Those of|By|Nor|The same|So|Where)\b")
 """Beginnings that need the line above: a docstring begins with a noun of the field or a verb."""
 
-TREES = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
+
+@pytest.fixture(scope="module")
+def trees() -> dict[str, ast.Module]:
+    """The package as syntax trees, which take 80 MB: only the process that reads them makes them."""
+    return {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
 
 
 def riddles(tree: ast.AST) -> Iterator[int]:
@@ -36,12 +40,12 @@ def twins(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
     return {name: modules for name, modules in homes.items() if len(modules) > 1}
 
 
-def test_no_docstring_begins_as_a_riddle() -> None:
-    assert [f"{module}:{line}" for module, tree in TREES.items() for line in riddles(tree)] == []
+def test_no_docstring_begins_as_a_riddle(trees: dict[str, ast.Module]) -> None:
+    assert [f"{module}:{line}" for module, tree in trees.items() for line in riddles(tree)] == []
 
 
-def test_no_class_name_has_two_homes() -> None:
-    assert twins(TREES) == {}
+def test_no_class_name_has_two_homes(trees: dict[str, ast.Module]) -> None:
+    assert twins(trees) == {}
 
 
 @pytest.mark.parametrize(
@@ -64,5 +68,5 @@ def test_a_riddle_is_found(source: str, found: int) -> None:
 
 
 def test_a_twin_is_found() -> None:
-    trees = {name: ast.parse("class A: ...") for name in ("one", "other")}
-    assert twins({**trees, "third": ast.parse("class _A: ...\nclass B: ...")}) == {"A": ["one", "other", "third"]}
+    two = {name: ast.parse("class A: ...") for name in ("one", "other")}
+    assert twins({**two, "third": ast.parse("class _A: ...\nclass B: ...")}) == {"A": ["one", "other", "third"]}

@@ -23,7 +23,7 @@ def one_run():
 
 @pytest.mark.parametrize(
     "number",
-    [pytest.param(n, marks=pytest.mark.slow if n % 3 else ()) for n in range(len(causes.KINDS))],
+    [pytest.param(n, marks=pytest.mark.slow if n % 6 else ()) for n in range(len(causes.KINDS))],
     ids=lambda n: "+".join(causes.KINDS[n]),
 )
 def test_each_kind_of_mistake_has_its_name_and_what_is_none_has_no(number: int) -> None:

@@ -20,7 +20,7 @@ from lie_rigid_body import console
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.cli.campaign import main
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.slow]
 DEADLINE = 120.0
 PARTS = ("cert", "key")
 WAITING = """
@@ -74,7 +74,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     cluster.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGINT, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
     cluster: Cluster, scheduler: str, tmp_path: Path, number: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -104,7 +104,6 @@ def test_a_scheduler_that_goes_costs_the_runs_on_their_way(
     assert len(bytes_of(out)) == 6
 
 
-@pytest.mark.slow
 def test_a_cluster_of_tls_is_open_to_who_has_the_keys(out: Path, tmp_path: Path) -> None:
     """As the page about clusters says, by Dask's own configuration; the bags are those of a cluster of this machine."""
     from distributed import Security

@@ -66,7 +66,7 @@ def test_faults_of_axes_after_steps_and_a_converter(tmp_path, motion):
     assert found.sensors == ALL
 
 
-@pytest.mark.parametrize("draw", range(6))
+@pytest.mark.parametrize("draw", [0, *(pytest.param(draw, marks=pytest.mark.slow) for draw in range(1, 6))])
 def test_a_range_or_level_that_is_no_multiple_of_the_resolution(tmp_path, draw):
     """What saturates is at the last step within it, in the bag and where it is computed anew."""
     random = np.random.default_rng(draw)

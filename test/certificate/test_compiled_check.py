@@ -19,7 +19,6 @@ from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
-pytest.importorskip("numba")
 CHUNK_BYTES = 20_000
 """So little that a bag has many chunks."""
 SENSORS = {"imu": 100.0, "magnetometer": 25.0, "attitude_sensor": 10.0, "sun_sensor": 5.0}
@@ -28,6 +27,7 @@ KERNELS = {residuals: ("WORK",)}
 
 @pytest.fixture(scope="module", autouse=True)
 def compiled():
+    pytest.importorskip("numba")
     assert all(getattr(module, name).compile() for module, names in KERNELS.items() for name in names)
 
 

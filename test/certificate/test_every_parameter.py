@@ -69,16 +69,7 @@ ALWAYS_SEEN = {
 """Parameters without which no message of the truth can be."""
 
 
-QUICK = (
-    "_size",
-    "_burst_density",
-    "_temperature_drift",
-    "_lever_arm",
-    "method",
-    "gravity",
-    "_soft_iron",
-    "_orientation",
-)
+QUICK = ("_burst_density", "gyro_temperature_drift", "_lever_arm", "gravity", "_orientation")
 """How the names end of those that are tried in every run: sizes that widened limits once."""
 DIFFERENCE = ("gyro_rate", "integrated")
 """An integrated rate has the round-off of two attitudes in its limit, also of a body at rest, where it reads 0."""

@@ -122,7 +122,7 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     assert "@pytest.mark.attitude_run(" in markers
 
 
-# one kind of each tool's installation in every run: an installation takes as long as hundreds of other tests
+# one installation in every run: it takes as long as hundreds of other tests
 SLOW = pytest.mark.slow
 
 
@@ -179,7 +179,8 @@ def test_install_as_a_distribution_package(sources: Path, tmp_path: Path) -> Non
     assert_works(layout, site, tmp_path)
 
 
-@pytest.mark.parametrize("options", [(), pytest.param(("--editable",), marks=SLOW)], ids=" ".join)
+@SLOW
+@pytest.mark.parametrize("options", [(), ("--editable",)], ids=" ".join)
 def test_pip_install_in_an_environment(sources: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
     """The short names stay out of an environment's bin, which is everybody's."""
     home = tmp_path / "environment"

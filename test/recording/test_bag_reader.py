@@ -13,6 +13,7 @@ from bags import MakeBag
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
+from refused_bags import refused
 
 from lie_rigid_body import Run
 from lie_rigid_body.errors import BagError
@@ -147,17 +148,17 @@ def test_a_folder_of_several_bags_is_not_one(make_bag: MakeBag, tmp_path: Path) 
     assert len(read_bag(tmp_path / "folder").poses.stamps_ns) == 3
     make_bag("folder/b.mcap", count=3)
     for read in (read_bag, Run.from_bag, lambda path: recorded_estimate(path, "/pose")):
-        with pytest.raises(BagError, match="folder holds 2 bags, not one recording: give one of them"):
+        with refused("several bags", count=2):
             read(tmp_path / "folder")
 
 
 def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BagError, match="is a folder without MCAP files"):
+    with refused("empty folder"):
         read_bag(tmp_path)
-    with pytest.raises(BagError, match=r"none.mcap does not exist"):
+    with refused("no file", name="none.mcap"):
         read_bag(folder(tmp_path, "none.mcap"))
     (tmp_path / "folder" / "metadata.yaml").write_text("[")
-    with pytest.raises(BagError, match="reindex"):
+    with refused("no metadata"):
         read_bag(tmp_path / "folder")
 
 
@@ -173,7 +174,7 @@ def test_a_bag_in_sqlite_is_found_and_refused(tmp_path: Path, with_metadata: boo
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BagError, match=r"none.mcap does not exist"):
+    with refused("no file", name="none.mcap"):
         read_bag(tmp_path / "none.mcap")
 
 
@@ -183,11 +184,11 @@ def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: 
     rng = np.random.default_rng(3)
     for size in [9, 20, len(whole) - 1, len(whole) - 8, len(whole) - 9, *rng.integers(9, len(whole), 60)]:
         cut.write_bytes(whole[:size])
-        with pytest.raises(BagError, match=r"cut off.* holds? (at least \d+ )?whole messages.* recover") as caught:
+        with refused("cut off") as caught:
             read_bag(cut)
         assert "\n" not in str(caught.value)
     cut.write_bytes(whole[: len(whole) // 2] + bytes(1000))
-    with pytest.raises(BagError, match="cut off"):
+    with refused("cut off"):
         read_bag(cut)
 
 
@@ -209,7 +210,7 @@ def test_a_chunk_whose_checksum_differs_is_refused(make_bag: MakeBag, tmp_path: 
     content = path.read_bytes()
     at = content.index(b"base_link")
     path.write_bytes(content[:at] + b"base_lynk" + content[at + 9 :])
-    with pytest.raises(BagError, match=r"damaged at byte .*crc"):
+    with refused("checksum"):
         read_bag(path)
 
 
@@ -225,14 +226,14 @@ def test_a_length_that_reaches_beyond_its_record_is_damage(
         at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
     content[at + 9 + place] ^= 0x40
     path.write_bytes(content)
-    with pytest.raises(BagError, match=rf"damaged at byte {at}: .* (beyond its end|longer than its record)"):
+    with refused("length", at=at):
         read_bag(path)
 
 
 @pytest.mark.parametrize("missing", ["/pose", "/twist", "/lie_rigid_body/scenario"])
 def test_a_missing_topic_is_named_with_those_that_are_there(make_bag: MakeBag, tmp_path: Path, missing: str) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", lambda topic: None if topic == missing else topic)
-    with pytest.raises(BagError, match=rf"no topic .*{missing.rpartition('/')[2]}.*/rosout") as caught:
+    with refused("topics of a type", name=missing.rpartition("/")[2]) as caught:
         read_bag(path)
     assert f"{missing}," not in str(caught.value)
 
@@ -242,7 +243,7 @@ def test_topics_of_several_bodies_are_refused(make_bag: MakeBag, tmp_path: Path)
     bag = folder(tmp_path, "a.mcap", "b.mcap")
     for name in "ab":
         rewrite(own, bag / f"{name}.mcap", lambda topic, name=name: f"/{name}{topic}")  # type: ignore[misc]
-    with pytest.raises(BagError, match=r"holds 2 bodies, /a, /b: say which, .* pose:=/a/pose"):
+    with refused("bodies", pose="/a/pose"):
         read_bag(bag)
 
 
@@ -267,15 +268,13 @@ def test_remapped_topics_are_found_by_their_types(make_bag: MakeBag, tmp_path: P
 
 def test_a_topic_without_messages_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", keep=lambda number, topic: topic != "/twist")
-    with pytest.raises(BagError, match="no message on /twist"):
+    with refused("no message", topic="/twist"):
         read_bag(path)
 
 
 def test_without_a_scenario_topic_an_inertia_is_not_enough(make_bag: MakeBag, tmp_path: Path) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", lambda topic: topic if topic in ("/pose", "/twist") else None)
-    with pytest.raises(
-        BagError, match=r"has no topic \.\.\./scenario \(String: body, motion, frames\): record it; there are /"
-    ):
+    with refused("no scenario"):
         read_bag(path)
 
 
@@ -284,13 +283,13 @@ def test_messages_compressed_one_by_one_are_refused_by_the_name_of_the_option(
 ) -> None:
     """As ``ros2 bag record --compression-mode message --compression-format zstd`` writes them."""
     path = rewrite(make_bag(), tmp_path / "x.mcap", change=lambda number, topic, data: zstandard.compress(data))
-    with pytest.raises(BagError, match="record without '--compression-mode message'"):
+    with refused("compressed messages"):
         read_bag(path)
     bag = folder(tmp_path, "x.mcap")
     path.rename(bag / "x.mcap")
     with (bag / "metadata.yaml").open("a") as metadata:
         metadata.write("  compression_mode: MESSAGE\n  compression_format: zstd\n")
-    with pytest.raises(BagError, match="record without '--compression-mode message'"):
+    with refused("compressed messages"):
         read_bag(bag)
 
 
@@ -312,11 +311,11 @@ def test_a_malformed_message_is_named(make_bag: MakeBag, tmp_path: Path) -> None
     path = rewrite(
         make_bag(), tmp_path / "x.mcap", change=lambda number, topic, data: data[:-1] if number == 7 else data
     )
-    with pytest.raises(BagError, match=r"x.mcap: topic /pose: message 3 has \d+ bytes where"):
+    with refused("size of a message", topic="/pose", number=3):
         read_bag(path)
 
 
 def test_another_encoding_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
     path = rewrite(make_bag(), tmp_path / "x.mcap", encoding="json")
-    with pytest.raises(BagError, match="encoded as 'json'"):
+    with refused("encoding", name="json"):
         read_bag(path)

@@ -15,10 +15,10 @@ from mcap.reader import make_reader
 from mcap.records import Chunk, ChunkIndex, MessageIndex
 from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
+from refused_bags import refused
 from rosbags.highlevel import AnyReader
 
 from lie_rigid_body import __version__
-from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
@@ -204,7 +204,7 @@ def test_the_twist_type_cannot_change_within_a_bag(tmp_path: Path) -> None:
     segment = Simulation(Scenario.from_parameters({"stamped_twist": False})).segment
     with (
         BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag,
-        pytest.raises(BagError, match="stamped_twist cannot change"),
+        refused("type of the twist"),
     ):
         bag.begin_segment(segment)
 
@@ -213,7 +213,7 @@ def test_writing_after_the_end_is_refused(tmp_path: Path) -> None:
     bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True)
     bag.finish()
     bag.finish()
-    with pytest.raises(BagError, match="already finished"):
+    with refused("finished"):
         bag.flush()
 
 

@@ -9,14 +9,15 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 from bags import MakeBag
+from refused_bags import refused
 from test_bag_reader import rewrite
 
-from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, the_body
 from lie_rigid_body.recording.mcap_contents import McapContents, Parts, RawMessages, RawTrack, TrackKey
+from said import Error
 
 HERE = Path("x.mcap")
 POSE, RATE, TEXT = POSE_STAMPED, TWIST_STAMPED, STRING
@@ -106,18 +107,30 @@ def test_sensors_belong_to_the_body_of_their_namespace() -> None:
 
 
 @pytest.mark.parametrize(
-    ("topics", "renamed", "said"),
+    ("topics", "renamed", "error"),
     [
-        (BODY, {"pose": "/pos"}, "no topic /pos: did you mean /pose"),
-        (BODY, {"pose": "/twist"}, "/twist is of TwistStamped, not PoseStamped: the topics of PoseStamped are /pose"),
-        (BODY, {"imu__mag": "/x"}, "no topic /x: no topic is of MagneticField"),
-        ({**BODY, "/a/pose": POSE, "/a/scenario": TEXT}, {"pose": "/a/pose"}, "no topic /a/twist: record it"),
-        ({**BODY, "/other/scenario": TEXT}, {}, "several topics .*scenario:=/lie_rigid_body/scenario"),
-        ({"/truth/pose": POSE, "/ekf/pose": POSE, "/twist": RATE, "/s": TEXT}, {}, "several .*pose:=/truth/pose"),
+        (BODY, {"pose": "/pos"}, refused("no topic, but one like it", name="/pos", like="/pose")),
+        (
+            BODY,
+            {"pose": "/twist"},
+            refused("topic of another type", name="/twist", kind="TwistStamped", wanted="PoseStamped", those="/pose"),
+        ),
+        (BODY, {"imu__mag": "/x"}, refused("no topic of the type", name="/x", kind="MagneticField")),
+        (
+            {**BODY, "/a/pose": POSE, "/a/scenario": TEXT},
+            {"pose": "/a/pose"},
+            refused("no topic of the body", name="/a/twist"),
+        ),
+        ({**BODY, "/other/scenario": TEXT}, {}, refused("several topics", choice="scenario:=/lie_rigid_body/scenario")),
+        (
+            {"/truth/pose": POSE, "/ekf/pose": POSE, "/twist": RATE, "/s": TEXT},
+            {},
+            refused("several topics", choice="pose:=/truth/pose"),
+        ),
     ],
 )
-def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[str, str], said: str) -> None:
-    with pytest.raises(BagError, match=said) as caught:
+def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[str, str], error: Error) -> None:
+    with error as caught:
         found(topics, **renamed)
     assert len(str(caught.value).splitlines()) == 1
 
@@ -136,7 +149,7 @@ def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
         assert faulty.fault.startswith(fault)
         assert [body.name for body in bodies(HERE, held, {"pose": "/a/pose"})] == ["/a"]
     without_pose = contents({topic: kind for topic, kind in two.items() if topic != "/a/pose"})
-    with pytest.raises(BagError, match="holds 2 bodies, /a, /b: say which, as by --topic pose:=/b/pose"):
+    with refused("bodies", pose="/b/pose"):
         the_body(HERE, without_pose, {})
     assert sensors(bodies(HERE, contents(without_twist), {})[1]) == {"imu/data_raw": "/b/imu/data_raw"}
 
@@ -159,7 +172,7 @@ def test_texts_of_another_node_that_are_called_scenario_are_none() -> None:
     assert names(bodies(HERE, contents(apart, ours), {})[0]) == tuple(apart)[:3]
     beside = {**inside("/a"), "/c/pose": POSE, "/c/scenario": TEXT}
     assert [body.name for body in bodies(HERE, contents(beside, ours), {})] == ["/a"]
-    with pytest.raises(BagError, match="several topics"):
+    with refused("several topics", choice=""):
         bodies(HERE, contents({**BODY, "/lie2/scenario": TEXT}, ours), {})
     alone = {"/pose": POSE, "/twist": RATE, "/scenario": TEXT}
     assert [names(body) for body in bodies(HERE, contents(alone, ours), {})] == [tuple(alone)]

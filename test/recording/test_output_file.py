@@ -20,8 +20,8 @@ from bags import MakeBag, write_samples
 from mcap.exceptions import McapError
 from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
+from refused_bags import refused
 
-from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.output_file import OutputFile
@@ -72,7 +72,7 @@ def test_what_was_synced_outlives_a_kill(tmp_path: Path) -> None:
     kill_midway(path)
     found = message_topics_before_the_cut(path)
     assert [found.count(topic) for topic in ("/pose", "/twist", "/lie_rigid_body/scenario")] == [150, 150, 1]
-    with pytest.raises(BagError, match=r"it holds at least 301 whole messages: .*lie-rigid-body recover"):
+    with refused("killed", count=301):
         read_bag(path)
 
 
@@ -105,13 +105,13 @@ def replace(path: Path) -> None:
 
 
 TAKEN_AWAY: dict[str, tuple[Callable[[Path], object], str]] = {
-    "deleted": (Path.unlink, "the file was deleted"),
-    "moved": (lambda path: path.rename(path.with_name("elsewhere")), "deleted or moved"),
-    "its folder": (lambda path: shutil.rmtree(path.parent), "the file was deleted"),
-    "replaced": (replace, "another file took its place"),
-    "cut": (lambda path: os.truncate(path, 100), "bytes long instead of"),
-    "emptied": (lambda path: path.write_bytes(b""), "bytes long instead of"),
-    "longer": (lambda path: path.write_bytes(path.read_bytes() + b"more"), "bytes long instead of"),
+    "deleted": (Path.unlink, "deleted"),
+    "moved": (lambda path: path.rename(path.with_name("elsewhere")), "moved"),
+    "its folder": (lambda path: shutil.rmtree(path.parent), "deleted"),
+    "replaced": (replace, "replaced"),
+    "cut": (lambda path: os.truncate(path, 100), "of another size"),
+    "emptied": (lambda path: path.write_bytes(b""), "of another size"),
+    "longer": (lambda path: path.write_bytes(path.read_bytes() + b"more"), "of another size"),
 }
 
 
@@ -120,7 +120,7 @@ TAKEN_AWAY: dict[str, tuple[Callable[[Path], object], str]] = {
 def test_a_bag_that_is_taken_away_while_it_is_written_is_no_bag(
     tmp_path: Path, how: str, act: Callable[[BagWriter], None]
 ) -> None:
-    take_away, said = TAKEN_AWAY[how]
+    take_away, name = TAKEN_AWAY[how]
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation = Simulation(scenario)
     (tmp_path / "bags").mkdir()
@@ -129,7 +129,7 @@ def test_a_bag_that_is_taken_away_while_it_is_written_is_no_bag(
     bag.flush()
     bag.wait()
     take_away(bag.path)
-    with pytest.raises(BagError, match=f"a.mcap is lost: .*{said}") as caught:  # noqa: PT012
+    with refused(name) as caught:
         write_samples(bag, scenario, simulation.take(3000))  # more than a chunk
         act(bag)
         bag.wait()
@@ -140,12 +140,12 @@ def test_a_bag_that_is_taken_away_while_it_is_written_is_no_bag(
 
 @pytest.mark.parametrize("how", ["deleted", "replaced", "cut"])
 def test_a_replacement_that_is_taken_away_replaces_nothing(make_bag: MakeBag, how: str) -> None:
-    take_away, said = TAKEN_AWAY[how]
+    take_away, name = TAKEN_AWAY[how]
     path = make_bag()
     before = path.read_bytes()
     bag = BagWriter(path, stamped_twist=True, overwrite=True)
     take_away(path.with_name(*hidden(path.parent)))
-    with pytest.raises(BagError, match=said):
+    with refused(name):
         bag.finish()
     assert path.read_bytes() == before
 
@@ -209,7 +209,7 @@ def test_replacing_follows_links_and_keeps_permissions(make_bag: MakeBag) -> Non
         pass
     assert link.is_symlink()
     assert path.stat().st_mode & 0o777 == 0o640
-    with pytest.raises(BagError, match="no message on /pose"):
+    with refused("no message", topic="/pose"):
         read_bag(path)
 
 
@@ -217,7 +217,7 @@ def test_replacing_follows_links_and_keeps_permissions(make_bag: MakeBag) -> Non
 @pytest.mark.parametrize("target", ["nowhere/a.mcap", "missing.mcap", "link.mcap"])
 def test_a_link_that_leads_to_no_file_is_named(tmp_path: Path, target: str, overwrite: bool) -> None:
     (tmp_path / "link.mcap").symlink_to(target)
-    with pytest.raises(BagError, match=r"link.mcap is a link that leads to no file: remove it"):
+    with refused("dangling link", name="link.mcap"):
         BagWriter(tmp_path / "link.mcap", stamped_twist=True, overwrite=overwrite)
     assert os.listdir(tmp_path) == ["link.mcap"]
 
@@ -225,29 +225,29 @@ def test_a_link_that_leads_to_no_file_is_named(tmp_path: Path, target: str, over
 def test_an_existing_file_is_kept(make_bag: MakeBag) -> None:
     path = make_bag()
     before = path.read_bytes()
-    with pytest.raises(BagError, match=r"exists and is kept: .*--force"):
+    with refused("exists"):
         BagWriter(path, stamped_twist=True)
     assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize(
-    ("name", "said"),
+    ("given", "name"),
     [
-        (".", "is a folder"),
-        ("none/a.mcap", "folder .*none does not exist"),
-        ("file/a.mcap", "Not a directory"),
-        ("n" * 300, "File name too long"),
+        (".", "folder"),
+        ("none/a.mcap", "no folder"),
+        ("file/a.mcap", "file as folder"),
+        ("n" * 300, "name too long"),
         ("nul\0l", "null"),
-        ("fifo", "not a regular file"),
-        ("/proc/a.mcap", "cannot be created: No such file"),
-        ("/dev/null", "not a regular file"),
+        ("fifo", "not regular"),
+        ("/proc/a.mcap", "no place"),
+        ("/dev/null", "not regular"),
     ],
 )
-def test_a_place_where_nothing_can_be_written_is_refused(tmp_path: Path, name: str, said: str) -> None:
+def test_a_place_where_nothing_can_be_written_is_refused(tmp_path: Path, given: str, name: str) -> None:
     os.mkfifo(tmp_path / "fifo")
     (tmp_path / "file").touch()
-    with pytest.raises(BagError, match=said) as caught:
-        BagWriter(tmp_path / name, stamped_twist=True, overwrite=True)
+    with refused(name) as caught:
+        BagWriter(tmp_path / given, stamped_twist=True, overwrite=True)
     assert "\n" not in str(caught.value)
     assert sorted(os.listdir(tmp_path)) == ["fifo", "file"]
 
@@ -255,7 +255,7 @@ def test_a_place_where_nothing_can_be_written_is_refused(tmp_path: Path, name: s
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_read_only_folder_is_refused(tmp_path: Path) -> None:
     tmp_path.chmod(0o555)
-    with pytest.raises(BagError, match="cannot be created: Permission denied"):
+    with refused("cannot be created", why="Permission denied"):
         BagWriter(tmp_path / "a.mcap", stamped_twist=True)
 
 
@@ -273,7 +273,7 @@ def test_a_disk_that_is_not_full_needs_no_room(
         raise OSError(number, os.strerror(number))
 
     monkeypatch.setattr(os, "fsync", fail)
-    with pytest.raises(BagError, match=rf"a.mcap cannot be written: {os.strerror(number)}; {advice}.* rescue it"):
+    with refused("disk", name="a.mcap", why=os.strerror(number), advice=advice):
         bag.finish()
 
 

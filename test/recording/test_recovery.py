@@ -17,6 +17,7 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, Header, Message
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import Writer
+from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.errors import BagError
@@ -228,7 +229,7 @@ def test_a_chunk_that_claims_to_be_huge_is_left_out(whole: dict[str, Path], tmp_
     [first, *_] = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
     struct.pack_into("<Q", content, first + 9 + 16, 2**62)
     (tmp_path / "broken.mcap").write_bytes(content)
-    with pytest.raises(BagError, match="holds no whole message"):  # the others lack the channels of the first
+    with refused("nothing whole"):  # the others lack the channels of the first
         recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
     assert not (tmp_path / "fixed.mcap").exists()
 

@@ -155,7 +155,7 @@ def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
 
 @pytest.mark.ros
 @pytest.mark.long
-@pytest.mark.parametrize("scenario", [True, False])
+@pytest.mark.parametrize("scenario", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
     """Wrong stamps, frames and attitudes on both topics, texts that are no scenario, and a second publisher."""
     run, attitudes = turned_run(3.0)

@@ -25,6 +25,7 @@ from lie_rigid_body.runs.programs import IMU, NodeEstimator, readings_of
 from lie_rigid_body.testing import node_estimator
 
 pytestmark = [pytest.mark.ros, pytest.mark.long]
+SLOW = pytest.mark.slow
 EXAMPLES = Path(__file__).parents[2] / "examples" / "complementary_filter"
 EXAMPLE = shlex.join([sys.executable, str(EXAMPLES / "complementary_filter_node.py")])
 NODE = """
@@ -172,9 +173,11 @@ def fill(answer, reading):
     ("source", "timeout", "told"),
     [
         ("sys.exit('the gain is missing')", 60.0, ["ended with status 1", "the gain is missing"]),
-        ("def fill(answer, reading): sys.exit(3 if count == 2 else None)", 60.0, ["ended with status"]),
-        (SILENT, 300.0, ["no answer to 1010000000 ns in 10 s"]),
-        ("time.sleep(1000)", 40.0, ["is not there after 20 s", "one node that publishes /imu/data"]),
+        pytest.param(
+            "def fill(answer, reading): sys.exit(3 if count == 2 else None)", 60.0, ["ended with status"], marks=SLOW
+        ),
+        pytest.param(SILENT, 300.0, ["no answer to 1010000000 ns in 10 s"], marks=SLOW),
+        ("time.sleep(1000)", 12.0, ["is not there after 6 s", "one node that publishes /imu/data"]),
         ("kind = TwistStamped", 60.0, ["/imu/data is of TwistStamped"]),
         (ODOMETRY, 60.0, ["odom to base_footprint", "not of world to base_link"]),
         ("def fill(answer, reading): answer.orientation_covariance[0] = -1.0", 60.0, ["has no orientation"]),

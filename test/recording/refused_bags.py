@@ -1,0 +1,92 @@
+"""Wording of what is refused on the way into a bag and out of it, one line an error: other tests give its name."""
+
+from __future__ import annotations
+
+from lie_rigid_body.errors import BagError, InputError
+from said import refusals
+
+NOT_OURS = "is not the JSON that lie_rigid_body writes: "
+
+refused = refusals(
+    {
+        BagError: {
+            # what a bag is
+            "no file": "{name} does not exist",
+            "name too long": "File name too long",
+            "pipe": "{name} is a pipe: give a regular file",
+            "several bags": "folder holds {count} bags, not one recording: give one of them",
+            "empty folder": "is a folder without MCAP files",
+            "no metadata": "reindex",
+            "storage": "does not fit its files: storage_identifier: '{said}' said, '{found}' found",
+            "changed": "changed while it was read",
+            # its metadata
+            "null": "embedded null",
+            "metadata": "is not the metadata",
+            "named twice": "names {name} twice",
+            "outside": "names '{name}', which is outside of its folder",
+            "folder as file": "Is a directory",
+            # its content
+            "cut off": r"cut off.* holds? (at least \d+ )?whole messages.* recover",
+            "killed": "it holds at least {count} whole messages: .*lie-rigid-body recover",
+            "nothing whole": "holds no whole message",
+            "checksum": "damaged at byte .*crc",
+            "length": "damaged at byte {at}: .* (beyond its end|longer than its record)",
+            "too much": r"messages of \d+ bytes in a file of \d+, more than is read",
+            "too much of one file": "messages of {size} bytes",
+            "segments": "declares {count} segments: at most {most} are read",
+            "type of a value": "has {kind} in the column {column}, where {wanted} belongs",
+            "type of a column": "a column of its tables has a value of another type",
+            # its topics
+            "topics of a type": "no topic .*{name}.*/rosout",
+            "no topic": "no topic {name}: ",
+            "no topic, but one like it": "no topic {name}: did you mean {like}",
+            "no topic of the type": "no topic {name}: no topic is of {kind}",
+            "no topic of the body": "no topic {name}: record it",
+            "no scenario": r"has no topic \.\.\./scenario \(String: body, motion, frames\): record it; there are /",
+            "topic of another type": "{name} is of {kind}, not {wanted}: the topics of {wanted} are {those}",
+            "no message": "no message on {topic}",
+            "bodies": "holds 2 bodies, /a, /b: say which, as by --topic pose:={pose}",
+            "several topics": "several topics.*{choice}",
+            # its messages
+            "size of a message": r"topic {topic}: message {number} has \d+ bytes where",
+            "message cut": "topic {topic}: message {number} has {size} bytes.*: record the bag again",
+            "no CDR": "topic {topic}: message {number} begins with {begin} .* not plain CDR",
+            "compressed messages": "record without '--compression-mode message'",
+            "encoding": "encoded as '{name}'",
+            "field": "are read|ends after|where its fields",
+            "frame": "frame of {size} bytes: at most {most} are read",
+            "text": "at most {most} are read",
+            "no fault": "tells of no fault",
+            "no scenario text": "does not explain itself",
+            # writing
+            "exists": "exists and is kept: .*--force",
+            "dangling link": "{name} is a link that leads to no file: remove it",
+            "folder": "is a folder",
+            "no folder": "folder .*none does not exist",
+            "file as folder": "Not a directory",
+            "not regular": "not a regular file",
+            "no place": "cannot be created: No such file",
+            "cannot be created": "cannot be created: {why}",
+            "deleted": "is lost: .*the file was deleted",
+            "moved": "is lost: .*deleted or moved",
+            "replaced": "is lost: .*another file took its place",
+            "of another size": "is lost: .*bytes long instead of",
+            "disk": "{name} cannot be written: {why}; {advice}.* rescue it",
+            "slow disk": "{name} cannot be written: the disk does not keep up.*look after.* recover",
+            "another's": "another program made it",
+            "type of the twist": "stamped_twist cannot change",
+            "finished": "already finished",
+        },
+        InputError: {
+            "long number": "where {most} are read",
+            "no JSON": "not readable as JSON",
+            "no rows": "{name}: not readable as JSON|'league --json'",
+            "no table": "is no table of a campaign",
+            "long scenario": "has {length} characters: at most {most} are read",
+            "key twice": f"{NOT_OURS}it gives '{{key}}' twice$",
+            "no object": f"{NOT_OURS}it is no object$",
+            "no key": f"{NOT_OURS}it has no {{key}}$",
+            "nested": f"{NOT_OURS}it is nested too deeply",
+        },
+    }
+)
