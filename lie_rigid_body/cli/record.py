@@ -65,6 +65,7 @@ def main(given: argparse.Namespace) -> int:
     _require_room(out, count, count * per_sample + readings * per_reading)
     with Interruption.current().noted() as interruption:
         with (
+            suppress(KeyboardInterrupt),
             BagWriter(
                 out,
                 stamped_twist=scenario.stamped_twist,
@@ -73,13 +74,13 @@ def main(given: argparse.Namespace) -> int:
                 chunk_size=chunk_size,
             ) as bag,
             console.progress(total=count, unit=" samples", unit_scale=True, leave=True, quiet=given.quiet) as bar,
-            suppress(KeyboardInterrupt),
         ):
             for written in write_run(bag, simulation, last_ns, interruption.allowed):
                 bar.update(written)
         done, size = bag.sample_count, console.size(bag.path.stat().st_size)
         if done < count and interruption.requested:
-            told = f"interrupted after {done} of {count} samples; {bag.path} is whole ({size})"
+            state = f"is whole ({size})" if done else "holds no sample of it"
+            told = f"interrupted after {done} of {count} samples; {bag.path} {state}"
             console.complain(console.program("record"), told)
             return console.INTERRUPTED
         if not given.quiet:

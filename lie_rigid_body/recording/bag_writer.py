@@ -299,10 +299,11 @@ class BagWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        if kind is None or not self._file.replaces or issubclass(kind, KeyboardInterrupt | SystemExit):
+        holds_something = kind is None or (issubclass(kind, KeyboardInterrupt | SystemExit) and self.sample_count)
+        if holds_something or not self._file.replaces:
             self.finish()
         elif self._open:
-            self._abandon()  # a run that failed does not replace a bag that is whole
+            self._abandon()  # a run that failed, or that had not begun, does not replace a bag that is whole
 
 
 def write_run(

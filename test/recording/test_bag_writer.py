@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from bags import MakeBag, write_samples
+from bags import MakeBag, write_bag, write_samples
 from mcap.reader import make_reader
 from mcap.records import Chunk, ChunkIndex, MessageIndex
 from mcap.stream_reader import StreamReader
@@ -217,16 +217,17 @@ def test_writing_after_the_end_is_refused(tmp_path: Path) -> None:
         bag.flush()
 
 
-def test_interruption_finishes_the_bag(tmp_path: Path) -> None:
+@pytest.mark.parametrize("taken", [0, 5])
+def test_interruption_finishes_the_bag_and_replaces_another_by_one_with_samples(tmp_path: Path, taken: int) -> None:
     scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation = Simulation(scenario)
+    simulation, old = Simulation(scenario), write_bag(tmp_path / "a.mcap", count=7)
 
     def interrupted() -> None:
-        with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag:
+        with BagWriter(old, stamped_twist=True, overwrite=True) as bag:
             bag.begin_segment(simulation.segment)
-            write_samples(bag, scenario, simulation.take(5))
+            write_samples(bag, scenario, simulation.take(taken))
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
-    assert read_bag(tmp_path / "a.mcap").expected_samples == 5
+    assert read_bag(old).expected_samples == (taken or 7)
