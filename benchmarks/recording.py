@@ -15,16 +15,13 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from lie_rigid_body.messages.template import PUT
-
 from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_writing, record, runs, tell
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 
 
 def compile_all() -> None:
-    """Compile what a long run is computed and laid out by, or load it."""
+    """Compile what a long run is computed by, or load it."""
     LOOP.compile()
-    PUT.compile()
 
 
 def ours(run: Run) -> tuple[int, Spent]:

@@ -14,15 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import series, vectors
 
 
 def _quaternions(q: ArrayLike) -> Array:
-    array = np.asarray(q, dtype=np.float64)
-    if array.ndim == 0 or array.shape[-1] != 4:
-        raise ParameterError("quaternions", f"shape {array.shape} is not (..., 4): give x, y, z, w on the last axis")
-    return array
+    return vectors.shaped("quaternions", q, (4,), "give x, y, z, w on the last axis")
 
 
 def _components(q: ArrayLike) -> tuple[Array, Array, Array, Array]:

@@ -9,24 +9,22 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 
 
-def as_vectors(v: ArrayLike) -> Array:
-    """The argument as float64 vectors, shape (..., 3); a `ParameterError` with its shape, if that is another."""
-    array = np.asarray(v, dtype=np.float64)
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ParameterError(
-            "rotation vectors", f"shape {array.shape} is not (..., 3): put the components on the last axis"
-        )
+def shaped(name: str, value: ArrayLike, own: tuple[int, ...], remedy: str) -> Array:
+    """The argument as a float64 array of shape (..., own); a `ParameterError` with its shape, if that is another."""
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape[-len(own) :] != own:
+        raise ParameterError(name, f"shape {array.shape} is not (..., {', '.join(map(str, own))}): {remedy}")
     return array
+
+
+def as_vectors(v: ArrayLike) -> Array:
+    """The argument as rotation vectors, shape (..., 3); see `shaped`."""
+    return shaped("rotation vectors", v, (3,), "put the components on the last axis")
 
 
 def as_matrices(m: ArrayLike) -> Array:
-    """The argument as float64 matrices, shape (..., 3, 3); a `ParameterError` with its shape, if that is another."""
-    array = np.asarray(m, dtype=np.float64)
-    if array.shape[-2:] != (3, 3):
-        raise ParameterError(
-            "rotation matrices", f"shape {array.shape} is not (..., 3, 3): put rows and columns on the last two axes"
-        )
-    return array
+    """The argument as rotation matrices, shape (..., 3, 3); see `shaped`."""
+    return shaped("rotation matrices", m, (3, 3), "put rows and columns on the last two axes")
 
 
 def norm(v: ArrayLike) -> Array:

@@ -30,7 +30,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, InitialConditions, WorkingMemory, states_at
 from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
-from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, Tableau, munthe_kaas_integrators
+from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, munthe_kaas_integrators
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
 
@@ -57,19 +57,17 @@ class Method:
     largest_turn: float = math.inf
 
 
-def _munthe_kaas(tableau: Tableau) -> Method:
-    return Method(tableau.name, tableau.order, partial(munthe_kaas_integrators, tableau=tableau))
-
-
-def _moser_veselov(order: int) -> Method:
-    return Method(f"dmv{order}", order, partial(moser_veselov_integrators, order=order), LARGEST_TURN)
-
-
 METHODS: Final = {
     method.name: method
     for method in (
-        *(_munthe_kaas(tableau) for tableau in (EULER, MIDPOINT, CLASSICAL)),
-        *(_moser_veselov(order) for order in (2, 4, 6, 8, 10, 20)),
+        *(
+            Method(tableau.name, tableau.order, partial(munthe_kaas_integrators, tableau=tableau))
+            for tableau in (EULER, MIDPOINT, CLASSICAL)
+        ),
+        *(
+            Method(f"dmv{order}", order, partial(moser_veselov_integrators, order=order), LARGEST_TURN)
+            for order in (2, 4, 6, 8, 10, 20)
+        ),
     )
 }
 """The steppers by their public names."""

@@ -35,18 +35,15 @@ _ONE: Final = np.float64(1.0).view(np.uint64)
 """Bits of the double 1."""
 
 
-NoiseSource = IntEnum(
-    "NoiseSource",
-    [
-        *("GYRO_TURN_ON", "GYRO_WALK", "GYRO_WHITE"),
-        *("ACCELEROMETER_TURN_ON", "ACCELEROMETER_WALK", "ACCELEROMETER_WHITE"),
-        *("MAGNETOMETER_WHITE", "ORIENTATION_WHITE", "ATTITUDE_SENSOR_WHITE", "SUN_SENSOR_WHITE"),
-    ],
-)
-"""The sources of noise, numbered from 1 on. Their order is part of the keys: a new one comes last.
+class NoiseSource(IntEnum):
+    """The sources of noise. The numbers are part of the keys: a new one comes last, or every recording would change.
 
-Sources of faults have numbers above 255; see `fault.stream`.
-"""
+    Sources of faults have numbers above 255; see `fault.stream`.
+    """
+
+    GYRO_TURN_ON, GYRO_WALK, GYRO_WHITE = 1, 2, 3
+    ACCELEROMETER_TURN_ON, ACCELEROMETER_WALK, ACCELEROMETER_WHITE = 4, 5, 6
+    MAGNETOMETER_WHITE, ORIENTATION_WHITE, ATTITUDE_SENSOR_WHITE, SUN_SENSOR_WHITE = 7, 8, 9, 10
 
 
 class Draws:
