@@ -43,7 +43,7 @@ class Interpreter:
     """Another Python, which is asked to call a function, and replies what that returns: what can be pickled.
 
     It starts when it is asked, and anew where it has ended. It is new, no copy of this one: nothing of the user's main
-    module is run again, on any platform. It ends with this one.
+    module is run again, on any platform. It ends with this one, and where nothing refers to it any more.
     """
 
     def __init__(self) -> None:
@@ -98,6 +98,9 @@ class Interpreter:
         if process is not None:
             with suppress(OSError):
                 process.communicate()
+
+    def __del__(self) -> None:
+        self.end()
 
 
 def kill_all(process: subprocess.Popen[Any]) -> None:
