@@ -123,6 +123,7 @@ def serve() -> None:
     for stream in (0, 1):
         os.dup2(nowhere, stream)
     Thread(target=_hear, args=(asked, waiting), daemon=True).start()
+    own = os.getpid()
     while True:
         try:
             reply = waiting.get()()
@@ -130,6 +131,10 @@ def serve() -> None:
             reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
         except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
             reply = FilterError(told(error))
+        if os.getpid() != own:
+            os._exit(
+                1
+            )  # a copy that the estimator has made of this process, whose reply would be that to the next question
         _send(replies, reply)
 
 
