@@ -52,7 +52,7 @@ _UPPER: Final = np.triu_indices(3)
 _ATTITUDE: Final = 3 + 6 + 4
 _BIAS: Final = 3 + 6
 LONGEST_S: Final = 60.0
-"""Longest time of an estimator in a run, s, unless the run is longer."""
+"""Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
 """What each thread of a worker has of its own: a campaign, and the other Python that calls its estimators."""
 
