@@ -26,7 +26,6 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.estimators import result_of
 from lie_rigid_body.runs.processes import STARTING_S, Interpreter
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
@@ -53,7 +52,7 @@ _UPPER: Final = np.triu_indices(3)
 _ATTITUDE: Final = 3 + 6 + 4
 _BIAS: Final = 3 + 6
 LONGEST_S: Final = 60.0
-"""Longest time of an estimator in a run, s, unless the run is longer."""
+"""Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
 """What each thread of a worker has of its own: a campaign, and the other Python that calls its estimators."""
 
@@ -246,7 +245,7 @@ def judged(entry: Entry, run: Run) -> Judgement:
     try:
         estimate = entry.load()
         begin = time.perf_counter()
-        found = Estimate.of(result_of(estimate, run))
+        found = Estimate.of(estimate(run))
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:

@@ -2,14 +2,14 @@
 
 - `run`: the truth and the readings of a run, from a bag or into one;
 - `readings`: what its sensors read;
-- `ensemble`: simulated runs of a scenario, of one seed or of many;
-- `truth`: the attitude at any time, as scenarios and poses tell it;
-- `unavoidable`: the error that the noise of its sensors leaves to any filter;
+- `ensemble`: simulated runs of a scenario, of one seed or of many, and runs without the truth;
+- `truth`: the attitude at any time, as scenarios and poses tell it, and the error that the noise of the sensors leaves
+  to any filter;
 - `recorded_estimate`, `live_estimate`: an estimate and its truth in a bag, and message by message from topics;
 - `kept_attitudes`: what counts of an estimate, and of its truth;
 - `estimate`: what an estimator returns;
-- `estimators`, `node`: functions of a run, programs and nodes that estimate, and `blind`: runs without the truth;
-- `workers`: processes in which estimators are called.
+- `estimators`, `programs`: functions of a run that estimate, and programs and nodes that do;
+- `processes`: other Pythons, in which estimators are called.
 """
 
 from lie_rigid_body.runs.ensemble import simulate

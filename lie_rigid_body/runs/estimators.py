@@ -35,16 +35,6 @@ _GRACE_S: Final = 2.0
 """Time that a program has beyond its own limit, s: its estimator ends it, and says more."""
 
 
-def result_of(estimate: Estimator, run: Run) -> Any:
-    """What an estimator returns; a copy of the process that comes back from the call ends there."""
-    own = os.getpid()
-    try:
-        return estimate(run)
-    finally:
-        if os.getpid() != own:
-            os._exit(1)  # it would go on with the work of the process, on the same connections
-
-
 def called(estimate: Estimator, run: Run) -> Estimate:
     """What an estimator returns for a run, with stamps and numbers; its warnings are nobody's.
 
@@ -57,7 +47,7 @@ def called(estimate: Estimator, run: Run) -> Estimate:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            result = result_of(estimate, run)
+            result = estimate(run)
     except (Exception, SystemExit) as error:
         raise FilterError(told(error)) from None
     try:

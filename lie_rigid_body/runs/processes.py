@@ -43,7 +43,7 @@ class Interpreter:
     """Another Python, which is asked to call a function, and replies what that returns: what can be pickled.
 
     It starts when it is asked, and anew where it has ended. It is new, no copy of this one: nothing of the user's main
-    module is run again, on any platform. It ends with this one.
+    module is run again, on any platform. It ends with this one, and where nothing refers to it any more.
     """
 
     def __init__(self) -> None:
@@ -99,6 +99,9 @@ class Interpreter:
             with suppress(OSError):
                 process.communicate()
 
+    def __del__(self) -> None:
+        self.end()
+
 
 def kill_all(process: subprocess.Popen[Any]) -> None:
     """Kill a process that leads a session of its own, and what it started, which may hold its pipes open."""
@@ -120,6 +123,7 @@ def serve() -> None:
     for stream in (0, 1):
         os.dup2(nowhere, stream)
     Thread(target=_hear, args=(asked, waiting), daemon=True).start()
+    own = os.getpid()
     while True:
         try:
             reply = waiting.get()()
@@ -127,6 +131,10 @@ def serve() -> None:
             reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
         except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
             reply = FilterError(told(error))
+        if os.getpid() != own:
+            os._exit(
+                1
+            )  # a copy that the estimator has made of this process, whose reply would be that to the next question
         _send(replies, reply)
 
 

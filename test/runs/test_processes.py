@@ -15,6 +15,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.processes import FilterError, Interpreter
 
 LIMIT_S = 60.0
+WITH_PROC = pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /proc")
 HANGING = """
 import os, threading, time
 from functools import partial
@@ -32,8 +33,8 @@ def test_reply_is_what_the_function_returns_or_raises():
         assert not other.is_running
         first = other.ask(os.getpid, LIMIT_S)
         assert first == other.ask(os.getpid, LIMIT_S) != os.getpid()
-        with pytest.raises(RuntimeError, match="TypeError"):
-            other.ask(partial(len, 3), LIMIT_S)
+        with pytest.raises(RuntimeError, match="ValueError"):
+            other.ask(partial(int, "three"), LIMIT_S)
         with pytest.raises(FilterError, match="SystemExit: enough"):
             other.ask(partial(sys.exit, "enough"), LIMIT_S)
         assert other.ask(partial(print, "nowhere"), LIMIT_S) is None
@@ -53,12 +54,24 @@ def _raise(words):
     raise InputError(words)
 
 
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /proc")
+@WITH_PROC
+def test_process_that_nobody_can_ask_any_more_is_ended():
+    other = Interpreter()
+    status = Path("/proc", str(other.ask(os.getpid, LIMIT_S)), "stat")
+    del other
+    _wait_for_end(status)
+
+
+@WITH_PROC
 def test_process_that_hangs_ends_with_the_one_that_asked():
     asking = subprocess.Popen([sys.executable, "-c", HANGING], stdout=subprocess.PIPE, text=True)
     assert asking.stdout is not None
     status = Path("/proc", asking.stdout.readline().strip(), "stat")
     asking.kill()
     asking.communicate()
+    _wait_for_end(status)
+
+
+def _wait_for_end(status):
     while status.exists() and status.read_text().split()[2] != "Z":
         time.sleep(0.01)
