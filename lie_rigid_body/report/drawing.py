@@ -113,7 +113,7 @@ def answer(
     content : callable, optional
         Gives the answer for programs, for JSON; a number that is not finite becomes null.
     passed : bool, optional
-        Whether nothing that was asked is broken.
+        Whether no law and no limit is broken, and no mistake is named.
     """
     made = {path: make() for path, make in files.items() if path is not None}
     if content and given.json:
