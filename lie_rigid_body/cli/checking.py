@@ -64,13 +64,13 @@ def check(given: argparse.Namespace) -> int:
     proof = None
     if given.prove is not None:
         proof = Proof(tuple(console.progress(prove(first, certificate, given.prove, inertia), unit=" samples")))
-    answer(
+    return answer(
         given,
         {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
         lambda: certificates.as_table(name, certificate, proof),
         lambda: certificates.as_json(name, certificate, proof),
+        passed=certificate.passed and (proof is None or proof.passed),
     )
-    return console.SUCCESS if certificate.passed and (proof is None or proof.passed) else console.BROKEN
 
 
 def _inertia(text: str) -> list[float]:

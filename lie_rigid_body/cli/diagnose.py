@@ -111,13 +111,14 @@ def main(given: argparse.Namespace) -> int:
             progress=lambda runs: bar.update(runs - bar.n),
             **parameters,
         )
-    answer(
+    status = answer(
         given,
         {given.report: lambda: page_of_diagnosis(name, found)},
         lambda: "\n".join(lines_of_diagnosis(found)),
         found.to_dict,
+        passed=found.passed,
     )
     if found.interrupted:
         console.complain(console.program("diagnose"), "interrupted: this is what was found so far")
         return console.INTERRUPTED
-    return console.SUCCESS if found.passed else console.BROKEN
+    return status

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from lie_rigid_body import console
 from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.command_line import argument, scenario_of, verb
 from lie_rigid_body.errors import InputError
@@ -130,13 +129,12 @@ def main(given: argparse.Namespace) -> int:
     description = describe(scenario.body(), scenario.start())
     is_whole = name and not (given.params_file or given.assignments)  # files and assignments make another of it
     title = f"{name}: {describe_file(scenario_files()[name])}" if is_whole else ""
-    answer(
+    return answer(
         given,
         {},
         lambda: _as_text(scenario, description, title),
         lambda: {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)},
     )
-    return console.SUCCESS
 
 
 def _as_text(scenario: Scenario, description: Description, title: str = "") -> str:

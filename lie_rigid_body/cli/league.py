@@ -58,10 +58,9 @@ def main(given: argparse.Namespace) -> int:
             )
     table = reference().with_rows(own)
     rows = own[:1] if estimate else table.rows
-    answer(
+    return answer(
         given,
         {given.report: lambda: page_of_league(table, own)},
         lambda: "\n".join(lines_of_league(table, own)),
         lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
     )
-    return console.SUCCESS

@@ -6,7 +6,6 @@ import argparse
 import os
 from pathlib import Path
 
-from lie_rigid_body import console
 from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.command_line import TOPIC, argument, file_name, require_suffix, topic_names, verb
 from lie_rigid_body.errors import InputError
@@ -47,5 +46,4 @@ def main(given: argparse.Namespace) -> int:
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
-    answer(given, {out: lambda: png(draw(pieces))})
-    return console.SUCCESS
+    return answer(given, {out: lambda: png(draw(pieces))})

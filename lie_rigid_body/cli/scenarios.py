@@ -6,7 +6,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import argument, verb
 
 
@@ -24,8 +23,7 @@ def main(given: argparse.Namespace) -> int:
     for name, path in scenario_files().items():
         scenario = Scenario.from_parameters(read_parameter_file(path))
         entries.append({"name": name, "description": describe(path), "file": str(path), **scenario.parameters()})
-    answer(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
-    return console.SUCCESS
+    return answer(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
 
 
 def describe(path: Path) -> str:

@@ -97,8 +97,10 @@ def answer(
     files: Mapping[str | None, Callable[[], bytes | None]],
     text: Callable[[], str] | None = None,
     content: Callable[[], object] | None = None,
-) -> None:
-    """Write the files of a verb, and print its answer on stdout.
+    *,
+    passed: bool = True,
+) -> int:
+    """Write the files of a verb, print its answer on stdout, and return its exit status.
 
     Parameters
     ----------
@@ -110,6 +112,8 @@ def answer(
         Gives the answer for people; lines that name the files follow it.
     content : callable, optional
         Gives the answer for programs, for JSON; a number that is not finite becomes null.
+    passed : bool, optional
+        Whether no law and no limit is broken, and no mistake is named.
     """
     made = {path: make() for path, make in files.items() if path is not None}
     if content and given.json:
@@ -120,3 +124,4 @@ def answer(
         if data is not None:
             write_file(path, data, overwrite=given.force)
     console.say("\n".join(lines), done=", ".join(f"{name} is written" for name in made))
+    return console.SUCCESS if passed else console.BROKEN

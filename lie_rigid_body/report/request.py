@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import listed
@@ -155,7 +154,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     truth, axes = given.truth or given.run, given.covariance_axes
     bag = {given.out: partial(write_scored, given.out, truth, scored, axes, overwrite=given.force)}
     if others:
-        drawing.answer(
+        return drawing.answer(
             given,
             {
                 **bag,
@@ -164,19 +163,19 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
             },
             lambda: scores.table_of_several(title, scored),
             lambda: scores.json_of_several(source, scored, series=given.series),
+            passed=all(score.passed for _, score in scored),
         )
-    else:
-        drawing.answer(
-            given,
-            {
-                **bag,
-                given.plot: lambda: drawing.png(scores.draw(title, score)),
-                given.report: lambda: scores.page(title, read, score),
-            },
-            lambda: scores.as_table(title, read, score),
-            lambda: scores.as_json(source or None, read, score, series=given.series),
-        )
-    return console.SUCCESS if all(score.passed for _, score in scored) else console.BROKEN
+    return drawing.answer(
+        given,
+        {
+            **bag,
+            given.plot: lambda: drawing.png(scores.draw(title, score)),
+            given.report: lambda: scores.page(title, read, score),
+        },
+        lambda: scores.as_table(title, read, score),
+        lambda: scores.as_json(source or None, read, score, series=given.series),
+        passed=score.passed,
+    )
 
 
 def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:

@@ -67,8 +67,8 @@ VERBS = {
     "evaluate bag.mcap --estimate /pose --report new.html": WRITTEN,
     RECOVER: CHUNK,
     "recover run -o new": CHUNK,
-    "record new.mcap --duration 1": "lie_rigid_body.console:scenario",
-    "explain": "lie_rigid_body.console:scenario",
+    "record new.mcap --duration 1": "lie_rigid_body.cli.record:scenario_of",
+    "explain": "lie_rigid_body.cli.explain:scenario_of",
     "scenarios": "lie_rigid_body.console:say",
 }
 WITH_BARS = {
