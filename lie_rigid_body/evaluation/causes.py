@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -250,7 +250,8 @@ def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Ca
     return fits
 
 
-_ORDERS: Final = ("ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX")
+Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
+_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)

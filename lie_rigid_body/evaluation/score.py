@@ -344,8 +344,7 @@ FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
 
 def facts(score: Score) -> Iterator[tuple[str, str]]:
     """Other facts of a score by name."""
-    told = ((name, tell(score)) for name, tell in FACTS)
-    return ((name, sentence) for name, sentence in told if sentence)
+    return ((name, sentence) for name, tell in FACTS if (sentence := tell(score)))
 
 
 def verdict(score: Score) -> list[str]:
