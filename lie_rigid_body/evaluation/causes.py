@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations
-from typing import Final
+from typing import Final, Literal, get_args
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,7 +25,6 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, sizes, times, turns
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of, products
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import components
 
 UP: Final = np.array([0.0, 0.0, 1.0])
@@ -96,27 +95,6 @@ class Cause:
 
 Part = tuple[Cause, Array]
 """A cause with its constants."""
-
-
-@short_dataclass(frozen=True)
-class Finding:
-    """Mistake in an estimate, with what to do.
-
-    Attributes
-    ----------
-    code : str
-        ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
-        ``clock_rate``, ``world_turned``, ``stuck``, ``mixed``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
-    message : str
-        One sentence with numbers, and what to do.
-    rms_deg_after : float
-        RMS of the total error that is left when this cause and those before it are undone, degrees. NaN of what cannot
-        be undone, until a score gives its own.
-    """
-
-    code: str
-    message: str
-    rms_deg_after: float = np.nan
 
 
 def undone(track: Track, parts: Sequence[Part]) -> Track:
@@ -251,7 +229,8 @@ def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Ca
     return fits
 
 
-_ORDERS: Final = ("ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX")
+Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
+_ORDERS: Final[tuple[Order, ...]] = get_args(Order)
 """Orders of turns about axes of the body, the usual one first."""
 _INVERSE: Final = np.diag([-1.0, -1.0, -1.0, 1.0])
 _SHIFT: Final = np.roll(np.eye(4), -1, axis=0)

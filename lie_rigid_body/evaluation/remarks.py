@@ -16,10 +16,11 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.evaluation.attitudes import GAP, Truth, angles_between, named, period_ns, sizes, times, turns
-from lie_rigid_body.evaluation.causes import FEIGNED, Finding
+from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import FAR
 from lie_rigid_body.evaluation.evidence import SAMPLES
 from lie_rigid_body.evaluation.explanations import FORMS, matrix
+from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
 from lie_rigid_body.evaluation.track import FEWEST, Track, spread
 from lie_rigid_body.lie import quaternion

@@ -12,7 +12,6 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitudes import AttitudeError
-from lie_rigid_body.evaluation.causes import Finding
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.limits import Limits, Tally
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, bias_error
@@ -31,6 +30,27 @@ RARE: Final = 0.01
 """Probability below which an estimate is remarked as nearer to the truth than the noise allows."""
 HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 """Headings of the columns of statistics."""
+
+
+@short_dataclass(frozen=True)
+class Finding:
+    """Mistake in an estimate, with what to do.
+
+    Attributes
+    ----------
+    code : str
+        ``inverted``, ``scalar_first``, ``ned_world``, ``heading_offset``, ``body_mounting``, ``lagging``, ``leading``,
+        ``clock_rate``, ``world_turned``, ``stuck``, ``mixed``, ``turn_rate``, ``turn_axes``, ``gaps`` or ``not_unit``.
+    message : str
+        One sentence with numbers, and what to do.
+    rms_deg_after : float
+        RMS of the total error that is left when this cause and those before it are undone, degrees. NaN of what cannot
+        be undone, until a score gives its own.
+    """
+
+    code: str
+    message: str
+    rms_deg_after: float = np.nan
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -344,8 +364,7 @@ FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
 
 def facts(score: Score) -> Iterator[tuple[str, str]]:
     """Other facts of a score by name."""
-    told = ((name, tell(score)) for name, tell in FACTS)
-    return ((name, sentence) for name, sentence in told if sentence)
+    return ((name, sentence) for name, tell in FACTS if (sentence := tell(score)))
 
 
 def verdict(score: Score) -> list[str]:

@@ -17,13 +17,13 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
 from lie_rigid_body.evaluation.attitudes import HasTruth, Truth, attitude_error, period_ns
-from lie_rigid_body.evaluation.causes import Finding, Part, fit, late, undone
+from lie_rigid_body.evaluation.causes import Part, fit, late, undone
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.evidence import TIE, Evidence
 from lie_rigid_body.evaluation.explanations import Explanation
 from lie_rigid_body.evaluation.limits import Limits, Tally
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Score
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Finding, Score
 from lie_rigid_body.evaluation.statistics import Statistics, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.track import FEWEST, Track
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import SampledTruth, evaluate
-from lie_rigid_body.evaluation.causes import Finding
+from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.lie import quaternion
 
 NED = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]

@@ -86,6 +86,7 @@ def test_what_has_no_number_or_another_shape_is_refused():
         ("errors", times, errors[0], covariance, attitude),
         ("covariance", times, errors, covariance[0], attitude),
         ("t_s", times[1:], errors, covariance, attitude),
+        ("t_s", times[np.newaxis], errors, covariance, attitude),
         ("attitude_xyzw", times, errors, covariance, attitude[0]),
     ):
         with pytest.raises(InputError, match=f"{name}: shape "):

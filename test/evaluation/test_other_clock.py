@@ -12,8 +12,9 @@ from motions import MOTIONS, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State, simulate
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
-from lie_rigid_body.evaluation.causes import CAUSES, Finding
+from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.evaluation.clock import other_clock, rate_of
+from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 
