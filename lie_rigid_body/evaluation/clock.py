@@ -14,7 +14,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, derivative, fit, late, undone, weights
+from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, late, undone, weights
 from lie_rigid_body.evaluation.evidence import BOTH, FULL, LEAD, LEAST_LATE, SHARE, UNLIKE
 from lie_rigid_body.evaluation.explanations import LARGEST_LEFT, NEGLIGIBLE, Explanation
 from lie_rigid_body.evaluation.statistics import rms
@@ -75,30 +75,44 @@ class Lag(NamedTuple):
 def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float, most: int = 4000) -> Lag:
     """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
 
-    Where it does not, the lag is fitted beside the turns that are named. It is told where it is named, where it is
-    sure, and where it is none. The latter is to an error that is small beside a lag that would turn the body by what is
-    left. It is fitted to `most` samples.
+    Where it does not, the lag is fitted beside a heading and a mounting, else beside the turns that are named. Then a
+    tilt of the world, which sensors leave as well, may be told as a lag. So the standard error of a named one is at
+    least by how much another it is beside a tilt. A lag is told where it is named, where it is sure, and where it is
+    none. The latter is to an error that is small beside a lag that would turn the body by what is left. It is fitted to
+    `most` samples.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
     track = undone(track.few(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
-    lag = late(named.lag_s or 0.0)
-    both = [(BY_CODE[code], np.zeros(BY_CODE[code].price)) for code in BOTH if code not in named.turned]
-    for turned in ([*parts, *both], parts):
+    lag, known = late(named.lag_s or 0.0), {cause.code: fitted for cause, fitted in parts}
+    up, mounting = known.get("heading_offset", np.zeros(1)), known.get("body_mounting", np.zeros(3))
+    body = BY_CODE["body_mounting"], mounting
+    tilted, level = [(BY_CODE["world_turned"], up * UP), body], [(BY_CODE["heading_offset"], up), body]
+    for turned in (tilted, level, parts):
         if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
             fitted = fit([track], [*turned, lag])
-            if abs(fitted[-1][1][0]) > FULL * longest_lag_s:
+            lag_s = float(fitted[-1][1][0])
+            if abs(lag_s) > FULL * longest_lag_s:
                 return Lag()
             if named.lag_s is not None:
-                return Lag(float(fitted[-1][1][0]), standard_error(track, fitted))
-            found = _unnamed(track, fitted, [*fit([track], turned), lag], period_s)
+                beside_tilt = float(fit([track], [*tilted, lag])[-1][1][0])
+                return Lag(lag_s, max(standard_error(track, fitted), abs(lag_s - beside_tilt)))
+            instead = fitted if turned is tilted else fit([track], tilted)
+            found = _unnamed(track, fitted, [*fit([track], turned), lag], instead, period_s)
             return found if turned is not parts else found._replace(sure=False)
     return Lag()
 
 
-def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], period_s: float) -> Lag:
-    """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be."""
+def _unnamed(
+    track: Track, fitted: Sequence[Part], without: Sequence[Part], instead: Sequence[Part], period_s: float
+) -> Lag:
+    """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be.
+
+    A lag is sure only if it leaves no more than what is fitted instead of it, a turn of the world and one of the body.
+    """
     lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
-    left, before, raw = (float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, ()))
+    left, before, other, raw = (
+        float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, instead, ())
+    )
     turn = rms(sizes(track.truth.states(track.stamps_ns)[1]))
     if left > LARGEST_LEFT:  # what follows the truth so little tells no lag
         return Lag()
@@ -106,7 +120,7 @@ def _unnamed(track: Track, fitted: Sequence[Part], without: Sequence[Part], peri
     # each half of a run alone tells about the same lag; what drifts feign hardly does
     halves = [track.part(half) for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
     alone = (float(fit([half], fitted)[-1][1][0]) for half in halves)
-    clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi)
+    clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and left <= other
     if clear and all(abs(of_half - lag_s) <= UNSTEADY * abs(lag_s) for of_half in alone):
         lead = -LEAD * period_s <= lag_s <= 0.0
         return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, LEAST_LATE * period_s) and not lead)

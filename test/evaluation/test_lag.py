@@ -65,3 +65,18 @@ def test_of_a_top_the_nearest_lag_is_named_with_the_fewest_causes(cause, lag_s):
     assert {finding.code for finding in score.findings} == {cause, "lagging" if lag_s > 0.0 else "leading"}
     assert score.lag_s == pytest.approx(lag_s, abs=1e-6)
     assert score.findings[-1].rms_deg_after < 1e-3
+
+
+@pytest.mark.parametrize("lag_s", [0.0, 0.025])
+@pytest.mark.parametrize("motion", ["dzhanibekov", "precession", "slow_tumble", "fast_tumble"])
+def test_a_tilt_of_the_world_is_no_lag_and_a_lag_beside_it_is_told_within_its_error(motion: str, lag_s: float) -> None:
+    """A tilt of 3° is none of the names, as sensors err by more, and to a body that turns evenly it is nearly a lag."""
+    stamps = INNER - round(lag_s * 1e9)
+    tilt = quaternion.exp(np.radians([2.0, -2.0, 1.0]))
+    estimate = quaternion.multiply(tilt, MOTIONS[motion].at(stamps).attitude_xyzw)
+    truth = ExactTruth(lambda t_ns: MOTIONS[motion].at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
+    score = evaluate(INNER, quaternion.multiply(estimate, turns(0.2, 3, len(INNER))), truth)
+    if score.lag_s is not None:
+        assert score.lag_standard_error_s is not None
+        assert abs(score.lag_s - lag_s) <= 3.0 * score.lag_standard_error_s
+    assert lag_s or not {"lagging", "leading"} & {finding.code for finding in score.findings}
