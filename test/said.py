@@ -22,7 +22,7 @@ def refusals(wording: Mapping[type[Exception], Mapping[str, str]]) -> Callable[.
     """
     table = {name: (kind, said) for kind, named in wording.items() for name, said in named.items()}
 
-    def refused(name: str, **values: object) -> Error:
+    def refused(name: str, /, **values: object) -> Error:
         kind, said = table[name]
         return pytest.raises(kind, match=said.format_map({key: re.escape(str(value)) for key, value in values.items()}))
 

@@ -12,13 +12,28 @@ from campaigns import CAMPAIGN, NEEDS_DASK, written
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
-from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign, campaign_runs
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.wording import LONGEST_LINE
+from said import refusals
 
 pytestmark = NEEDS_DASK
+refused = refusals(
+    {
+        BagError: {
+            "not written": f"cannot be written: {{why}}: .*{RESUMED}",
+            "not read": "runs.jsonl cannot be read: {why}",
+            "not used": "runs.jsonl cannot be used: {why}",
+            "no file": "runs.jsonl is no regular file: move it away, or give another folder",
+            "no row": "byte [0-9]+ begins no row of this campaign",
+            "changed bags": rf"{{count}} of {{of}} bags were deleted or changed meanwhile \({{which}}\): .*{RESUMED}",
+        },
+        InputError: {"distribution": "^{name}"},
+    }
+)
+"""Errors that other tests name."""
 Scene = Callable[[Path], object]
 """Is called in an empty folder, and raises an error."""
 

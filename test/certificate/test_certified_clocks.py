@@ -15,6 +15,7 @@ from lie_rigid_body.recording.segments import SensorClocks
 from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Segment
+from sampled import sampled
 
 START: dict[str, object] = {"motion": "closed_form", **FORCE, **NOISY}
 CLOCKS: dict[str, dict[str, object]] = {
@@ -95,7 +96,9 @@ def moved(by_ns: int) -> Change:
 
 
 @pytest.mark.parametrize("as_written", [True, False])
-@pytest.mark.parametrize("by_ns", [1, -1, 1000, 10_000_000, -10_000_000, 10**9, -(10**9), -(10**18), 10**17])
+@pytest.mark.parametrize(
+    "by_ns", sampled([1, -1, 1000, -10_000_000, 10_000_000, 10**9, -(10**18), -(10**9), 10**17], every=3)
+)
 def test_another_stamp_is_named(bag, tmp_path, by_ns, as_written):
     change, late = moved(by_ns), (lambda ms: ms) if as_written else recorded(0.1)
     found = certify(Bag(tamper(bag, tmp_path / "b.mcap", lambda ms: late(change(ms)))))

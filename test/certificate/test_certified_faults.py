@@ -11,6 +11,7 @@ from lie_rigid_body.certificate import LawResult, SegmentCertificate, certify, r
 from lie_rigid_body.certificate.stamps import DUPLICATE, GAP
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.runs import Run
+from sampled import sampled
 
 SENSORS = ("gyro", "accelerometer", "magnetometer")
 ATTITUDE, SUN, FAULTS = "/attitude/pose", "/sun/direction", "/lie_rigid_body/faults"
@@ -66,7 +67,7 @@ def test_faults_of_axes_after_steps_and_a_converter(tmp_path, motion):
     assert found.sensors == ALL
 
 
-@pytest.mark.parametrize("draw", [0, *(pytest.param(draw, marks=pytest.mark.slow) for draw in range(1, 6))])
+@pytest.mark.parametrize("draw", sampled(range(6), every=6))
 def test_a_range_or_level_that_is_no_multiple_of_the_resolution(tmp_path, draw):
     """What saturates is at the last step within it, in the bag and where it is computed anew."""
     random = np.random.default_rng(draw)
@@ -87,7 +88,7 @@ def test_a_range_or_level_that_is_no_multiple_of_the_resolution(tmp_path, draw):
         assert np.abs(read).max() <= coarse[f"{sensor}_range"]
 
 
-@pytest.mark.parametrize("name", AXES)
+@pytest.mark.parametrize("name", sampled(AXES, every=3))
 def test_faults_of_axes_that_began_before_a_recorder_did(tmp_path, monkeypatch, name):
     monkeypatch.setattr(readings, "BLOCK", 7)
     path = write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 1.0))
@@ -108,7 +109,7 @@ def test_what_a_stuck_axis_repeats_is_measured_again_and_nothing_else(tmp_path, 
     assert sum(replayed) < 0.3 * (333.3 + 70.0)
 
 
-@pytest.mark.parametrize("name", AXES)
+@pytest.mark.parametrize("name", sampled(AXES, every=3))
 def test_faults_of_axes_that_are_declared_away_are_missed(tmp_path, name):
     path = write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 0.5))
     none = dict.fromkeys((key for key in AXES[name] if not key.endswith("duration")), 0.0)

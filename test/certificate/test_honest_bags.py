@@ -23,6 +23,7 @@ from lie_rigid_body.report.certificates import as_json, as_table
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.sensors import GRADES
+from sampled import sampled
 
 U = 2.0**-53
 STEPPERS = ["closed_form", *(name for name, method in METHODS.items() if method.order >= 4)]
@@ -43,7 +44,7 @@ CASES = [(*pair, *KINDS[(7 * i) % len(KINDS)]) for i, pair in enumerate(PAIRS)]
 
 @pytest.mark.parametrize(
     ("scenario", "stepper", "grade", "faults", "gyro_rate"),
-    [case if i % 23 == 0 else pytest.param(*case, marks=pytest.mark.slow) for i, case in enumerate(CASES)],
+    sampled(CASES, every=23),
 )
 def test_honest_bags_are_certified(tmp_path, scenario, stepper, grade, faults, gyro_rate):
     motion = {"motion": stepper} if stepper == "closed_form" else {"motion": "moving_chart", "method": stepper}

@@ -17,6 +17,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import Simulation
+from sampled import sampled
 
 SEEDS = 60
 EPOCH = 10**18
@@ -108,7 +109,7 @@ def late(chance: random.Random) -> Change:
     return change
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, SEEDS))])
+@pytest.mark.parametrize("seed", sampled(range(SEEDS), every=SEEDS // 4))
 def test_random_scenarios_are_certified_and_altered_numbers_named(tmp_path, seed):
     chance = random.Random(seed)
     stages = [drawn(chance, rate=100.0) for _ in range(1 + chance.randrange(3))]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, kstest
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import attitude_nees, nees
 from lie_rigid_body.lie import quaternion
 
@@ -98,51 +97,10 @@ def test_six_dimensions():
     assert nees(errors(full), full).verdict == "consistent"
 
 
-@pytest.mark.parametrize(
-    ("covariance", "message"),
-    [
-        (np.zeros((3, 3)), "says that the estimator does not know it"),
-        (np.diag([-1.0, 0.0, 0.0]), "says that the estimator does not know it"),
-        (np.diag([1.0, 0.0, 1.0]), "0 on its diagonal: give positive variances"),
-        (np.diag([1.0, -2.0, 1.0]), "-2 on its diagonal: give positive variances"),
-        (np.eye(3) * 1e-310, "1e-310 on its diagonal: give positive variances, 1e-200 at least"),
-        ([[1e-150, 1e200, 0], [1e200, 1e-150, 0], [0, 0, 1]], "not symmetric"),
-        ([[1, 2, 0], [0, 1, 0], [0, 0, 1]], "not symmetric"),
-        ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "not positive definite"),
-        (np.eye(2), r"shape \(2, 2\) is not"),
-        (np.full((3, 3), np.nan), "not finite"),
-        (np.tile(P, (7, 1, 1)), "is not \\(3, 3\\) or \\(4000, 3, 3\\)"),
-    ],
-)
-def test_refusals(covariance, message):
-    with pytest.raises(InputError, match=message):
-        attitude_nees(*attitudes("world"), covariance)
-
-
-def test_attitudes_of_other_instants_are_refused():
-    estimate, truth = attitudes("world")
-    with pytest.raises(InputError, match=r"does not go with truth_xyzw of shape \(3, 4\)"):
-        attitude_nees(estimate, truth[:3], P)
-
-
-@pytest.mark.parametrize("axes", ["map", ["world"], None])
-def test_other_axes_are_refused(axes):
-    with pytest.raises(InputError, match="give 'world' or 'body'"):
-        attitude_nees(*attitudes("world"), P, axes)
-
-
-@pytest.mark.parametrize("probability", [2.0, -1, np.nan, 0.0, 1.0, "0.95", [0.9]])
-def test_a_probability_is_between_0_and_1(probability):
-    with pytest.raises(InputError, match=r"is not between 0 and 1: give for example probability=0\.95"):
-        nees(np.zeros((9, 3)), P, probability)
-
-
 def test_the_largest_probability_has_finite_bounds():
     result = nees(errors()[:9], P, np.nextafter(1.0, 0.0))
     assert np.isfinite([*result.bounds, *result.mean_bounds]).all()
 
 
-def test_a_nees_is_a_number_or_refused():
+def test_a_nees_of_the_smallest_variances_is_a_number():
     assert np.isfinite(attitude_nees([[1.0, 0.0, 0.0, 0.0]] * 9, [[0.0, 0.0, 0.0, 1.0]] * 9, np.eye(3) * 1e-200).mean)
-    with pytest.raises(InputError, match="up to 1e\\+200: the NEES overflows"):
-        nees(np.full((9, 3), 1e200), np.eye(3))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import (
     AttitudeError,
     Limits,
@@ -35,15 +34,7 @@ def test_tiny_errors_do_not_vanish_and_one_number_is_its_own_statistics():
 def test_bias_error_is_the_norm():
     s = bias_error([[3.0, 4.0, 0.0], [0.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     assert (s.max, s.final) == (5.0, 1.0)
-    with pytest.raises(InputError, match="truth: 1 of 2 rows are not finite"):
-        bias_error(np.zeros((2, 3)), np.array([[0, 0, 0], [0, np.inf, 0]]))
     assert bias_error([[3e200, 4e200, 0.0]], np.zeros((1, 3))).rms == pytest.approx(5e200)
-
-
-@pytest.mark.parametrize("rows", [1, 4])
-def test_a_bias_error_has_a_true_bias_for_each_estimate(rows):
-    with pytest.raises(InputError, match=rf"truth: shape \({rows}, 3\) is not \(5, 3\)"):
-        bias_error(np.zeros((5, 3)), np.zeros((rows, 3)))
 
 
 @pytest.mark.parametrize(("limit", "time"), [(0.5, None), (1.0, 4.0), (3.0, 2.0), (9.0, 0.0)])
@@ -70,21 +61,6 @@ def test_angles_are_read(text, degrees):
 def test_times_are_read(text, seconds):
     [(start, _)] = Limits.parse(max_after=f"{text}:1deg").max_after
     assert start == pytest.approx(seconds)
-
-
-@pytest.mark.parametrize("text", ["", "1", "deg", "-1deg", "1s", "nan deg", "1 deg deg", "1e999deg", "1,5deg", "١deg"])
-def test_what_is_no_angle_is_refused(text):
-    with pytest.raises(InputError, match="an angle such as 1deg"):
-        Limits.parse(text)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [("10s", "10s:2deg"), ("10s2deg", "10s:2deg"), ("10:2deg", "a time such as 10s"), ("10s:2s", "an angle such as")],
-)
-def test_what_is_no_time_and_angle_is_refused(text, message):
-    with pytest.raises(InputError, match=message):
-        Limits.parse(max_after=text)
 
 
 def tally_of(limits: Limits, t_s: np.ndarray, total_deg: np.ndarray) -> Tally:

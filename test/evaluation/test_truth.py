@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error, evaluate
-from lie_rigid_body.evaluation.arguments import read_series
 from lie_rigid_body.evaluation.remarks import of_series
 from lie_rigid_body.lie import quaternion
 
@@ -68,36 +66,6 @@ def test_exact_truth_is_asked_in_order_and_once():
 def test_body_rate_is_the_motions(motion):
     t = STAMPS[5:-5:97]
     np.testing.assert_allclose(truth_of(motion).states(t)[1], MOTIONS[motion].at(t).body_rate, atol=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("stamps", "attitudes", "message"),
-    [
-        ([], np.empty((0, 4)), "give a flat list of at least one"),
-        ([0.0, 1.0], SPIN[:2], "integer nanoseconds"),
-        ([0, 5, 3], SPIN[:3], "out of order in 1 places, first at sample 2, 2e-09 s"),
-        ([0, 5], SPIN[:3], r"for 2 stamps"),
-        ([0, 1], [[0, 0, 0, 1], [0, 0, 0, 0]], "1 of 2 quaternions are zero or overflow, the first is row 1"),
-        ([0, 1], [[0, 0, 0, 1], [0, 0, np.nan, 0]], "1 of 2 rows are not finite, the first is row 1"),
-    ],
-)
-@pytest.mark.parametrize("read", [lambda *given: read_series("estimate", *given), SampledTruth])
-def test_refusals(read, stamps, attitudes, message):
-    with pytest.raises(InputError, match=message):
-        read(stamps, attitudes)
-
-
-def test_a_truth_has_no_doubles_and_does_not_end_before_it_begins():
-    with pytest.raises(InputError, match="a stamp occurs twice"):
-        SampledTruth([0, 0], SPIN[:2])
-    with pytest.raises(InputError, match="ends at 0 ns"):
-        ExactTruth(lambda t: np.zeros((len(t), 4)), 1, 0)
-
-
-@pytest.mark.parametrize("time", [10**30, float("inf"), float("nan"), "0", None])
-def test_an_exact_truth_is_between_times_that_a_message_can_have(time):
-    with pytest.raises(InputError, match=r"is not within 2\*\*31 s of 0"):
-        ExactTruth(lambda t: np.zeros((len(t), 4)), 0, time)
 
 
 def remarked(stamps: np.ndarray, given: np.ndarray) -> list[str]:

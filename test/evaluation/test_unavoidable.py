@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import (
     AttitudeReadings,
     BiasNoise,
@@ -142,45 +139,6 @@ def test_a_good_filter_comes_as_near_as_the_bound_and_no_nearer():
     # errors of one run go together: some 80 independent squares in all
     assert 0.65 < np.mean(squares) / 3.0 < 1.5
     assert bound.rms(bound.smoothed) < 0.8 * bound.rms(bound.filtered[50:])
-
-
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"gyro_noise": 0.0}, "gyro_noise: 0.0 is not above 0"),
-        ({"gyro_noise": 1.0, "initial": float("nan")}, "initial"),
-    ],
-)
-def test_without_noise_there_is_no_bound(given, words):
-    with pytest.raises(InputError, match=words):
-        unavoidable_error([0, 1], [[0, 0, 0, 1]] * 2, **given)
-
-
-def test_stamps_have_to_rise():
-    with pytest.raises(InputError, match="rising"):
-        unavoidable_error([1, 1], [[0, 0, 0, 1]] * 2, gyro_noise=1.0)
-
-
-def test_what_is_no_noise_and_no_vector_is_one_line():
-    wrong: Any = 3
-    given: dict[str, Any] = {"stamps_ns": [0, 1], "truth_xyzw": [[0, 0, 0, 1]] * 2, "gyro_noise": 0.1}
-    for call, message in [
-        (lambda: VectorReadings([0], UP, 0.0), "noise of a vector: 0.0"),
-        (lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1), "has no direction"),
-        (lambda: VectorReadings([0], UP, 0.1, wrong), "bias: 3 is no BiasNoise"),
-        (lambda: BiasNoise(turn_on=-1.0), "turn_on: -1.0"),
-        (lambda: AttitudeReadings([0], np.eye(3) - 0.5), "not positive definite"),
-        (lambda: AttitudeReadings([0, 1], np.tile(np.eye(3), (2, 1, 1))), "covariance: shape .2, 3, 3. is not .3, 3."),
-        (lambda: unavoidable_error(**given, gyro_readings=[1, 0]), "gyro_readings: .1, 0.: give a number of 1 or more"),
-        (lambda: unavoidable_error(**given, gyro_readings=[[1, 1]] * 2), "gyro_readings"),
-        (lambda: unavoidable_error(**given, vectors=[wrong]), "vectors: .3. is not a list of VectorReadings"),
-        (lambda: unavoidable_error(**given, vectors=wrong), "vectors: 3 is not a list"),
-        (lambda: unavoidable_error(**given, gyro_bias=wrong), "gyro_bias: 3 is no BiasNoise"),
-        (lambda: unavoidable_error(**{**given, "gyro_noise": 1e200}), "gyro_noise: 1e.200 is beyond"),
-        (lambda: unavoidable_error(**{**given, "stamps_ns": [0.0, 1.0]}), "give integer nanoseconds"),
-    ]:
-        with pytest.raises(InputError, match=message):
-            call()
 
 
 def test_what_no_reading_tells_is_named_and_no_angle_is_larger_than_that_of_a_guess():

@@ -116,6 +116,7 @@ def score(
     return found
 
 
+@pytest.mark.slow
 def test_the_score_is_the_same_whenever_the_machine_gives_time(domain: int) -> None:
     even = score(domain, "SingleThreadedExecutor")
     assert even["samples"] == 201

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from refused_runs import refused
 
 from lie_rigid_body import Estimate, InputError, Run, certify, simulate
 from lie_rigid_body.cli.evaluate import main
@@ -69,20 +70,20 @@ def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "name"),
     [
-        (lambda q, t: (q.T,), "transpose"),
-        (lambda q, t: (q[:, :3],), "Euler"),
-        (lambda q, t: (np.zeros((len(t), 3, 3)),), "from_matrix"),
-        (lambda q, t: (q, t / 1e9), "round"),
-        (lambda q, t: (q, t[1:]), "stamps"),
+        (lambda q, t: (q.T,), "transposed"),
+        (lambda q, t: (q[:, :3],), "angles"),
+        (lambda q, t: (np.zeros((len(t), 3, 3)),), "matrices"),
+        (lambda q, t: (q, t / 1e9), "seconds"),
+        (lambda q, t: (q, t[1:]), "number of stamps"),
         (lambda q, t: (q, t, np.eye(4)), "covariance"),
         (lambda q, t: (q, t, np.eye(3), "map"), "axes"),
         (lambda q, t: (q, t, None, "world", q), "gyro_bias"),
     ],
 )
-def test_what_is_no_estimate_is_one_line(change, said, run, attitude):
-    with pytest.raises(InputError, match=said):
+def test_what_is_no_estimate_is_one_line(change, name, run, attitude):
+    with refused(name):
         Estimate(*change(attitude, run.t_ns))
 
 
@@ -94,16 +95,16 @@ def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
 
 
 def test_equal_stamps_are_refused(run, attitude):
-    with pytest.raises(InputError, match="all 40 stamps are 0 ns"):
+    with refused("stamps", count=40, stamp="0 ns"):
         run.score(attitude, run.t_ns * 0)
 
 
 def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
     score = run.score(attitude, run.t_ns, diagnosed=False)
     estimates = dict.fromkeys(("/a", "/a/error_deg"), (run.t_ns, attitude))
-    with pytest.raises(InputError, match="one name"):
+    with refused("topic twice"):
         run.to_bag(tmp_path / "x.mcap", estimates=estimates, scores={"/a": score})
-    with pytest.raises(InputError, match="'/imu/data_raw' is no name"):
+    with refused("topic", topic="/imu/data_raw"):
         run.to_bag(tmp_path / "x.mcap", estimates={"/imu/data_raw": (run.t_ns, attitude)})
     assert not (tmp_path / "x.mcap").exists()
 

@@ -12,8 +12,9 @@ import pytest
 from estimates import NS, STORE, beside, header, make, messages, vector
 from estimates import quaternion as rotation
 from mcap.reader import make_reader
+from refused_runs import refused
 
-from lie_rigid_body import InputError, LieRigidBodyError, Run, Scenario
+from lie_rigid_body import Run, Scenario
 from lie_rigid_body.evaluation import Limits, Score, evaluate
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import encode_string
@@ -198,46 +199,44 @@ def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps
 
 
 @pytest.mark.parametrize(
-    ("kind", "change", "said"),
+    ("kind", "change", "frames"),
     [
         (POSE_STAMPED, {"world": "b/world"}, None),
-        (TF_MESSAGE, {"body": "lidar"}, "map to odometer, world to lidar, none of which is world to base_link"),
+        (TF_MESSAGE, {"body": "lidar"}, "map to odometer, world to lidar"),
         (ODOMETRY, {"body": "lidar"}, None),
     ],
 )
-def test_other_frames(kind, change, said, own, stamps, noisy, tmp_path):
+def test_other_frames(kind, change, frames, own, stamps, noisy, tmp_path):
     how = messages(np.eye(3), **change)[kind]
     bag = beside(own, tmp_path / "bag.mcap", (kind, how, "/estimate", stamps, noisy))
-    if said is None:
+    if frames is None:
         [note] = followed(bag, kind).score()[0].notes
         assert "they are taken for the same" in note
         return
-    with pytest.raises(InputError, match=said):
+    with refused("frames", frames=frames):
         followed(bag, kind).score()
 
 
 def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, tmp_path):
     one, other = HOW[POSE_STAMPED], messages(np.eye(3), world="b")[POSE_STAMPED]
     topic = (POSE_STAMPED, lambda t, q: (one if t < NS else other)(t, q), "/estimate", stamps, noisy)
-    with pytest.raises(LieRigidBodyError, match="is of the frames world, b"):
+    with refused("two bodies"):
         followed(beside(own, tmp_path / "two.mcap", topic), POSE_STAMPED).score()
     none = messages(np.diag([-1.0, 0.0, 0.0]))[IMU]
-    with pytest.raises(InputError, match="has no orientation"):
+    with refused("orientation"):
         followed(beside(own, tmp_path / "none.mcap", (IMU, none, "/estimate", stamps, noisy)), IMU).score()
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
     live.hear_estimates([bytes(STORE.serialize_cdr(one(0, noisy[0]), POSE_STAMPED))])
-    with pytest.raises(InputError, match="neither a scenario nor a pose came"):
+    with refused("no truth"):
         live.score()
-    with pytest.raises(InputError, match="not the JSON"):
+    with refused("no scenario"):
         live.truth.hear_scenarios([encode_string("a scene")])
 
 
 def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
     """Though a scenario would tell a truth at any time."""
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps + 10**18, noisy))
-    with pytest.raises(
-        InputError, match=r"none of its 149 stamps is within the truth, from 0 s to 5.999999999 s: they begin 1"
-    ):
+    with refused("another clock", count=149):
         followed(bag, POSE_STAMPED).score()
 
 
@@ -360,7 +359,7 @@ def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", ahead, noisy))
     live = followed(bag, POSE_STAMPED, duration_s=5.0)
     assert live.estimate.complete
-    with pytest.raises(InputError, match="none of its 126 stamps is within the truth"):
+    with refused("another clock", count=126):
         live.score()
 
 
@@ -381,13 +380,13 @@ def test_poses_ahead_of_a_slow_filter_are_no_gap(duration_s, own, stamps, noisy,
 
 @pytest.mark.parametrize("duration_s", [1e300, np.inf, np.nan, -1.0, 0.0])
 def test_what_is_no_duration_is_one_line(duration_s):
-    with pytest.raises(InputError, match="is not a time from 1e-9 to 1e10 seconds: give for example 60"):
+    with refused("live duration"):
         LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=duration_s)
 
 
 def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):
     bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, np.nan * noisy))
-    with pytest.raises(InputError, match="149 of 149 estimates are not finite"):
+    with refused("all not finite", count=149):
         followed(bag, POSE_STAMPED).score()
 
 

@@ -21,10 +21,11 @@ SLOW = pytest.mark.slow
 
 
 def run_pytest(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Pytest in a folder of its own; the plugin is named, as this checkout need not be what is installed."""
+    """Pytest in a folder of its own; only the plugin is loaded, by name, as this checkout need not be installed."""
     command = [sys.executable, "-m", "pytest", "-p", PLUGIN, "-p", "no:cacheprovider", *arguments]
+    alone = {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     nothing_left = {"PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_STORAGE_DIRECTORY": os.devnull}
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), **nothing_left}
+    environment = {**os.environ, **alone, **nothing_left}
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 

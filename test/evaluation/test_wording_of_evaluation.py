@@ -1,0 +1,197 @@
+"""What the room `evaluation` says when it refuses: the value, the limit and the remedy, in one short line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from motions import STAMPS, attitude, truth_of
+
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation import (
+    AttitudeReadings,
+    BiasNoise,
+    ExactTruth,
+    Limits,
+    SampledTruth,
+    VectorReadings,
+    attitude_error,
+    attitude_nees,
+    bias_error,
+    evaluate,
+    nees,
+    unavoidable_error,
+)
+from lie_rigid_body.evaluation.arguments import read_series, read_stamps
+from lie_rigid_body.wording import LONGEST_LINE
+
+WRONG: Any = 3
+ONE, ZERO = [0.0, 0.0, 0.0, 1.0], [0.0] * 4
+Q = np.tile(ONE, (3, 1))
+P = np.array([[4.0, 1.0, -0.5], [1.0, 3.0, 0.2], [-0.5, 0.2, 0.5]]) * 1e-6
+GIVEN: dict[str, Any] = {"stamps_ns": [0, 1], "truth_xyzw": [ONE] * 2, "gyro_noise": 0.1}
+TRUE = attitude("slow_tumble")
+MASK = np.ma.masked_array([0, 1, 2], mask=[False, True, False])
+NO_NUMBERS: list[Any] = [
+    *(Q.astype(str), Q.astype(bool), Q.astype(str).astype(object), [[None] * 4] * 3, [[1, 2], [3]], {"q": Q}, object())
+]
+
+Call = Callable[[], object]
+
+
+def still(stamps: Any) -> np.ndarray:
+    return np.zeros((len(stamps), 4))
+
+
+def score(stamps: Any, estimate: Any, **given: Any) -> object:
+    return evaluate(stamps, estimate, truth_of("slow_tumble"), **given)
+
+
+def series(*given: Any) -> list[Call]:
+    """Both that read stamps and attitudes."""
+    return [lambda: read_series("estimate", *given), lambda: SampledTruth(*given)]
+
+
+def limits(value: Any) -> list[Call]:
+    return [lambda: Limits(max_rms_deg=value), lambda: Limits(max_after=((1.0, value),))]
+
+
+def unavoidable(**given: Any) -> Call:
+    return lambda: unavoidable_error(**{**GIVEN, **given})
+
+
+def consistency(covariance: Any, **more: Any) -> Call:
+    return lambda: attitude_nees(np.tile(ONE, (4000, 1)), np.tile(ONE, (4000, 1)), covariance, **more)
+
+
+REFUSED: dict[str, list[Call]] = {
+    # limits
+    "0 is not above 0: give": [*limits(0.0), *limits(-1.0)],
+    "is not a finite number of degrees above 0: give": [
+        call for value in (np.nan, np.inf, "1deg", True, [1.0], 10**400) for call in limits(value)
+    ],
+    "max_after": [
+        lambda value=value: Limits(max_after=value)  # type: ignore[misc]
+        for value in (5, (5,), ((-1.0, 1.0),), ((np.nan, 1.0),))
+    ],
+    "give": [
+        lambda: Limits.parse("0deg"),
+        *(lambda text=text: Limits.parse(max_after=text) for text in ("0s:0deg", WRONG, None)),  # type: ignore[misc]
+    ],
+    "an angle such as 1deg": [
+        lambda text=text: Limits.parse(text)  # type: ignore[misc]
+        for text in ("", "1", "deg", "-1deg", "1s", "nan deg", "1 deg deg", "1e999deg", "1,5deg", "١deg")
+    ],
+    "10s:2deg": [lambda: Limits.parse(max_after="10s"), lambda: Limits.parse(max_after="10s2deg")],
+    "a time such as 10s": [lambda: Limits.parse(max_after="10:2deg")],
+    "an angle such as": [lambda: Limits.parse(max_after="10s:2s")],
+    r"limits: '1deg' is none: give for example Limits.parse\('1deg'": [lambda: score(STAMPS, TRUE, limits="1deg")],
+    # stamps and attitudes
+    "give a flat list of at least one": series([], np.empty((0, 4))),
+    "integer nanoseconds": series([0.0, 1.0], Q[:2]),
+    "out of order in 1 places, first at sample 2, 2e-09 s": series([0, 5, 3], Q),
+    "for 2 stamps": series([0, 5], Q),
+    "1 of 2 quaternions are zero or overflow, the first is row 1": series([0, 1], [ONE, ZERO]),
+    "1 of 2 rows are not finite, the first is row 1": [
+        *series([0, 1], [ONE, [0, 0, np.nan, 0]]),
+        lambda: attitude_error([ONE, [np.nan, 0, 0, 1]], ONE),
+    ],
+    "a stamp occurs twice": [lambda: SampledTruth([0, 0], Q[:2])],
+    "ends at 0 ns": [lambda: ExactTruth(still, 1, 0)],
+    r"is not within 2\*\*31 s of 0": [
+        lambda time=time: ExactTruth(still, 0, time)  # type: ignore[misc]
+        for time in (10**30, np.inf, np.nan, "0", None)
+    ],
+    r"those of ROS 2 are within 2\*\*31 s: give nanoseconds": [
+        lambda: read_stamps("estimate", np.array([-(2**63), 2**63 - 1])),
+        lambda: read_stamps("estimate", np.array([2**63, 2**63 + 1], dtype=np.uint64)),
+    ],
+    "estimate: not numbers: give an array of shape": [
+        lambda given=given: read_series("estimate", [0, 1, 2], given)  # type: ignore[misc]
+        for given in NO_NUMBERS
+    ],
+    "complex": [lambda: attitude_error(Q + 1j, Q), lambda: nees(np.zeros((3, 3)), np.eye(3) * 1j)],
+    "masked": [
+        lambda: attitude_error(Q, np.ma.masked_array(Q, mask=Q == 0.0)),
+        lambda: read_stamps("estimate", MASK),
+    ],
+    # errors
+    r"estimate_xyzw: shape \(3, 3\) is not \(\.\.\., 4\)": [lambda: attitude_error(np.ones((3, 3)), Q)],
+    r"does not go with truth_xyzw of shape \(2, 4\)": [
+        lambda: attitude_error(Q, Q[:2]),
+        lambda: attitude_nees(Q, Q[:2], P),
+    ],
+    "truth_xyzw: 1 of 1 quaternions are zero or overflow": [lambda: attitude_error(ONE, ZERO)],
+    "empty": [lambda: attitude_error(np.empty((0, 4)), ONE)],
+    "not numbers": [lambda: attitude_error("north", ONE)],  # type: ignore[arg-type]
+    "truth: 1 of 2 rows are not finite": [lambda: bias_error(np.zeros((2, 3)), [[0, 0, 0], [0, np.inf, 0]])],
+    r"truth: shape \(1, 3\) is not \(5, 3\)": [lambda: bias_error(np.zeros((5, 3)), np.zeros((1, 3)))],
+    r"truth: shape \(6, 3\) is not \(5, 3\)": [lambda: bias_error(np.zeros((5, 3)), np.zeros((6, 3)))],
+    # a score
+    "none of its 1501 stamps is within the truth, from 0 s to 30 s: they begin 1e.09 s after it": [
+        lambda: score(STAMPS + 10**18, TRUE)
+    ],
+    "none of its 1501 stamps is within the truth, from 0 s to 30 s": [
+        lambda: score(STAMPS.repeat(2)[:1501] + 10**18, TRUE)
+    ],
+    "all of its 1501 messages have the stamp -1 s, which is not within the truth, .*: fill in header.stamp": [
+        lambda: score(np.full(1501, -(10**9)), TRUE)
+    ],
+    "none of its 1 stamps is within the truth": [lambda: score(STAMPS[:1] - 10**9, TRUE[:1])],
+    "out of order in 1500 places": [lambda: score(STAMPS[::-1], TRUE)],
+    "1492 of 1501 rows are not finite": [
+        lambda: score(STAMPS, np.where(np.arange(1501)[:, np.newaxis] < 9, TRUE, np.nan))
+    ],
+    "at least one": [lambda: score([], np.empty((0, 4)))],
+    "5 of them for 1501 estimates": [lambda: score(STAMPS, TRUE, covariance=np.tile(P, (5, 1, 1)))],
+    # covariances
+    "says that the estimator does not know it": [consistency(np.zeros((3, 3))), consistency(np.diag([-1.0, 0.0, 0.0]))],
+    "0 on its diagonal: give positive variances": [consistency(np.diag([1.0, 0.0, 1.0]))],
+    "-2 on its diagonal: give positive variances": [consistency(np.diag([1.0, -2.0, 1.0]))],
+    "1e-310 on its diagonal: give positive variances, 1e-200 at least": [consistency(np.eye(3) * 1e-310)],
+    "not symmetric": [
+        consistency([[1e-150, 1e200, 0], [1e200, 1e-150, 0], [0, 0, 1]]),
+        consistency([[1, 2, 0], [0, 1, 0], [0, 0, 1]]),
+    ],
+    "not positive definite": [
+        consistency([[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
+        lambda: AttitudeReadings([0], np.eye(3) - 0.5),
+    ],
+    r"shape \(2, 2\) is not": [consistency(np.eye(2))],
+    "not finite": [consistency(np.full((3, 3), np.nan))],
+    r"is not \(3, 3\) or \(4000, 3, 3\)": [consistency(np.tile(P, (7, 1, 1)))],
+    "give 'world' or 'body'": [consistency(P, axes=axes) for axes in ("map", ["world"], None)],
+    r"is not between 0 and 1: give for example probability=0\.95": [
+        lambda given=given: nees(np.zeros((9, 3)), P, given)  # type: ignore[misc]
+        for given in (2.0, -1, np.nan, 0.0, 1.0, "0.95", [0.9])
+    ],
+    r"up to 1e\+200: the NEES overflows": [lambda: nees(np.full((9, 3), 1e200), np.eye(3))],
+    # the unavoidable error
+    "gyro_noise: 0.0 is not above 0": [unavoidable(gyro_noise=0.0)],
+    "initial": [unavoidable(initial=np.nan)],
+    "rising": [unavoidable(stamps_ns=[1, 1])],
+    "noise of a vector: 0.0": [lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.0)],
+    "has no direction": [lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1)],
+    "bias: 3 is no BiasNoise": [lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.1, WRONG)],
+    "turn_on: -1.0": [lambda: BiasNoise(turn_on=-1.0)],
+    "covariance: shape .2, 3, 3. is not .3, 3.": [lambda: AttitudeReadings([0, 1], np.tile(np.eye(3), (2, 1, 1)))],
+    "gyro_readings: .1, 0.: give a number of 1 or more": [unavoidable(gyro_readings=[1, 0])],
+    "gyro_readings": [unavoidable(gyro_readings=[[1, 1]] * 2)],
+    "vectors: .3. is not a list of VectorReadings": [unavoidable(vectors=[WRONG])],
+    "vectors: 3 is not a list": [unavoidable(vectors=WRONG)],
+    "gyro_bias: 3 is no BiasNoise": [unavoidable(gyro_bias=WRONG)],
+    "gyro_noise: 1e.200 is beyond": [unavoidable(gyro_noise=1e200)],
+    "give integer nanoseconds": [unavoidable(stamps_ns=[0.0, 1.0])],
+}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("said", REFUSED)
+def test_it_is_refused_in_one_line(said: str) -> None:
+    for call in REFUSED[said]:
+        with pytest.raises(InputError, match=said) as caught:
+            call()
+        assert "\n" not in str(caught.value)
+        assert len(str(caught.value)) <= LONGEST_LINE
