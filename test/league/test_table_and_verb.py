@@ -165,6 +165,7 @@ def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
     assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
 
 
+@pytest.mark.slow
 def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     assert main(["league_filters:at_times"]) == 0
