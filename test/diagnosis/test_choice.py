@@ -59,10 +59,10 @@ def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
 def test_fewest_then_cheapest_then_first_is_named(
     found: list[Trial], named: tuple[str, ...] | None, or_else: tuple[str, ...]
 ) -> None:
-    first, *others = choose([trial(error=1.0), *found], FLOOR) or [None]
-    assert (first and first.codes) == named
-    if first:
-        assert instead_of(first, others, first.codes[0]) == or_else
+    chosen = choose([trial(error=1.0), *found], FLOOR)
+    assert [first.codes for first in chosen[:1]] == [codes for codes in [named] if codes]
+    for first in chosen[:1]:
+        assert instead_of(first, chosen[1:], first.codes[0]) == or_else
 
 
 def test_nothing_is_named_below_the_floor() -> None:
@@ -112,14 +112,18 @@ def given(readings: Readings) -> dict[str, Any]:
 def test_late_readings_are_undone_by_earlier_ones() -> None:
     readings = readings_of(courses_of({})[0])
     for sensor, name in SENSORS.items():
-        moved = given(late(sensor, 3).change(late(sensor, -3).change(readings)))
+        later, earlier = late(sensor, 3).change, late(sensor, -3).change
+        assert later
+        assert earlier
+        moved = given(later(earlier(readings)))
         assert np.array_equal(moved[name], given(readings)[name])
-        once = given(late(sensor, 3).change(readings))
+        once = given(later(readings))
         assert np.array_equal(once[name][:-3], given(readings)[name][3:])
 
 
 def test_joint_repair_gives_the_first_reading_twice() -> None:
     plain = readings_of(courses_of({})[0])
+    assert JOINT.change
     moved = given(JOINT.change(plain))
     for name in ("specific_force", "field"):
         assert np.array_equal(moved[name][1:], given(plain)[name][:-1])
