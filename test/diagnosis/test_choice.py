@@ -10,7 +10,7 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.course import readings as readings_of
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late, of_output
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, Repair, exact_repairs, late, of_output
 from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.diagnosis.search import or_else as instead_of
 from lie_rigid_body.evaluation.attitudes import angles_between
@@ -58,10 +58,10 @@ def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
 def test_fewest_then_cheapest_then_first_is_named(
     found: list[Trial], named: tuple[str, ...] | None, or_else: tuple[str, ...]
 ) -> None:
-    first, *others = choose([trial(error=1.0), *found], FLOOR) or [None]
-    assert (first and first.codes) == named
-    if first:
-        assert instead_of(first, others, first.codes[0]) == or_else
+    chosen = choose([trial(error=1.0), *found], FLOOR)
+    assert (chosen[0].codes if chosen else None) == named
+    if chosen:
+        assert instead_of(chosen[0], chosen[1:], chosen[0].codes[0]) == or_else
 
 
 def test_nothing_is_named_below_the_floor() -> None:
@@ -108,18 +108,26 @@ def given(readings: Readings) -> dict[str, Any]:
     return {"gyro": run.imu.gyro, "specific_force": run.imu.specific_force, "field": run.magnetometer.field}
 
 
+def repaired(readings: Readings, *repairs: Repair) -> dict[str, Any]:
+    """What a filter is given after some repairs."""
+    for repair in repairs:
+        assert repair.change is not None
+        readings = repair.change(readings)
+    return given(readings)
+
+
 def test_late_readings_are_undone_by_earlier_ones() -> None:
     readings = readings_of(courses_of({})[0])
     for sensor, name in SENSORS.items():
-        moved = given(late(sensor, 3).change(late(sensor, -3).change(readings)))
+        moved = repaired(readings, late(sensor, -3), late(sensor, 3))
         assert np.array_equal(moved[name], given(readings)[name])
-        once = given(late(sensor, 3).change(readings))
+        once = repaired(readings, late(sensor, 3))
         assert np.array_equal(once[name][:-3], given(readings)[name][3:])
 
 
 def test_joint_repair_gives_the_first_reading_twice() -> None:
     plain = readings_of(courses_of({})[0])
-    moved = given(JOINT.change(plain))
+    moved = repaired(plain, JOINT)
     for name in ("specific_force", "field"):
         assert np.array_equal(moved[name][1:], given(plain)[name][:-1])
         assert np.array_equal(moved[name][0], given(plain)[name][0])
