@@ -126,7 +126,7 @@ REFUSED: dict[str, list[Call]] = {
     "truth_xyzw: 1 of 1 quaternions are zero or overflow": [lambda: attitude_error(ONE, ZERO)],
     "empty": [lambda: attitude_error(np.empty((0, 4)), ONE)],
     "not numbers": [lambda: attitude_error("north", ONE)],
-    "truth: 1 of 2 rows are not finite": [lambda: bias_error(np.zeros((2, 3)), np.array([[0, 0, 0], [0, np.inf, 0]]))],
+    "truth: 1 of 2 rows are not finite": [lambda: bias_error(np.zeros((2, 3)), np.diag([0.0, np.inf, 0.0])[:2])],
     r"truth: shape \(1, 3\) is not \(5, 3\)": [lambda: bias_error(np.zeros((5, 3)), np.zeros((1, 3)))],
     r"truth: shape \(6, 3\) is not \(5, 3\)": [lambda: bias_error(np.zeros((5, 3)), np.zeros((6, 3)))],
     # a score

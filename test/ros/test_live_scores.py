@@ -213,6 +213,7 @@ def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
     assert len(process.complained) < 20  # each kind once
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_two_of_one_name_and_a_clock_that_jumps_back(domain: int) -> None:

@@ -124,6 +124,7 @@ def test_of_a_slower_magnetometer_the_pairs_are_answered():
     assert np.array_equal(found.t_ns, run.magnetometer.t_ns)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("isolated_ros")
 def test_a_filter_may_begin_with_its_second_reading_and_tell_a_covariance(run, scripted):
     source = """
@@ -181,7 +182,12 @@ def fill(answer, reading):
         ("time.sleep(1000)", 12.0, ["is not there after 6 s", "one node that publishes /imu/data"]),
         pytest.param("kind = TwistStamped", 60.0, ["/imu/data is of TwistStamped"], marks=SLOW),
         (ODOMETRY, 60.0, ["odom to base_footprint", "not of world to base_link"]),
-        ("def fill(answer, reading): answer.orientation_covariance[0] = -1.0", 60.0, ["has no orientation"]),
+        pytest.param(
+            "def fill(answer, reading): answer.orientation_covariance[0] = -1.0",
+            60.0,
+            ["has no orientation"],
+            marks=SLOW,
+        ),
     ],
 )
 @pytest.mark.usefixtures("isolated_ros")
