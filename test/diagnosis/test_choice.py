@@ -14,7 +14,8 @@ from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, Repa
 from lie_rigid_body.diagnosis.search import Trial, choose, settled
 from lie_rigid_body.diagnosis.search import or_else as instead_of
 from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, Track
+from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES
+from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 
 FLOOR = 0.001
@@ -181,4 +182,4 @@ def test_clock_of_another_rate_is_undone_where_only_later_samples_are_compared()
     constants, left = clock.fitted([settled(whole)])
     assert left < 1e-7
     assert constants == pytest.approx([1.0 / 1.03], abs=1e-7)
-    assert clock.undo(whole, constants).errors().max() < 1e-7
+    assert clock.undo(whole, constants).error().total.max() < 1e-7
