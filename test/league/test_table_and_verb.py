@@ -219,6 +219,29 @@ def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_
     assert not {"YAML", "char", "__init__()", "object", "None"} & set(re.findall(r"\w+(?:\(\))?", line))
 
 
+def changed(name: str, value: object) -> dict[str, object]:
+    """A row as JSON, with another value in the row or in its first case."""
+    content = json.loads(json.dumps(row("x", 1.0).to_json()))
+    first = content["results"][str(CASES[0])]
+    (first if name in first else content)[name] = value
+    return content
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("filter", wrong) for wrong in (-1, True, None, [], "", "a\nb | forged row")),
+        *(("total_deg", wrong) for wrong in (-1.0, True, None, float("nan"), "1")),
+        *(("heading_deg", wrong) for wrong in (None, float("nan"), [], {})),
+        *(("converged_s", wrong) for wrong in ("x", float("inf"), {}, -1.0)),
+    ],
+)
+def test_row_with_a_value_of_another_kind_is_refused(name, value):
+    assert FilterRow.from_json(changed("version", "2.0")).version == "2.0"
+    with pytest.raises(InputError, match="of another kind"):
+        FilterRow.from_json(changed(name, value))
+
+
 def test_other_readings_are_told():
     mine = replace(row("mine", 1.0), other_readings=("flips mems",))
     assert "flips mems" in standing(reference().with_rows([mine]), mine)
