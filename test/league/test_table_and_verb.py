@@ -219,6 +219,10 @@ def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_
     assert not {"YAML", "char", "__init__()", "object", "None"} & set(re.findall(r"\w+(?:\(\))?", line))
 
 
+WRONG_NAMES: list[Any] = [-1, True, None, [], "", "a\nb | forged row"]
+WRONG_ERRORS: list[Any] = [None, -1.0, True, float("nan"), float("inf"), "1", [], {}]
+
+
 def changed(name: str, value: object) -> dict[str, object]:
     """A row as JSON, with another value in the row or in its first case."""
     content = json.loads(json.dumps(row("x", 1.0).to_json()))
@@ -230,10 +234,9 @@ def changed(name: str, value: object) -> dict[str, object]:
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        *(("filter", wrong) for wrong in (-1, True, None, [], "", "a\nb | forged row")),
-        *(("total_deg", wrong) for wrong in (-1.0, True, None, float("nan"), "1")),
-        *(("heading_deg", wrong) for wrong in (None, float("nan"), [], {})),
-        *(("converged_s", wrong) for wrong in ("x", float("inf"), {}, -1.0)),
+        *[("filter", wrong) for wrong in WRONG_NAMES],
+        *[(name, wrong) for name in ("total_deg", "heading_deg") for wrong in WRONG_ERRORS],
+        *[("converged_s", wrong) for wrong in WRONG_ERRORS[1:]],
     ],
 )
 def test_row_with_a_value_of_another_kind_is_refused(name, value):
