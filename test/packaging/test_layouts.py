@@ -126,6 +126,7 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
 SLOW = pytest.mark.slow
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [(), pytest.param(("--symlink-install",), marks=SLOW), pytest.param(("--merge-install",), marks=SLOW)],

@@ -182,6 +182,7 @@ def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert "rclpy is not installed" in line
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
     from lie_rigid_body import InputError, Scenario

@@ -202,6 +202,7 @@ def test_unusable_values_are_refused_in_one_line(
     assert said in line
 
 
+@pytest.mark.slow
 def test_who_only_listens_is_no_filter_and_who_is_awaited_is_named(domain: int) -> None:
     """An evaluator, a recorder, RViz: they have no publisher, or hear no sensor."""
     with simulator(domain, lockstep_nodes="[/judge]") as sim, Peer("recorder", domain) as peer:
