@@ -36,7 +36,6 @@ def tables() -> tuple[Table, Table]:
     return rows(perfect), rows(mems)
 
 
-@pytest.mark.slow
 def test_the_integrated_gyro_alone_is_the_truth(tables: tuple[Table, Table]) -> None:
     radian = 57.3
     assert tables[0]["gyro alone"][LARGEST] < 1e-12 * radian
