@@ -32,7 +32,7 @@ ONE: Final[DoubleDouble] = (1.0, 0.0)
 _SPLITTER: Final = 134217729.0  # 2²⁷ + 1
 
 _COARSE: Final = 1.5 * 2.0**64
-"""Number that rounds another to a multiple of 2¹², when it is added and subtracted."""
+"""Constant 1.5·2⁶⁴: adding it to a double and subtracting it again rounds to a multiple of 2¹²."""
 
 
 def from_decimal(value: Decimal) -> tuple[float, float]:

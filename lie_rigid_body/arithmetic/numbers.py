@@ -25,10 +25,10 @@ Triple: TypeAlias = tuple[Number, Number, Number]
 Quadruple: TypeAlias = tuple[Number, Number, Number, Number]
 
 _WHOLE: Final = 1.5 * 2.0**52
-"""Number that rounds another to an integer, when it is added and subtracted."""
+"""Constant 1.5·2⁵²: adding it to a double and subtracting it again rounds to the nearest integer."""
 
 _EXPONENT_OF_ONE: Final = 1.5 * 2.0**52 + 1023.0
-"""Double whose last bits are those of the exponent of 1."""
+"""Double 1.5·2⁵² + 1023: plus a whole number k, its last bits are k + 1023, the exponent field of 2ᵏ."""
 
 
 @kernel
@@ -103,7 +103,7 @@ def quadruple(row: Sequence[Number], k: int) -> Quadruple:
 
 
 def each(function: Callable[..., float], *arguments: Number) -> Number:
-    """A function of Python's math library, which NumPy's own may differ from in the last bit, number by number."""
+    """Apply a function of Python's math library number by number: NumPy's own may differ in the last bit."""
     if isinstance(arguments[0], float):
         return function(*arguments)
     return np.array([function(*row) for row in zip(*(np.asarray(a).tolist() for a in arguments), strict=True)])

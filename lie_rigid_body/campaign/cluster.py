@@ -40,7 +40,7 @@ LONGEST_CLOSING_S: Final = 15.0
 """Longest wait for a cluster to close, s; Dask kills a worker that has not ended after 9."""
 
 _NOISY: Final = ("distributed", "distributed.client", "tornado.application", "asyncio")
-"""Loggers that tell of lost connections, to be silenced one by one, as Dask gives each a level of its own."""
+"""Loggers that report lost connections; each is silenced by itself, as Dask gives each a level of its own."""
 
 _DEAD: Final = "every process that tried it died"
 """Reason for which a run has no row."""
@@ -60,7 +60,7 @@ _MARK: Final = "LIE_RIGID_BODY_CLUSTER"
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
 _ANSWER_S: Final = 5.0
-"""Longest wait for its answer, s: a scheduler may have much to do."""
+"""Longest wait for an answer of the scheduler, s, which may have much to do."""
 _LOOK_S: Final = 0.1
 """Time between two looks at whether the connection is lost, s, while no result comes."""
 
@@ -217,7 +217,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
 def _own_cluster(workers: int, folder: str) -> LocalCluster:
     """A cluster of processes of this machine, which only one with the keys of this process can reach.
 
-    A thread that is deaf to Ctrl-C starts it, and so are the threads and processes that come of that.
+    A thread that ignores Ctrl-C starts the cluster, so that all its threads and processes ignore it too.
     """
     import dask
     from distributed import LocalCluster, Security

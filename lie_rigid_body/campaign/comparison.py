@@ -20,7 +20,7 @@ from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.short_dataclass import short_dataclass
 
 MOST_SERIES: Final = 1000
-"""Number of runs, the first ones, of which errors over time are looked at, with their covariances."""
+"""Largest number of runs, the first ones, whose errors over time and covariances are judged."""
 _COLUMNS: Final = (*SCORES, *MORE_SCORES)
 _TOTAL: Final = SCORES[0]
 _READING: Final = "reading_s"

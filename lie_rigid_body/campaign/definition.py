@@ -32,7 +32,7 @@ from lie_rigid_body.wording import shown, suggestion
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
 SCORES_TABLE: Final = "scores.parquet"
-"""File of the table of the scores, where estimators are compared, written beside it."""
+"""File of the table of scores, written beside that of the runs where estimators are compared."""
 OF_TABLE: Final = b"lie_rigid_body.campaign"
 """Key, in the metadata of the table, of a JSON text with the campaign and the version that drew its runs."""
 _NUMBERS: Final = (
@@ -43,7 +43,7 @@ _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "e
 _LEFT_OUT: Final = ("estimator", "estimators")
 """Keys that a campaign's line has only where they are given."""
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
-"""What names a function: module, colon, function."""
+"""Pattern of a function's name: module, colon, function."""
 MOST_POINTS: Final = 100
 """Largest number of estimators and points of grids: each is called in every run, and has its place in the run's row."""
 _LONGEST_NAME: Final = 40

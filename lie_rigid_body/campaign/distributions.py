@@ -54,14 +54,14 @@ def distribution(what: str, given: object) -> Draw:
     Parameters
     ----------
     what : str
-        Where it stands in the file, for messages.
+        Place of the distribution in the file, for messages.
     given : object
         A mapping with the key ``distribution``, and those of that distribution.
 
     Returns
     -------
     callable
-        It draws a value: a number, a word, or a list of numbers.
+        Function that draws a value: a number, a word, or a list of numbers.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def _at_least_0(what: str, value: object) -> Draw:
 
 
 def _limited(what: str, draw: Draw, allows: Callable[[float], bool], limit: str, u: Uniforms) -> float:
-    """Draw a number with a limit, which each draw has to keep."""
+    """Draw a number, and refuse one outside of a limit."""
     drawn = draw(u)
     if not (_is_finite(drawn) and allows(drawn)):
         raise InputError(
@@ -241,5 +241,5 @@ DISTRIBUTIONS: Final[Mapping[str, tuple[Any, ...]]] = {
     "cylinder": ({**_MASS, ("radius",): _above_0, ("height",): _above_0}, _cylinder),
     "run": ({}, attrgetter("run")),
 }
-"""Distributions by name: the readers of the keys that each takes, alternatives together, the function that draws, and
-checks of what was read."""
+"""Distributions by name: the readers of the keys, each for one key or for alternative ones; the function that draws;
+the checks of what was read."""

@@ -41,21 +41,21 @@ Scores: TypeAlias = dict[str, float | str | None]
 ERROR: Final = "estimator_error"
 """Column that says why a run has no score."""
 SCORES: Final = ("total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s")
-"""Columns of a score: root mean squares of the errors, degrees, and the time to converge, s, if they do."""
+"""Columns of a score: RMS errors, degrees, and the time to converge, s, if the estimate converges."""
 MORE_SCORES: Final = ("nees_mean", "gyro_bias_rms_rad_s")
-"""Further columns: mean NEES of the covariance, and RMS error of the gyro's bias, rad/s, of what has them."""
+"""Further columns of a score: mean NEES, if there is a covariance, and RMS error of an estimated gyro bias, rad/s."""
 CURVE: Final = 50
 """Number of times, evenly over the run, at which the total error is kept."""
 SERIES: Final = 20
 """Number of times, evenly over the run, at which errors are kept with their covariances."""
 _UPPER: Final = np.triu_indices(3)
-"""Places of the numbers of a symmetric matrix that are kept."""
+"""Indices of the upper triangle of a 3 × 3 covariance, which is kept."""
 _ATTITUDE: Final = 3 + 6 + 4
 _BIAS: Final = 3 + 6
 LONGEST_S: Final = 60.0
 """Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
-"""What each thread of a worker has of its own: a campaign, and the other Python that calls its estimators."""
+"""State of each thread of a worker: its campaign, and the second Python interpreter that calls the estimators."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from lie_rigid_body.wording import listed
 Blocks: TypeAlias = Iterator[tuple[int, Block]]
 """Samples in the order of their stamps, each block with its segment's place."""
 _READINGS_FOR_A_THREAD: Final = 100_000
-"""Readings of sensors from which on another thread computes them."""
+"""Number of sensor readings from which on another thread computes them."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ def certify(
 
 
 def passes(bag: Bag, watch: Watch | None = None) -> int:
-    """How often `certify` reads a bag through, if it is as it is to be."""
+    """Number of passes of `certify` through a bag, if the bag is as it should be."""
     try:
         return 1 if watch is None and bag.as_written and bag.pose_count == bag.twist_count else 2
     except InputError:  # a scenario that is none
@@ -237,7 +237,7 @@ def _any_numbers() -> np.errstate:
 def _held(
     bag: Bag | Recording, surveyed: Survey, read: Callable[..., Blocks], watch: Watch | None
 ) -> tuple[list[HeldLaws], SensorLaws]:
-    """The laws held against the samples of a bag that is surveyed, as they come, and those of its sensors."""
+    """Laws held against the samples and the sensors of a surveyed bag, as they come."""
     of_sensors = SensorLaws(bag, surveyed, watch)
     count = sum(bag.sensors[name].count for name in of_sensors.wanted)
     with aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:

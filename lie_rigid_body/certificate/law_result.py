@@ -64,7 +64,7 @@ class LawResult:
 
 
 class Watch(Protocol):
-    """What is told of residuals as they are held against their limits."""
+    """Receiver of residuals as they are compared with their limits."""
 
     def __call__(self, name: str, unit: str, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
         """Take the residuals of a law for the samples that come next."""

@@ -18,7 +18,7 @@ from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.samples import Block
 
 _BLOCK: Final = 65_536
-"""Samples that are compared at once: those of a batch of a bag are, but for bags of large chunks."""
+"""Largest number of samples compared at once; a batch of a bag has fewer, unless its chunks are large."""
 
 
 class _Law(NamedTuple):
@@ -146,7 +146,7 @@ class SegmentLaws:
         )
 
     def held(self) -> HeldLaws:
-        """What came of it."""
+        """Results of the laws, after all samples of the segment."""
         if not self._judgements:  # without a sample every law holds
             self.add(Block.joined([]))
         t = np.array([self._found.duration] if self._found.count else [])

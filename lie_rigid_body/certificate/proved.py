@@ -17,7 +17,7 @@ from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 
 MOST_SAMPLES: Final = 10_000
-"""Largest number of samples to prove; takes half a minute."""
+"""Largest number of samples that are proved, which takes half a minute."""
 
 
 @short_dataclass(frozen=True)
@@ -57,7 +57,7 @@ class ProvedSample:
 
 @short_dataclass(frozen=True)
 class Proof:
-    """What is proved of the samples of a bag that were enclosed."""
+    """Proved errors of the enclosed samples of a bag."""
 
     samples: tuple[ProvedSample, ...]
 

@@ -1,13 +1,13 @@
-"""Readings of a sensor replayed with the exact motion, and between which bounds a faithful reading lies.
+"""Readings of a sensor, replayed with the exact motion, and the bounds of a faithful reading.
 
 A reading is computed by the simulation's own instruments, from the exact motion. It may differ from the recorded one
 
 - by round-off: `ROUNDINGS` u times the sum of the sizes of the parts that were added up for it, as they were drawn;
 - by what the declared stepper errs, δA of the attitude and δω of the body rate, as far as they reach the signal.
 
-No declared parameter enters otherwise: what does not happen widens nothing. At last the sensor rounds and saturates,
-which keeps the order of numbers. A faithful reading lies between what becomes of the two bounds, which is one number
-unless a step lies between them.
+No declared parameter widens the bounds otherwise: an effect that does not occur adds nothing. Rounding and saturation
+in the sensor are monotonic. So a faithful reading lies between the two bounds after rounding and saturation. These are
+one number unless a step of the converter lies between them.
 """
 
 from __future__ import annotations
@@ -28,29 +28,30 @@ from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.samples import Measurement
 
 ROUNDINGS: Final = 64.0
-"""Roundings of a reading, in units of u and of the size of its parts. With normal deviates 16 u off, as of another
-library, and states 1e-15 rad and 12 u off, 53 were needed at most."""
+"""Limit of the round-off of a reading, in units of u and of the summed sizes of its parts. At most 53 were needed, with
+normal deviates 16 u off, as in another library, and states off by 1e-15 rad and 12 u."""
 BLOCK: Final = 8192
-"""Readings that are replayed at once."""
+"""Largest number of readings replayed at once."""
 MOST_DRAWN: Final = 200_000_000
-"""Normal deviates that are drawn for the readings of a bag that are left out, as biases walk through them: in 5 s."""
+"""Largest number of normal deviates drawn for readings that a bag lacks, as a bias walks through them. Drawing so many
+takes 5 s."""
 _LONGEST_GAP: Final = 256
-"""Readings that are replayed between two that are recorded; more are left out."""
+"""Largest gap between two recorded readings, in readings, that is replayed; a longer gap is skipped."""
 _PIECES_KEPT: Final = 4
-"""Replayed pieces that wait for a topic of the sensor that lags behind, or for a message behind its place."""
+"""Number of replayed pieces kept for a topic that lags behind the sensor's others, or for a message out of order."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Expected:
-    """What readings should be.
+    """Expected readings of a sensor, with their uncertainty.
 
     Parameters
     ----------
     signal : ndarray, shape (N, K)
-        Before saturation and quantisation.
+        Values before saturation and quantisation, unit of the reading.
     bound : callable
-        Makes the `uncertainty`, which is dear, and not asked for where readings are equal.
+        Function that computes the `uncertainty`: costly, so called only where readings differ.
     converter : Converter
     """
 
@@ -63,7 +64,7 @@ class Expected:
 
     @cached_property
     def uncertainty(self) -> Array:
-        """How far the signal of a faithful recording may be from it, shape (N, K)."""
+        """Largest difference of a faithful recording's signal from this one, unit of the reading, shape (N, K)."""
         return self.bound()
 
     @cached_property
@@ -72,7 +73,7 @@ class Expected:
         return self.converter.read(self.signal)
 
     def residuals(self, recorded: Array) -> tuple[Array, Callable[[], Array]]:
-        """Distance of recorded readings from these, and how far they may be, of the axis that is worst; shape (N,)."""
+        """Distances of recorded readings from these, and their limits, on the worst axis; shape (N,) each."""
         distance = np.abs(recorded - self.values)
         if not distance.any():  # as of one's own recordings; then no axis is worse than the first
             return distance[:, 0], lambda: self._allowed(recorded)[:, 0]
@@ -92,16 +93,16 @@ class Expected:
 
 @dataclass(frozen=True)
 class Piece:
-    """Replayed readings that follow each other.
+    """Consecutive replayed readings of one sensor.
 
     Parameters
     ----------
     first : int
-        Number of the first of them.
+        Number of the first reading.
     times_ns : ndarray of int64, shape (N,)
-        When they arrive, ns.
+        Arrival times, ns.
     arrays : mapping of str to Expected
-        What they should be, by the names of their arrays.
+        Expected readings, by the names of their arrays.
     """
 
     first: int
@@ -115,7 +116,7 @@ class Piece:
 
 
 class Replays:
-    """The replays of a bag, for each sensor that of the segment which was asked for last, and what they may cost."""
+    """Replays of a bag, for each sensor that of its latest segment, with a limit of the deviates drawn."""
 
     def __init__(self) -> None:
         self._left, self._last = MOST_DRAWN, dict[str, Replay]()
@@ -128,7 +129,7 @@ class Replays:
         return known
 
     def allow(self, count: int) -> bool:
-        """Draw so many more deviates for readings that are left out, unless they are too many."""
+        """Take ``count`` deviates from the number that may be drawn; return False if that is too small."""
         if count > self._left:
             return False
         self._left -= count
@@ -142,11 +143,11 @@ class Replay:
     ----------
     segment : Segment
     name : str
-        The sensor's.
+        Name of the sensor.
     duration : float
         Time of the truth's last sample since the segment's start, s.
     replays : Replays
-        All of the bag.
+        Replays of the whole bag, which limit the deviates.
     """
 
     def __init__(self, segment: Segment, name: str, duration: float, replays: Replays) -> None:
@@ -158,7 +159,7 @@ class Replay:
         return Measurement(self.segment, self._name, self.segment.scenario.exact_motion())
 
     def piece(self, numbers: Integers) -> Piece | None:
-        """Readings from the first of some rising numbers on; None if too many would have to be left out before it."""
+        """Replayed readings from the first of some rising numbers on; None if the gap before is too long."""
         first = int(numbers[0])
         for known in self._pieces:
             if known.first <= first < known.end:
@@ -181,13 +182,13 @@ class Replay:
         return Piece(first, times, {name: _expected(signal, t, limits) for name, signal in signals.items()})
 
     def _limits(self, until: float) -> Tolerance:
-        """The limits of the motion; a recorder may have lost the truth long before, and errors go on to grow."""
+        """Limits of the motion until a time, s. The recorder may have lost the truth before; errors then grow on."""
         duration = self._duration if until <= self._duration else 2.0 ** math.ceil(math.log2(until))
         return limits_of(self.segment, self._name, duration)
 
 
 def _expected(signal: Signal, t: Array, limits: Tolerance) -> Expected:
-    """A signal at times t, s, with its uncertainty."""
+    """Expected readings of a signal at times t, s, with their uncertainty."""
     values = signal.values.reshape(len(t), -1)
 
     def bound() -> Array:
@@ -202,7 +203,7 @@ def _expected(signal: Signal, t: Array, limits: Tolerance) -> Expected:
 
 
 def limits_of(segment: Segment, name: str, duration: float) -> Tolerance:
-    """The limits of the motion that a sensor feels, which takes steps of its own from one reading to the next."""
+    """Limits of the motion that a sensor measures, whose integrator steps follow from the sensor's rate."""
     scenario = segment.scenario
     rate = scenario.sensors.on[name].rate
     own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))

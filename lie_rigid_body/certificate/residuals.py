@@ -1,4 +1,4 @@
-"""What the laws compare, sample by sample: on arrays, or compiled where there is enough of it, to the same bits."""
+"""Residuals that the laws compare, sample by sample: on arrays, or compiled for long bags, with the same bits."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from lie_rigid_body.motion.taylor_flow import (
 )
 
 _SAMPLES_FOR_COMPILING: Final = 1_000_000
-"""Number of samples from which on compiling pays: they take some seconds on arrays, while numba loads in half a second
+"""Number of samples from which on compiling pays. Arrays take some seconds for so many. Numba loads in half a second
 and compiles, once, in ten."""
 _SAMPLES_FOR_LOADING: Final = 200_000
-"""Number of samples from which on compiled code pays that is in the cache."""
+"""Number of samples from which on loading compiled code from the cache pays."""
 
 _OF_SAMPLES: Final = 8
 _OF_STEPS: Final = 4
@@ -35,14 +35,14 @@ _OF_STEPS: Final = 4
 
 @dataclass(frozen=True)
 class Residuals:
-    """What the laws compare, of N samples that follow each other; steps lead to all but the first.
+    """Residuals of N consecutive samples, and of the N − 1 steps between them.
 
     Parameters
     ----------
     norm : ndarray, shape (N,)
-        |q|
+        Norm |q| of the recorded quaternion.
     energy : ndarray, shape (N,)
-        J
+        Kinetic energy, J.
     momentum : tuple of ndarray, shape (N,) each
         World momentum x, y, z, kg m²/s.
     turned : ndarray, shape (N,)
@@ -70,7 +70,7 @@ class Residuals:
     def of(
         cls, body: RigidBody, states: State, exact: State, spans: Array, rate_bound: float, longest: float
     ) -> Residuals:
-        """The residuals of states beside those of the closed form.
+        """Residuals of recorded states from those of the closed form.
 
         Parameters
         ----------
@@ -78,9 +78,9 @@ class Residuals:
         states, exact : State
             Of shapes (N, 4) and (N, 3); the first as recorded, not normalised.
         spans : ndarray, shape (N − 1,)
-            Time that the flow is to be followed to each but the first, s.
+            Time span of the flow from the sample before, s.
         rate_bound, longest : float
-            As of `flow`.
+            Bound of the body rate, rad/s, and longest span, s; see `flow`.
         """
         count = len(states.body_rate)
         compiled = WORK.compiled_for(0)
@@ -129,7 +129,7 @@ def norm_of(q: Quadruple) -> Number:
 
 @kernel
 def over(q: Quadruple, size: Number) -> Quadruple:
-    """Q divided by a number."""
+    """Quotient of a quaternion and a number."""
     return q[0] / size, q[1] / size, q[2] / size, q[3] / size
 
 
@@ -201,16 +201,16 @@ def _columns(states: State) -> tuple[Quadruple, Triple]:
 
 
 _EXACT, _UNIT, _MOMENTUM, _FOUND = 7, 11, 15, 18
-"""Columns in which `fill_residuals` works: behind the recorded attitude and body rate the exact attitude, the attitude
-normalised, the body momentum, and what is found of sample and step."""
+"""First columns of the exact attitude, the normalised attitude, the body momentum and the residuals in the work array
+of `fill_residuals`. The recorded attitude and body rate stand before them."""
 _COLUMNS: Final = _FOUND + _OF_SAMPLES + _OF_STEPS
 AREA: Final = WORK_AREA + (_COLUMNS + 1) * ABREAST
-"""Length of the array in which it works: first `follow`, then these columns, and at last the spans."""
+"""Length of the work array of `fill_residuals`: the work area of `follow`, then `_COLUMNS` columns, then the spans."""
 
 
 @kernel
 def _nine(tensor: Any) -> tuple[Number, ...]:
-    """The entries of a tensor, which stay in the processor."""
+    """The nine entries of a tensor as scalars, which compiled code keeps in registers."""
     (a, b, c), (d, e, f), (g, h, i) = triple(tensor, 0), triple(tensor, 3), triple(tensor, 6)
     return a, b, c, d, e, f, g, h, i
 
@@ -227,7 +227,7 @@ def _compare_samples(inertia: Sequence[Number], columns: Any) -> None:
 
 @kernel
 def _start_steps(columns: Any, before: Any) -> None:
-    """Each step starts from the sample before; that of the first is the last of those that were compared before."""
+    """Place the start of each step, which is the sample before. Place 0 keeps the last sample of the block before."""
     for j in range(1, ABREAST):
         put_columns(before, 6, j, column_quadruple(columns, _UNIT, j - 1))
         put_columns(before, 0, j, column_triple(columns, _MOMENTUM, j - 1))
@@ -255,7 +255,7 @@ def fill_residuals(
     samples: Any,
     steps: Any,
 ) -> None:
-    """Fill in the residuals of all samples and steps; what is compiled."""
+    """Fill in the residuals of all samples and steps; numba compiles this function."""
     tensor, inverted = _nine(inertia), _nine(inverse)
     flow_area, columns, parts = work[:WORK_AREA], work[WORK_AREA : AREA - ABREAST], work[AREA - ABREAST : AREA]
     for first in range(0, len(attitude), ABREAST):
@@ -287,4 +287,4 @@ _SIGNATURE: Final = (
     f"{_READ.format(1)}, int64, int64, float64[::1], float64[:,::1], float64[:,::1])"
 )
 WORK: Final = Work(fill_residuals, _SIGNATURE, _SAMPLES_FOR_COMPILING, _SAMPLES_FOR_LOADING)
-"""`fill_residuals`, compiled as soon as that pays."""
+"""Compiled code of `fill_residuals`, from the number of samples on for which it pays."""

@@ -1,4 +1,4 @@
-"""The messages of one sensor in one segment, held against its replayed readings."""
+"""Messages of one sensor in one segment, compared with its replayed readings."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.simulation.segment import Arrivals
 
 MOST_LOST: Final = 100
-"""Readings that a sensor may have lost for each that a recorder has, where it has no truth beside them."""
+"""Largest number of lost readings for each recorded one, where the recorder has no truth beside them."""
 
 
 class _Told(NamedTuple):
-    """What a scenario makes of the messages of a topic, but for the readings in them.
+    """Content of a topic's messages that the scenario determines, except for the readings.
 
     Parameters
     ----------
@@ -56,14 +56,14 @@ class TopicLaws:
     Parameters
     ----------
     told : _Told
-        What its messages should be.
+        Expected content of the messages.
     title : str
-        Name of the law of what is the same in every message.
+        Name of the law for fields that are the same in every message.
     topic : str
-        Its full name.
+        Full name of the topic.
     tally : StampTally
     watch : Watch, optional
-        It is told of the residuals of all readings that are compared.
+        Receiver of the residuals of all readings that are compared.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class TopicLaws:
         ]
 
     def take(self, placed: PlacedMessages) -> None:
-        """Count messages that come next, and judge what is the same in all."""
+        """Count the next messages, and judge the fields that are the same in all."""
         messages, told = placed.messages, self._told
         kinds = [(frame, rest) == (told.frame, told.rest) for frame, rest in messages.kinds]
         alike = np.array(kinds, dtype=bool)[messages.kind]
@@ -90,7 +90,7 @@ class TopicLaws:
         self._alike.add(np.where(alike, 0.0, 1.0), 0.0, placed.numbers, placed.times_ns)
 
     def compare(self, piece: Piece, placed: PlacedMessages) -> int:
-        """Judge those messages whose readings are in a piece; return how many are not logged when they arrive."""
+        """Judge the messages whose readings are in a piece; return how many were not logged at their arrival."""
         at = placed.numbers - piece.first
         inside = np.flatnonzero((at >= 0) & (at < len(piece.times_ns)))
         if not len(inside):
@@ -104,37 +104,37 @@ class TopicLaws:
         return int(np.count_nonzero(piece.times_ns[rows] != placed.messages.log_times_ns[own]))
 
     def results(self, *, with_values: bool) -> Iterator[LawResult]:
-        """How near the laws of the messages' content came to their limits."""
+        """Results of the laws: how near the content of the messages came to the limits."""
         for law in [*(self._values if with_values else []), self._alike]:
             yield law.result()
 
 
 class SegmentSensor:
-    """One sensor in one segment: its topics, and the replay that they are held against.
+    """One sensor in one segment: its topics, and the replay with which they are compared.
 
     Parameters
     ----------
     segment : Segment
         One whose scenario has the sensor.
     last_ns : int
-        Stamp of the truth's last sample in it, ns; its start if it has none.
+        Stamp of the truth's last sample in the segment, ns; the segment's start if there is none.
     successors : sequence of Segment
-        Those that begin where this one ends.
+        Segments that begin where this one ends.
     name : str
-        The sensor's.
+        Name of the sensor.
     topics : mapping of str to str
-        Full names of the topics that are held against it, by relative names.
+        Full names of the sensor's topics in the bag, by relative names.
     replays : Replays
     watch : Watch, optional
 
     Attributes
     ----------
     clock : SampleClock
-        Of the sensor.
+        Clock of the sensor.
     first : int
         Number of the first reading of the segment.
     topics : dict of str to TopicLaws
-        By relative names.
+        Laws of the topics, by relative names.
     is_too_far : bool
         Whether some readings were not compared, as too many are missing before them.
     """
@@ -169,7 +169,7 @@ class SegmentSensor:
         }
 
     def _shown_ns(self, times_ns: Integers) -> Integers:
-        """What the sensor's clock shows at some times, ns."""
+        """Times that the sensor's clock shows at given times, ns."""
         if self._delivery is None:
             return times_ns
         return times_ns + self._delivery.error_ns(times_ns, self._segment.scenario.epoch_ns)
@@ -180,7 +180,7 @@ class SegmentSensor:
         Parameters
         ----------
         high : int
-            The largest number that it has.
+            Largest number of a reading in the topic.
         end_ns : int
             Time until which a whole bag has everything, ns.
         is_last : bool
@@ -198,13 +198,13 @@ class SegmentSensor:
         return max(high, self._arrived_until(min(end_ns, self._end_ns)) - 1)
 
     def _arrived_until(self, time_ns: int) -> int:
-        """How many readings of the clock, from number 0 on, arrive at or before a time."""
+        """Number of the clock's readings, from number 0 on, that arrive at or before a time, ns."""
         if self._delivery is None:
             return self.clock.count_until(time_ns)
         return Arrivals(self.clock, self.first, self._segment.start_ns, self._delivery).count_until(time_ns)
 
     def lost(self, tally: StampTally, last: int) -> Lost:
-        """The readings of the segment that never arrived, up to a number; none far behind all messages of a topic."""
+        """Readings up to number ``last`` that never arrived, none far beyond the truth and the messages."""
         segment, clock, first, delivery = self._segment, self.clock, self.first, self._delivery
         if delivery is None:
             return NONE_LOST
@@ -218,7 +218,7 @@ class SegmentSensor:
         )
 
     def add(self, placed: Mapping[str, PlacedMessages]) -> int:
-        """Take the messages that come next, by topic; return how many are not logged when their readings arrive."""
+        """Check the next messages, by topic; return how many were not logged at the arrival of their readings."""
         for name, own in placed.items():
             self.topics[name].take(own)
         # as np.unique, which takes five times as long where topics are sorted and alike
@@ -259,7 +259,7 @@ def value_laws() -> frozenset[str]:
 
 @lru_cache(maxsize=4)
 def _told(scenario: Scenario, name: str) -> dict[str, _Told]:
-    """What a scenario makes of the messages of a sensor, by topic."""
+    """Content of a sensor's messages that the scenario determines, by topic."""
     found = {}
     for topic in SENSORS[name].topics:
         encoder, varying = (

@@ -1,4 +1,4 @@
-"""The sensors of a bag: their readings are replayed, paired with its messages, compared, and what came of it is told.
+"""The sensors of a bag: their readings are replayed, paired with its messages, and compared.
 
 What makes that less simple, and where it is dealt with:
 
@@ -37,7 +37,7 @@ from lie_rigid_body.simulation import Segment
 
 @short_dataclass(frozen=True)
 class SensorFindings:
-    """What is found of the sensors of a bag.
+    """Findings about the sensors of a bag.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class SensorLaws:
 
     @property
     def _horizon_ns(self) -> int:
-        """A time that no honest message lies behind, ns: a recorder may have lost the truth long before the sensors."""
+        """Latest time of an honest message, ns: a recorder may have lost the truth long before the sensors."""
         last = self._surveyed.segments[-1]
         start_ns, scenario = last.segment.start_ns, last.segment.scenario
         truth_ns = (last.last_ns or start_ns) + round(2 * NS / scenario.rate) + NS
@@ -122,7 +122,7 @@ class SensorLaws:
         return truth_ns if self._surveyed.as_written else max(truth_ns, start_ns + round(MOST_LOST * longest * NS))
 
     def add(self, readings: Mapping[str, OfSensor]) -> None:
-        """Take the messages that come next, by relative topic names."""
+        """Check the next messages, by relative topic names."""
         own, faults = self._surveyed.as_written, readings.get(FAULTS)
         if isinstance(faults, list) and self._faults is not None:
             self._faults.add(faults)
@@ -162,7 +162,7 @@ class SensorLaws:
         return [segment for segment in declared[i + 1 :] if segment.start_ns == end]
 
     def findings(self) -> SensorFindings:
-        """What was found, after all messages."""
+        """Findings about the sensors, after all messages."""
         sampled = [place for place, segment in enumerate(self._surveyed.declared) if id(segment) in self._last_ns]
         notes: dict[int, list[str]] = defaultdict(list)
         found = self._of_segments(sampled, notes)
@@ -254,7 +254,7 @@ class SensorLaws:
 
     @property
     def _end_ns(self) -> int:
-        """Until when a bag that is to be whole has everything, ns: one that was cut off not all of its last time."""
+        """Time until which a whole bag has everything, ns; one that was cut off may lack part of its last time."""
         cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
         return max(self._last_sent_ns, self._surveyed.segments[-1].last_ns or 0) - cut_off
 
@@ -298,11 +298,11 @@ class SensorLaws:
 
 
 def other_software(bag: Bag | Recording) -> str | None:
-    """The first software other than this that a scenario of a bag says it is of."""
+    """First software other than this one that a scenario of a bag names."""
     found = (json.loads(text).get("software") for _, text in bag.scenario_texts)
     return next((str(software) for software in found if software != LIBRARY), None)
 
 
 def _stray(name: str, count: int, what: str) -> LawResult:
-    """The broken law of readings that should not be there."""
+    """Broken law about readings that should not be in the bag."""
     return LawResult(name, "", float(count), 0.0, None, None, count, count, f"{what}: {count}")

@@ -22,7 +22,7 @@ DISORDER: Final = "ord"
 _SHOWN: Final = 4
 """Number of faults of each kind listed in a message."""
 PAGE: Final = 2**15
-"""Number of samples of which it is looked up at once whether they are lost."""
+"""Number of samples that are looked up together, to find those that were lost."""
 _MOST_DOUBLED: Final = 100_001
 """Number of doubled samples that are told."""
 
@@ -44,7 +44,7 @@ class NumberRuns:
         self._runs += [runs] if runs.size else []
 
     def counted(self, first: int, last: int) -> tuple[Integers, Integers]:
-        """Stretches of numbers between two that are there equally often.
+        """Stretches of numbers between two, in each of which every number is there equally often.
 
         Parameters
         ----------
@@ -66,7 +66,7 @@ class NumberRuns:
 
 
 class RunList:
-    """Runs of numbers as they come, rising: how many there are, of how many numbers, and which come first.
+    """Rising runs of numbers, as they come: the count of runs, the count of numbers, and the first runs.
 
     Parameters
     ----------
@@ -113,9 +113,9 @@ class Lost:
     Parameters
     ----------
     first, end : int
-        None is lost before the one number, nor from the other on.
+        Numbers from which on, and before which, samples may be lost.
     which : callable
-        Of so many samples from a number on, which are lost.
+        Function that gives the mask of the lost samples, of a count of samples from a number on.
     """
 
     first: int
@@ -123,7 +123,7 @@ class Lost:
     which: Callable[[int, int], Booleans]
 
     def of(self, first: int, count: int) -> Booleans:
-        """Which of so many samples from a number on are lost."""
+        """Mask of the lost samples, of ``count`` samples from number ``first`` on."""
         lost = np.zeros(count, dtype=np.bool_)
         begin, end = max(first, self.first), min(first + count, self.end)
         if begin < end:
@@ -131,7 +131,7 @@ class Lost:
         return lost
 
     def count(self, first: int, last: int) -> int:
-        """How many are lost of those between two numbers."""
+        """Number of lost samples from number ``first`` to number ``last``."""
         begin, end = max(first, self.first), min(last + 1, self.end)
         parts = range(begin, end, PAGE)
         return sum(int(np.count_nonzero(self.of(at, min(PAGE, end - at)))) for at in parts)
@@ -277,7 +277,7 @@ class StampTally:
         self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: _SHOWN - len(self._pairs)]]
 
     def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> list[StampFault]:
-        """What is wrong, of a topic that is to have all samples from one number to another but those that are lost.
+        """Faults of a topic that is to have all samples from one number to another, except for lost ones.
 
         Parameters
         ----------
@@ -314,7 +314,7 @@ class StampTally:
         return found
 
     def _gaps(self, first: int, last: int, lost: Lost) -> tuple[RunList, RunList]:
-        """Runs of missing numbers between two, without those that are lost, and of the lost ones that are there."""
+        """Runs of missing numbers between two, except for lost ones, and runs of lost numbers that are there."""
         gaps, arrived = RunList(_SHOWN), RunList(_SHOWN)
         edges, times = self._there.counted(first, last)
         while first <= last and first < lost.end:

@@ -1,4 +1,4 @@
-"""What a bag has of its segments: which samples there are, and how complete, found as they pass."""
+"""Survey of a bag: its segments, their samples, and how complete they are, found while the messages pass."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class SurveyedSegment:
         )
 
     def is_held_as(self, other: SurveyedSegment) -> bool:
-        """Whether laws of its samples have the same limits, and follow their flow in the same steps, as of another."""
+        """Whether laws of its samples have the limits and the steps of the flow that those of another segment have."""
         return self.segment is other.segment and self.last_ns == other.last_ns and self._flow == other._flow
 
     @property
@@ -127,7 +127,7 @@ class SegmentTally:
         return not any(tally.count for tally in self.stamps.values())
 
     def pair(self, common: Integers, alone: Integers) -> None:
-        """Take the stamps that come next, of both topics and of one alone."""
+        """Take the next stamps: those that both topics have, and those of one topic alone."""
         if not len(common):
             self._alone_since += len(alone) if self._count else 0
             return
@@ -173,7 +173,7 @@ class SegmentTally:
 
 
 class Counts:
-    """What is counted of all poses and twists as they pass.
+    """Counts of all poses and twists, made as they pass.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ class Counts:
 
 @dataclass(frozen=True)
 class Survey:
-    """What a first pass through a bag finds.
+    """Result of a first pass through a bag.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ class Survey:
     counts: Counts
 
     def is_as(self, foreseen: Survey) -> bool:
-        """Whether laws that were held as for another survey, of the same bag, are as they are to be for this one."""
+        """Whether laws that were held for a foreseen survey of the bag are valid for this one."""
         own, others = self.segments, foreseen.segments
         return len(own) == len(others) and all(map(SurveyedSegment.is_held_as, own, others))
 
@@ -269,7 +269,7 @@ class Surveyor:
         self._tallies = [SegmentTally(segment) for segment in self._segments]
 
     def foreseen(self) -> Survey | None:
-        """What will be found of a bag that is to be whole, if its samples are all there; None where they cannot be.
+        """Survey of a whole bag that has all of its samples; None if it cannot have them.
 
         With it laws are held while the bag is surveyed. Where `result` is not as it, they have to be held anew.
         """
@@ -311,7 +311,7 @@ class Surveyor:
             self._tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
 
     def result(self) -> Survey:
-        """What was found, after all samples."""
+        """Survey of the bag, after all samples."""
         self._counts.contradicted_ns = sorted({*self._contradicted()})
         found = tuple(self._surveyed())
         require_samples(self._bag.name, self._segments, self._counts.first_ns, sum(segment.count for segment in found))

@@ -1,8 +1,8 @@
-"""The faults of sensors that a bag tells of, held against those that its scenarios make.
+"""Fault messages of a bag, compared with the sensor faults that its scenarios make.
 
-Which faults there are, and when, follows from the seed to the bit. So the messages of a bag must be the first ones of
-the scenarios' list, in order, up to the last time of anything else in the bag. Those of a recorder, which may begin
-late, are a part of it without a gap. A size may differ in the last bits where a library makes a normal deviate of it.
+The seed determines which faults begin, and when, to the bit. So the messages of a bag must be the first ones of the
+scenarios' list, in order, up to the last time of anything else in the bag. A recorder may begin late: its messages are
+a part of the list without a gap. Sizes made of normal deviates may differ in the last bits between libraries.
 """
 
 from __future__ import annotations
@@ -25,33 +25,33 @@ from lie_rigid_body.simulation.loop import FaultLog
 
 FAULT_LAW: Final = "faults"
 MOST_LOOKED_THROUGH: Final = 200_000_000
-"""Readings whose faults are computed, beyond those that the bag has."""
+"""Largest number of readings that are searched for faults, beyond those in the bag."""
 _READINGS_PER_FAULT: Final = 200
-"""Readings that are looked through in the time that a fault takes of which the bag does not tell."""
+"""Cost of a fault that the bag does not report, in readings: the search takes as long for so many."""
 _EPISODES_PER_SECOND: Final = 1000
-"""Most that one kind of fault has."""
+"""Largest number of episodes a second of one kind of fault."""
 _DRAWN: Final = ("temperature_drift", "magnetic_disturbance")
 """Kinds of faults whose sizes are made of normal deviates, which differ in last bits between libraries."""
 _MOST_KEPT: Final = 10_000
-"""Faults that are remembered until the bag tells of them, or to know one that it tells of twice; they take 10 MB."""
+"""Largest number of expected faults in memory, where late and repeated messages find them; they take 10 MB."""
 
 
 class ExpectedFaults:
-    """The faults that segments make, in the order in which they begin.
+    """Faults that segments make, in the order in which they begin.
 
     Parameters
     ----------
     segments : sequence of Segment
-        In the order of their starts.
+        Segments in the order of their starts.
     most : int
-        Readings that may be looked through.
+        Largest number of readings that are searched for faults.
 
     Attributes
     ----------
     left : int
-        How many of them are left.
+        Number of readings that may still be searched.
     is_too_far : bool
-        Whether they are more.
+        Whether the search needs more readings than ``most``.
     """
 
     def __init__(self, segments: Sequence[Segment], most: int) -> None:
@@ -62,7 +62,7 @@ class ExpectedFaults:
             self._log.follow(segment)
 
     def until(self, time_ns: int) -> Iterator[Fault]:
-        """Those that begin up to a time, ns, and did not come yet."""
+        """Yield the faults that begin up to a time, ns, and were not yielded before."""
         while self._known_ns < time_ns and not self.is_too_far:
             sensors = self.segment_at(self._known_ns + 1).scenario.sensors
             later = self._starts[np.searchsorted(self._starts, self._known_ns + 1, side="right") :]
@@ -75,7 +75,7 @@ class ExpectedFaults:
             yield from self._log.take(end_ns)
 
     def segment_at(self, time_ns: int) -> Segment:
-        """The segment in which a fault begins at a time, ns."""
+        """Segment that contains a time, ns."""
         return self._segments[int(np.searchsorted(self._starts, time_ns, side="right")) - 1]
 
 
@@ -89,26 +89,26 @@ class _MadeFault:
 
 
 class FaultLaw:
-    """The messages about faults as they come.
+    """Law of a bag's fault messages, which are checked as they come.
 
     Parameters
     ----------
     segments : sequence of Segment
-        All that the bag declares, in the order of their starts.
+        Segments that the bag declares, in the order of their starts.
     horizon_ns : int
-        A time that no honest message lies behind.
+        Latest time of an honest message, ns.
     is_whole : bool
-        Whether the bag is to have them from the first one on. Otherwise it may have some twice, as whoever subscribes
-        anew hears the last ones again.
+        Whether the bag is to have every fault from the first one on. A recorder may have some twice, as whoever
+        subscribes anew hears the last messages again.
     most : int
-        Readings that may be looked through.
+        Largest number of readings that are searched for faults.
 
     Attributes
     ----------
     early, repeated : int
-        Messages of a recorder about what began before the first segment, and those that it has twice.
+        Number of a recorder's messages about faults before the first segment, and number of repeated messages.
     logged_otherwise : int
-        Messages that are not logged when the fault begins.
+        Number of messages whose log time is not the beginning of the fault.
     """
 
     def __init__(self, segments: Sequence[Segment], horizon_ns: int, *, is_whole: bool, most: int) -> None:
@@ -123,11 +123,11 @@ class FaultLaw:
 
     @property
     def is_too_far(self) -> bool:
-        """Whether there are too many readings to look through."""
+        """Whether the search for faults needs more readings than allowed."""
         return self._expected.is_too_far
 
     def add(self, messages: Iterable[tuple[int, str]]) -> None:
-        """Take the messages that come next in the file: log time, ns, and text of each."""
+        """Check the next messages of the file, each of log time, ns, and text."""
         for time_ns, text in messages:
             try:
                 fault = Fault.from_json(text)
@@ -158,7 +158,7 @@ class FaultLaw:
             self._last = max(self._last, found.number)
 
     def _expect(self, until_ns: int) -> None:
-        """Remember the faults that begin up to a time, ns, and the oldest ones no more."""
+        """Remember the faults that begin up to a time, ns; beyond `_MOST_KEPT` judge and forget the oldest."""
         for fault in self._expected.until(until_ns):
             self._known[replace(fault, size=None)] = _MadeFault(self._number, fault)
             self._number += 1
@@ -168,12 +168,12 @@ class FaultLaw:
                 self._expected.left -= (not oldest.is_told) * _READINGS_PER_FAULT
 
     def _found(self, text: str, fault: Fault) -> _MadeFault | None:
-        """The fault that a message tells of, if the scenarios make it."""
+        """Expected fault that a message reports; None if the scenarios make no such fault."""
         found = self._known.get(replace(fault, size=None)) if fault.to_json() == text else None
         return found if found is not None and _are_alike(found.fault, fault) else None
 
     def _miss(self, some: Iterable[_MadeFault], until_ns: int = -1) -> None:
-        """Note those of some faults that the bag should have told of; in a whole bag also those up to a time, ns."""
+        """Note expected faults that the bag lacks; a whole bag must also have those up to ``until_ns``."""
         for expected in some:
             begin_ns, first = expected.fault.begin_ns, self._first
             is_due = until_ns < 0 or expected.number < self._last or (self._is_whole and begin_ns <= until_ns)
@@ -187,7 +187,7 @@ class FaultLaw:
         self._worst = self._worst or (self._count, begin_ns)
 
     def result(self, topic: str, until_ns: int) -> LawResult:
-        """Whether the bag tells of every fault, of a bag that is to be whole of every one that begins up to a time."""
+        """Result of the law: wrong, repeated and missing faults, in a whole bag up to ``until_ns``."""
         if self._is_whole:
             self._expect(until_ns)
         self._miss(self._known.values(), until_ns)
@@ -204,7 +204,7 @@ def _in_words(fault: Fault) -> str:
 
 
 def _are_alike(expected: Fault, told: Fault) -> bool:
-    """Whether two faults have one size, but for the last bits of one that is made of normal deviates."""
+    """Whether two faults have equal sizes, within round-off if normal deviates made them."""
     if expected.kind not in _DRAWN or expected.size is None or told.size is None:
         return expected.size == told.size
     return abs(expected.size - told.size) <= ROUNDINGS * U * abs(expected.size)

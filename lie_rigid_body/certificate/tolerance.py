@@ -40,7 +40,7 @@ ENERGY_CAP: Final = 1e-9
 """Largest limit of the relative error of energy and momentum."""
 
 CLOSED_FORM: Final = 2e-15
-"""Largest error of the closed form in every regime, rad; its tests hold it against multiprecision."""
+"""Largest error of the closed form in every regime, rad, as its tests find by multiprecision."""
 
 NORM_LIMIT: Final = 8 * U
 """Limit of | |q| − 1 |, dimensionless."""
@@ -51,7 +51,7 @@ READING: Final = 48 * U
 FLOW: Final = 16 * U
 """Rounding error of one substep of the Taylor flow, relative or rad."""
 SHARED: Final = 512
-"""Largest number of segments whose limits are kept: one batch of a bag may be of as many."""
+"""Largest number of segments whose limits are kept in memory: one batch of a bag may have as many."""
 _NODES: Final = 257
 """Number of states along the motion, or along one of its periods."""
 _ASIDE: Final = 2.0**-30 * np.array([0.61, -0.53, 0.59])
@@ -136,15 +136,15 @@ class Tolerance:
         return np.asarray(READING + self.drift.attitude(t))
 
     def stepper_attitude(self, t: Array) -> Array:
-        """Limit of what the declared stepper errs by in the attitude at times t, capped, rad, shape (N,)."""
+        """Limit of the declared stepper's error of the attitude at times t, capped, rad, shape (N,)."""
         return np.asarray(np.minimum(self.drift.attitude(t), ATTITUDE_CAP))
 
     def stepper_rate(self, t: Array) -> Array:
-        """Limit of what the declared stepper errs by in the body rate at times t, capped, rad/s, shape (N,)."""
+        """Limit of the declared stepper's error of the body rate at times t, capped, rad/s, shape (N,)."""
         return np.asarray(self.fastest * np.minimum(self.drift.rate(t), ATTITUDE_CAP))
 
     def stepper_mean_rate(self, t: Array, span: float) -> Array:
-        """Limit of what the declared stepper errs by in the mean rate over ``span``, s, up to times t, rad/s.
+        """Limit of the declared stepper's error of the mean rate over ``span``, s, up to times t, rad/s.
 
         That is the difference of the errors of two attitudes. It is at most the sum of both. It is also at most what
         the steps between them add, and an error of the rate before them, which is capped as that of any gyro.

@@ -1,4 +1,4 @@
-"""A bag as a whole: its laws beside those of the segments, and what no law speaks of."""
+"""A bag as a whole: its laws beside those of the segments, and the parts that no law covers."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _frames(surveyed: Survey) -> LawResult:
 
 
 def _clock_faults(surveyed: Survey) -> Iterator[str]:
-    """Every reset happens at a sample of the clock before it, which goes on or, at another rate, begins anew."""
+    """Faults of resets that are not at a sample of the clock before, or whose clock neither goes on nor begins anew."""
     segments = surveyed.declared
     if surveyed.as_written and segments[0].first_sample > 0:
         yield f"the first scenario begins with sample {segments[0].first_sample}: those before it are not in the bag"
@@ -85,12 +85,12 @@ def _flag(name: str, faults: int, message: str) -> LawResult:
 
 
 def impossible(error: ParameterError) -> LawResult:
-    """The broken law of a bag that declares what cannot be: a body that cannot be has no motion to hold it against."""
+    """Broken law of a bag that declares an impossible body, which has no motion to be compared with."""
     return _flag("declaration", 1, f"the bag declares an impossible scenario: {error}")
 
 
 def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
-    """What of a bag is not certified, in words.
+    """Parts of a bag that are not certified, in words.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFinding
 
 
 def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
-    """What is not certified of this bag, and would be, or would not be there, in one that its scenarios determine.
+    """Parts of a bag that are not certified, though a bag as its scenarios determine it has no such parts.
 
     Topics that no scenario determines, those that the scenarios have and the bag has not, and the like. See
     `not_certified` for the parameters.

@@ -36,11 +36,11 @@ ESTIMATOR: Final = (
     ),
 )
 WORKERS: Final = argument("--workers", metavar="N", type=int, help="processes; one per core if absent")
-"""Arguments that `given_estimator` reads."""
+"""Option of the verbs that run a filter in several processes."""
 
 
 def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | str | None]:
-    """The words by which the estimator is given, and what they name; nothing where none is.
+    """Words that give the estimator on the command line, and the estimator that they name; nothing without one.
 
     Raises
     ------

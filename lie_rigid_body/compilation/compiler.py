@@ -21,7 +21,7 @@ _LOCK: Final = threading.RLock()
 """Held while numba's configuration is changed, which is one for the whole process."""
 _FILL: Final = "import sys; sys.path[:] = sys.argv[4:]; from {} import fill; fill(*sys.argv[1:4])"
 _WAITING: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
-"""Marked functions that numba has not been told of yet, each with the function that is compiled in its place."""
+"""Marked functions that numba does not know yet, each with the function that is compiled in its place."""
 
 
 def kernel(function: Function) -> Function:

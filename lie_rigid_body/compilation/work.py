@@ -17,16 +17,17 @@ LONG_CALL: Final = 1_000
 """Smallest number of units of work in a call that counts: those of a live node are shorter and start no compiler."""
 
 STEPS_FOR_COMPILING: Final = 150_000
-"""Steps in long calls after which compiling pays: Python takes some two seconds for them, and compiling four, once."""
+"""Number of steps in long calls from which on compiling pays: Python takes two seconds for so many, compiling four,
+once."""
 
 STEPS_FOR_LOADING: Final = 40_000
-"""Steps after which loading pays, where they are compiled already: Python takes as long for them as numba to load."""
+"""Number of steps from which on loading compiled code pays: Python takes as long for so many as numba to load."""
 
 STEPS_PER_CALL: Final = 1_000_000
 """Largest number of steps in one call of compiled code, which lets no signal through: a tenth of a second."""
 
 STEPS_IN_PYTHON: Final = 20_000
-"""Largest number of steps in one call of plain code, after which it is asked again whether the compiler is done."""
+"""Largest number of steps in one call of plain code; after each call the compiler is asked whether it is done."""
 
 SIGNATURE: Final = "void(float64[::1], float64[::1], int64[::1], int64[::1], int64[::1], float64[:,::1])"
 

@@ -1,8 +1,8 @@
-"""Courses: a body that rests and then turns, what perfect sensors read of it, and one thing in the way at most.
+"""Courses: a body that rests and then turns, the readings of perfect sensors, and at most one disturbance.
 
-A course begins at rest, longer than any shift in time that is tried, so that a late reading is the right one there.
-Then the body gathers speed within `RAMP` along the path of its free motion, so that a gyro has no jump, and goes on
-freely.
+A course begins at rest. The rest is longer than any shift in time that is tried, so that a shifted reading is right
+there. Then the body gathers speed within `RAMP` along the path of its free motion, so that the gyro's readings do not
+jump. After that the motion is free.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ RAMP: Final = 0.5
 MOVING: Final = 12.0
 """Length of the motion of an ordinary course, s."""
 MARGIN: Final = 64
-"""Readings before the first and after the last that a filter is given, which a shift in time brings in."""
+"""Number of extra readings before and after those that a filter is given, which a repair may shift in."""
 
 RATE: Final = 100.0
 """Readings a second, where a scenario tells no rate."""
@@ -50,22 +50,23 @@ MOTIONS: Final[tuple[dict[str, object], ...]] = (
         "initial_body_rate": [-0.8, 1.2, 0.9],
     },
 )
-"""Two motions that turn about every axis by a radian a second and more: `benchmarks/diagnosis.py` prints how far apart
-they keep the repairs."""
+"""Two motions that turn about every axis by a radian a second and more. `benchmarks/diagnosis.py` prints how well they
+tell the repairs apart."""
 TINY: Final = 1e-4
-"""Error of the sensors where mistakes are looked for, rad/s and share of the vector, beside the turn between two
-readings in rad. An unstable filter makes as much of it as of round-off, which no repair mends by chance."""
+"""Constant error of nearly perfect sensors, as a multiple of the mean turn between two readings in rad: rad/s of the
+gyro, a share of the vector of others. An unstable filter amplifies such errors, as it does round-off, so that no repair
+looks right by chance."""
 SMALLEST_TURN: Final = 1e-6
 """Turn between two readings, rad, below which a motion tells nothing."""
 _OF_A_MOTION: Final = frozenset(("inertia", "initial_attitude_xyzw", "initial_body_rate"))
 _TAKEN: Final = _OF_A_MOTION | {"imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
-"""Parameters of a given scenario that make a course."""
+"""Parameters that a course takes from a given scenario."""
 _OWN: Final = frozenset(
     ("rate", "motion", "method", "max_step", "world_frame", "body_frame", "imu_frame", "stamped_twist", "epoch_ns")
 ) | {"sensor_seed", "sensor_grade", "gyro_rate", "accelerometer_mode"}
-"""Parameters of a given scenario that change no course."""
+"""Parameters of a given scenario that have no effect on a course."""
 _SET: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity"}
-"""Parameters of every course."""
+"""Parameters that every course sets itself."""
 
 NOISE: Final = {
     "gyro_noise_density": "imu_rate",
@@ -78,7 +79,7 @@ Grid = Literal["even", "alternating", "walk"]
 
 @dataclass(frozen=True)
 class Course:
-    """What a filter is to be run on.
+    """A course: the motion, the sensors and the disturbance with which a filter is run.
 
     Attributes
     ----------
@@ -110,7 +111,7 @@ class Course:
         return replace(self, scenario=Scenario.from_parameters({**self.scenario.parameters(), **parameters}))
 
     def nearly_perfect(self) -> Course:
-        """The course with sensors off by so little that a stable filter errs no more for it."""
+        """The course with sensor errors so small that a stable filter has no larger error."""
         sizes = {"gyro": 1.0, "specific_force": self.number("gravity"), "field": float(np.linalg.norm(self.field))}
         return replace(self, off=tuple((name, (TINY * self.turn * size,) * 3) for name, size in sizes.items()))
 
@@ -181,7 +182,7 @@ def _states(truth: PathTruth, stamps_ns: bytes) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Readings of a course with `MARGIN` more before and after those that a filter is given.
+    """Readings of a course, with `MARGIN` extra ones before and after those that a filter is given.
 
     Attributes
     ----------
@@ -198,11 +199,11 @@ class Readings:
     vectors: Mapping[str, Array]
 
     def changed(self, **vectors: Array) -> Readings:
-        """The readings of some sensors exchanged."""
+        """The readings, with those of some sensors replaced."""
         return replace(self, vectors={**self.vectors, **vectors})
 
     def run(self) -> BlindRun:
-        """What a filter is given."""
+        """Run that a filter is given: the readings without the margin and the gaps."""
         imu, magnetometer = self._given(self.t_ns), self._given(self.field_t_ns)
         vectors = {name: array[magnetometer if name == "field" else imu] for name, array in self.vectors.items()}
         return BlindRun.of_readings(self.course.scenario, self.t_ns[imu], vectors, self.field_t_ns[magnetometer])
@@ -216,7 +217,7 @@ class Readings:
 
 @lru_cache(maxsize=16)
 def readings(course: Course) -> Readings:
-    """What the sensors read in a course."""
+    """Readings of the sensors in a course, with the margin."""
     truth, draw = course.truth, np.random.default_rng(course.seed)
     t_ns, field_t_ns = (_stamps(course, course.number(name)) for name in ("imu_rate", "magnetometer_rate"))
     attitude, rate = truth.states(t_ns)

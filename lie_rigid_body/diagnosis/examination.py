@@ -27,19 +27,19 @@ from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
 
 MOST_RUNS: Final = 2000
-"""Runs of the filter after which no more repairs are tried, if the caller does not say."""
+"""Default number of runs of the filter after which no more repairs are tried."""
 MOST_RUNS_OF_NODE: Final = 400
-"""Such a number for a ROS 2 node, of which each run is a process and takes seconds."""
+"""Default number of runs of a ROS 2 node after which no more repairs are tried: each is a process and takes seconds."""
 WORKERS_OF_NODE: Final = 2
-"""Workers a core for a node: in much of the time of a run all wait for the middleware."""
+"""Number of processes per core that run a node: most of the time of a run all of them wait for the middleware."""
 LEFT_OUT_OF_NODE: Final = ("converges", "long_run", "covariance")
-"""Probes of many or of long runs, which a node is spared."""
+"""Probes that are left out for a node, as they need many or long runs."""
 TIMEOUT_S: Final = 60.0
 """Longest time of one run of the filter, s, if the caller does not say."""
 HELPS: Final = 2.0
-"""Factor by which another kind of gyro, or later readings, change an error that is told in a note."""
+"""Least ratio of the errors without and with another kind of gyro, or later readings, that a note tells."""
 TOLD: Final = float(np.radians(1e-3))
-"""Difference of the errors of two kinds of gyro that is told in a note, rad."""
+"""Least difference between the errors of two kinds of gyro that a note tells, rad."""
 _OF_NODE: Final = f"Each run of a node takes seconds: it is not probed for {', '.join(LEFT_OUT_OF_NODE)}."
 _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "

@@ -34,7 +34,7 @@ VECTOR_ERROR: Final = 0.05
 SLOW: Final = 0.06
 """Factor of the rates in a slow motion."""
 WORSE: Final = 2.0
-"""Factor of an error that is allowed beside that of the plain run."""
+"""Largest ratio of an error to that of the plain run with which a probe is passed."""
 WRONG_SIGN: Final = "as where a correction has the wrong sign"
 """What is said of a filter that makes small errors large."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
@@ -43,9 +43,9 @@ SEEDS: Final = 12
 """Short runs with noise by which a covariance is judged, and as many others. One honest covariance of twenty is found
 dishonest by chance, and two of these verdicts are not."""
 SHORT_S: Final = 5.0
-"""Length of their motion, s."""
+"""Length of the motion of a short run with noise, s."""
 JUDGED: Final = 20
-"""Samples of each of them by which it is judged."""
+"""Number of samples of a short run by which a covariance is judged."""
 
 
 class Setup(NamedTuple):
@@ -147,7 +147,7 @@ def _follows(setup: Setup, answers: Answers) -> Probe:
 
 
 def _half_turns(setup: Setup) -> list[Course]:
-    """Motions that are half a turn about an axis of the world away from no turn, in their midst."""
+    """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
     start, midst = setup.course.truth.at(np.array([0, round(5e8 * (setup.course.rest_s + setup.course.moving_s))]))
     passed = quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst))
     return [setup.course.of_scenario(initial_attitude_xyzw=q) for q in quaternion.multiply(passed, start).tolist()]
@@ -166,7 +166,7 @@ def _biased(setup: Setup) -> list[Course]:
 
 
 def _bias_judged(setup: Setup, answers: Answers) -> Judged:
-    """The last quarter beside the second, and beside the turn that the bias alone makes until then.
+    """Error of the last quarter; its limit follows from the second, and from the turn that the bias alone makes.
 
     A twentieth of that turn is allowed: smoothers err at both ends, and more than in the second quarter.
     """
@@ -179,13 +179,13 @@ def _bias_judged(setup: Setup, answers: Answers) -> Judged:
 
 
 def _level(setup: Setup) -> float:
-    """Cosine of the dip."""
+    """Cosine of the dip of the magnetic field."""
     field = setup.course.field
     return float(np.hypot(field[0], field[1]) / np.linalg.norm(field))
 
 
 def _off(setup: Setup, name: str) -> list[Course]:
-    """A constant error of a vector along each axis; of a field without a level part nothing is asked."""
+    """Courses with a constant error of a vector along each axis; none for a field without a level part."""
     size = VECTOR_ERROR * np.linalg.norm(readings(setup.course).vectors[name][0])
     errors = (size * np.eye(3)).tolist() if _level(setup) > VECTOR_ERROR else []
     return [replace(setup.course, off=((name, tuple(error)),)) for error in errors]
@@ -201,7 +201,7 @@ def _noisy(setup: Setup, seed: int = 1) -> Course:
 
 
 def _noise_judged(setup: Setup, answers: Answers) -> Judged:
-    """Beside the attitudes that each pair of readings tells (TRIAD), and the least that such noise leaves."""
+    """Error with noise; its limit is that of TRIAD at each pair of readings, and the least possible is told."""
     course, begin = _noisy(setup), len(answers[0].track.stamps_ns) // 3
     read = readings(course)
     held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
@@ -241,7 +241,7 @@ def _rests_judged(setup: Setup, answers: Answers) -> Judged:
 
 
 def _apart(setup: Setup, answers: Answers) -> Judged:
-    """Largest difference of two estimates while both go on."""
+    """Largest difference of two estimates, rad, while both go on."""
     return Judged(answers[0].apart(answers[1]), 1e-9)
 
 

@@ -23,11 +23,12 @@ from lie_rigid_body.runs.estimators import Estimator, called
 from lie_rigid_body.short_dataclass import short_dataclass
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
-"""Sensors by the names that codes have, and their readings."""
+"""Names of the readings of each sensor, by the sensor's name in codes."""
 
 
 DRIFT: Final = 0.1
-"""Rate of a gyro that drifts, share of the body's mean rate: in a course it makes hundreds of times the floor."""
+"""Rate error of a drifting gyro, as a share of the body's mean rate: in a course it makes hundreds of times the floor
+of the error."""
 
 
 @short_dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Repair:
     deed : str
         The repair in words, before "leave".
     constants : ndarray or None
-        Those of the cause of this code that is undone in the estimate; None leaves it.
+        Constants of the cause that is undone in the estimate; None leaves the estimate.
     """
 
     code: str
@@ -62,12 +63,12 @@ class Repair:
 
 
 def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
-    """Readings of some sensors with a matrix, shape (3, 3), from the left."""
+    """Readings of some sensors, multiplied by a matrix from the left, shape (3, 3)."""
     return given.changed(**{SENSORS[name]: given.vectors[SENSORS[name]] @ matrix.T for name in sensors})
 
 
 def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
-    """Readings from so many samples later; before the first that a filter is given there is none."""
+    """Readings of some sensors from ``count`` samples later, none from before the filter's first one."""
     moved = {}
     for name in (SENSORS[sensor] for sensor in sensors):
         rows = given.vectors[name]
@@ -89,11 +90,11 @@ JOINT: Final = Repair(
     "The filter compares readings with the attitude before its gyro step, as most do",
     "With accelerometer and magnetometer one sample later",
 )
-"""The change that makes a right filter of one that is ahead by a sample: no mistake, and without a price."""
+"""Change for a filter that is ahead by one sample and otherwise right: it is no mistake, and has no price."""
 
 
 def _axes() -> Iterator[Repair]:
-    """Every choice of axes with signs but the right one, of each sensor, and every one that is a rotation, of all."""
+    """Wrong axes of one sensor, with any permutation and signs, and of all sensors, with any such rotation."""
     for places, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
         matrix = np.diag(signs) @ np.eye(3)[list(places)]
         name = " ".join(f"{'-' if sign < 0 else ''}{'xyz'[place]}" for place, sign in zip(places, signs, strict=True))
@@ -130,7 +131,7 @@ _UNITS: Final = {
     "accelerometer": {"multiples of g": 1.0 / 9.80665, "thousandths of g": 1e3 / 9.80665, "cm/s²": 1e2},
     "magnetometer": {"gauss": 1e4, "µT": 1e6, "mT": 1e3, "milligauss": 1e7, "nT": 1e9},
 }
-"""Units that filters take readings for, and their number in the SI unit."""
+"""Wrong units in which filters may take readings, and the number of these units in one SI unit."""
 
 
 def _units(sensor: str) -> Iterator[Repair]:
@@ -144,7 +145,7 @@ def _units(sensor: str) -> Iterator[Repair]:
 
 
 def factor(value: float) -> Repair:
-    """Turns of the gyro by a factor; ½ and 2 are no fitted constants."""
+    """Repair of a wrong time step: the gyro's readings multiplied by a factor; ½ and 2 are no fitted constants."""
     plain = {2.0: ", the ½ of the quaternion's rate too often", 0.5: ", the ½ of the quaternion's rate too seldom"}
     return Repair(
         "time_step",
@@ -157,14 +158,14 @@ def factor(value: float) -> Repair:
 
 
 def silent(sensor: str) -> Repair:
-    """Readings of one sensor that vanish beside those that a filter uses; no repair of a mistake."""
+    """Change that makes the readings of one sensor vanish beside those that a filter uses; no repair of a mistake."""
     return Repair("", "", 0, partial(_multiplied, (sensor,), 1e-12 * np.eye(3)), "", "")
 
 
 def drift(sensor: str) -> Repair:
-    """A gyro that drifts about the one direction about which no sensor but this corrects it; no repair of a mistake.
+    """Change that makes the gyro drift about the direction that only one sensor corrects; no repair.
 
-    It drifts by a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
+    The drift is a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
     vertical.
     """
     return Repair("", "", 0, partial(_drifting, sensor), "", "")
@@ -178,7 +179,7 @@ def _drifting(sensor: str, given: Readings) -> Readings:
 
 
 def late(sensor: str, samples: float) -> Repair:
-    """Readings of one sensor moved in time by a whole number of samples."""
+    """Repair that moves the readings of one sensor in time by a whole number of samples."""
     count = int(samples)
     size = f"{abs(count)} sample{'s' if abs(count) > 1 else ''}"
     return Repair(
@@ -215,7 +216,7 @@ FITTED: Final[dict[str, tuple[Callable[[float], Repair], tuple[float, ...]]]] = 
     "time_step": (factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
     **{f"{sensor}_late": (partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSORS},
 }
-"""Repairs with one constant, and the constants that are tried at first, in order."""
+"""Repairs with one fitted constant, each with the constants that are tried first, in order."""
 
 ORDER: Final = (
     "inverted",
@@ -241,21 +242,21 @@ ORDER: Final = (
     "clock_rate",
     "body_mounting",
 )
-"""Mistakes in the order in which they are named where several do as well and cost as much."""
+"""Order in which mistakes are named if several repairs do equally well at equal cost."""
 
 
 @short_dataclass(frozen=True, eq=False)
 class Answer:
-    """What a filter made of a course.
+    """Estimate of a filter in a course.
 
     Attributes
     ----------
     track : Track
-        The attitudes, repaired, divided by their norms, beside the truth; the identity where one is not finite or zero.
+        Track of the repaired and normalised attitudes beside the truth; the identity where one is not finite or zero.
     broken : ndarray of int64
         Numbers of the samples that are not finite or zero.
     given : Estimate
-        As it was returned.
+        Estimate as the filter returned it.
     """
 
     track: Track
@@ -269,7 +270,7 @@ class Answer:
         return float(np.max(angles_between(first[:both], second[:both])))
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
-        """RMS of the total error between two shares of the samples, rad."""
+        """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
         errors = self.track.error().total
         return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
 
@@ -282,7 +283,7 @@ class Job:
     repairs: tuple[Repair, ...] = ()
 
     def __call__(self, estimate: Estimator) -> Answer:
-        """What the filter makes of it.
+        """Run the filter, and repair its estimate.
 
         Raises
         ------

@@ -1,6 +1,6 @@
-"""The search for repairs, and the one rule by which of all that were tried those are chosen that name the mistakes.
+"""The search for repairs, and the rule that chooses from all tried repairs those that name the mistakes.
 
-Those of the output are tried first, then single ones of the input, then pairs, within a budget of filter runs.
+Repairs of the output are tried first, then single repairs of the input, then pairs, within a budget of filter runs.
 """
 
 from __future__ import annotations
@@ -34,31 +34,31 @@ from lie_rigid_body.short_dataclass import short_dataclass
 FLOOR: Final = 0.1
 """Share of the turn between two readings below which errors count as equal, and nothing is looked for."""
 MENDED: Final = 0.1
-"""Share of the error that a repair may leave."""
+"""Largest share of the error that a repair may leave if the error stays above the floor."""
 HALVED: Final = 0.5
-"""Share of the error that a repair may leave which brings it below the floor."""
+"""Largest share of the error that a repair may leave if it brings the error below the floor."""
 NEAR: Final = 2.0
 """Factor within which errors above the floor count as equal."""
 
 SCREENED_S: Final = 4.0
 """Length of the motion on which repairs are compared at first, s."""
 SCREENED: Final = 100
-"""Samples of it at which repairs of the output are compared."""
+"""Number of samples of the short motion at which repairs of the output are compared."""
 FINALISTS: Final = 4
-"""Number of repairs that are then tried on all courses, of those that are best alone, and with one of the output."""
+"""Number of repairs, of the best alone and of the best with a repair of the output, that go on to all courses."""
 FAR: Final = 10.0
-"""Factor of the least error, or of the floor, above which a repair is not tried further."""
+"""Multiple of the least error, or of the floor, above which a repair is not tried further."""
 BEAM: Final = 8
-"""Largest number of repairs each of which is tried together with every other one, the most promising first."""
+"""Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
 UNCHANGED: Final = 1e-6
-"""Change of the error, rad, below which a repair is none."""
+"""Change of the error, rad, below which a repair has no effect."""
 FINEST_FACTOR: Final = 1e-6
 """Accuracy to which a factor is fitted."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
-"""Causes that are undone in the first comparison; a fit of stamps takes longer, and hides no other repair."""
+"""Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
 Repairs = tuple[Repair, ...]
-"""Repairs in the order in which they are applied: of the input, `JOINT` if it is, of the output."""
+"""Repairs in the order in which they are applied: those of the input, `JOINT` if it is used, those of the output."""
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -89,33 +89,33 @@ class Trial:
 
     @property
     def mistakes(self) -> Repairs:
-        """The repairs that are of mistakes."""
+        """Repairs that name mistakes: all but `JOINT`."""
         return tuple(repair for repair in self.repairs if repair != JOINT)
 
     @property
     def codes(self) -> tuple[str, ...]:
-        """The mistakes."""
+        """Codes of the mistakes."""
         return tuple(repair.code for repair in self.mistakes)
 
     @property
     def rank(self) -> tuple[int, int, list[int]]:
-        """Number of repairs, price, and places in the table: the least is named."""
+        """Rank of the trial: number of repairs, price, places in the table. The least rank is named."""
         price = sum(repair.price for repair in self.mistakes)
         return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
 
 
 def plain(trials: Iterable[Trial], *, joint: bool | None = None) -> Trial:
-    """The filter without a repair, with the kind of gyro that it expects; `JOINT` is none."""
+    """Trial without a repair, with the kind of gyro that the filter expects; `JOINT` does not count as a repair."""
     return min((t for t in trials if not t.codes and joint in (None, t.joint)), key=lambda t: t.error)
 
 
 def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> list[Trial]:
-    """The repairs that mend the error: those that are named, and others that do as well with as many.
+    """Trials that mend the error: first the one that is named, then others of as many repairs that do as well.
 
     Parameters
     ----------
     trials : sequence of Trial
-        At least those without a repair.
+        Trials that include those without a repair.
     floor : float
         The error below which all count as equal, rad.
     mended : float, optional
@@ -133,34 +133,34 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> lis
 
 
 def or_else(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, ...]:
-    """Codes that stand in the place of one of the named ones where the others stay."""
+    """Codes that may replace one of the named codes while the others stay."""
     rest = set(named.codes) - {code}
     found = [set(other.codes) - rest for other in others if rest <= set(other.codes)]
     return tuple(sorted(set().union(*found) - set(named.codes), key=ORDER.index))
 
 
 Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
-"""Runs the filter, as many times as there are jobs."""
+"""Function that runs the filter once for each job."""
 
 
 def settled(whole: Track) -> Track:
-    """The last two thirds of the samples, by which a filter has converged."""
+    """The last two thirds of the samples, in which a filter has converged."""
     return whole.part(slice(len(whole.stamps_ns) // 3, None))
 
 
 class Search:
-    """A search under way; what was found so far can be asked for at any time.
+    """A search under way, whose choice can be asked for at any time.
 
     Attributes
     ----------
     courses : tuple of Course
-        Those that are run; with a longer rest before the motion where the filter is right after it.
+        Courses of the runs, with a longer rest before the motion if the filter is right after that.
     floor : float
         The error below which nothing is looked for, rad.
     runs : int
-        How often the filter was run.
+        Number of runs of the filter.
     trials : list of Trial
-        Those on all courses.
+        Trials on all courses.
     is_cut : bool
         Whether pairs were left untried for want of runs.
     is_broken : bool
@@ -173,11 +173,11 @@ class Search:
     ----------
     each : callable
     courses : tuple of Course
-        The ordinary ones.
+        Ordinary courses; see `courses_of`.
     most_runs : int
         Runs of the filter after which no more pairs are begun.
     tell : callable
-        Told the number of runs after each.
+        Function that is called with the number of runs after each.
     """
 
     def __init__(
@@ -192,23 +192,23 @@ class Search:
         self.change = 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
-        """What the filter makes of courses, in their order."""
+        """Answers of the filter to jobs, in their order."""
         for answer in self._each(jobs):
             self.runs += 1
             self._tell(self.runs)
             yield answer
 
     def choice(self) -> list[Trial]:
-        """What is named so far, and what does as well."""
+        """Trials so far that mend the error: first the one that is named, then those that do as well."""
         return choose(self.trials, self.floor, 0.0 if self.change else MENDED)
 
     @property
     def chosen(self) -> Trial:
-        """The filter with its mistakes repaired, or as it is."""
+        """Trial of the filter with its mistakes repaired, or as it is."""
         return next(iter(self.choice()), plain(self.trials))
 
     def run(self) -> None:
-        """Look for repairs of a filter that is wrong, also after a longer rest: one that is right then goes on so."""
+        """Look for repairs if the filter is wrong, unless a longer rest makes it right: then go on with that."""
         self.trials += self.fully([()], courses=self.courses)
         nearly = list(self.fully([()]))
         if self.is_broken or plain(nearly).error <= self.floor:
@@ -223,7 +223,7 @@ class Search:
             self.look()
 
     def changes(self) -> Iterator[float]:
-        """What sensors that are off by a little change, where it is much and no chance of the filter itself, rad."""
+        """Changes of the estimate by nearly perfect sensors, rad, above the floor and the scatter of equal runs."""
         for kind, repairs in product(KINDS, ((), (JOINT,))):
             course = self.courses[0].of_scenario(gyro_rate=kind)
             given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
@@ -252,12 +252,12 @@ class Search:
                 pairs_with(first)
 
     def _may_go_on(self) -> bool:
-        """Whether the budget allows more runs; that it did not is noted."""
+        """Whether the budget allows more runs; `is_cut` keeps a refusal."""
         self.is_cut = self.runs >= self.most_runs
         return not self.is_cut
 
     def _is_mended(self, count: int, price: int) -> bool:
-        """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
+        """Whether few and cheap repairs leave less than the floor, so that no later one is named instead."""
         return any(t.error <= self.floor and t.rank[:2] <= (count, price) for t in self.choice()[:1])
 
     def _exact_beside(self, first: Repairs) -> list[Trial]:
@@ -265,14 +265,14 @@ class Search:
         return self._screened([(*first, repair) for repair in self._exact if repair.code != first[0].code])
 
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
-        """Try those with a constant, alone or beside another."""
+        """Try repairs with a fitted constant, alone or beside another."""
         codes = [code for code in FITTED if code not in [repair.code for repair in first]]
         rests = [(*first, *joint) for joint in ((), (JOINT,))]
         pairs = [(code, rest) for code in codes for rest in rests]
         return self._screened([(self._fitted(code, rest), *rest) for code, rest in pairs if self._may_go_on()])
 
     def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
-        """Try repairs shortly, a single one also with each of the output's, and the best of them on all courses."""
+        """Try repairs on the short course, single ones also with those of the output; then the best on all."""
         if not chosen:
             return []
         single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
@@ -287,16 +287,17 @@ class Search:
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
-        """Whether each sensor in other units lessens what a drift of the gyro makes that it alone tells.
+        """Whether each sensor that a repair rescales lessens the error of a gyro drift that only this sensor corrects.
 
-        A wrong correction is also mended by one that is nearly silent: that makes of the drift as much or more. Errors
-        of up to the floor, which a repair may leave without a drift, lessen by chance what is left with it.
+        A repair that makes a sensor nearly silent also mends a wrong correction, but it leaves the error of the drift,
+        or enlarges it. The error must fall by more than the floor: errors up to the floor, which any repair may leave,
+        can lessen it by chance.
         """
         scaled = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
         return all(self.silence_costs(sensor, trial.repairs) > self.floor for sensor in scaled)
 
     def silence_costs(self, sensor: str, repairs: Repairs) -> float:
-        """Growth of the error without a sensor, while the gyro drifts as this one alone tells, rad."""
+        """Increase of the error, rad, by a silent sensor while the gyro drifts as only this sensor tells."""
         drifting = (drift(sensor), *repairs)
         (used,), (silenced,) = self.tried([(drifting, self.short), ((*drifting, silent(sensor)), self.short)])
         return silenced.error - used.error
@@ -311,7 +312,7 @@ class Search:
     ) -> Iterator[Trial]:
         """Try repairs on some courses with both kinds of gyro, with and without `JOINT`.
 
-        By default these are all, with sensors nearly perfect, which an unstable filter does not forgive.
+        All courses are the default, with nearly perfect sensors, on which an unstable filter fails.
         """
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
         courses = courses or [course.nearly_perfect() for course in self.courses]
@@ -343,7 +344,7 @@ class Search:
     def tried(
         self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = (), *, pairs: bool = False
     ) -> Iterator[list[Trial]]:
-        """Trials of repairs on courses of one kind, the first alone, the others with a cause in the output undone.
+        """Trials of repairs on courses of one kind: as they are, then with each cause undone in the output.
 
         Raises
         ------
@@ -371,14 +372,14 @@ class Search:
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
-    """Those first that leave the least of the error, with one of the output's, of the vertical's or of the turns'."""
+    """Order trials by their best rank in any error: with a repair of the output, of the vertical, of the turns."""
     errors = np.array([trial.parts for trial in trials])
     places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
     return [trials[number] for number in np.argsort(places, kind="stable")]
 
 
 def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
-    """Each cause, or every two of which the first has no constant, with what is left without them."""
+    """Undo each cause, or each pair whose first has no constant; yield the repairs and the error left."""
     for cause in causes:
         constants, error = cause.fitted(tracks)
         repair = of_output(cause, constants)

@@ -181,7 +181,7 @@ def period_ns(stamps_ns: Integers) -> int:
 
 
 def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
-    """Whether each stamp, ns, is before none that came earlier, and not before `after_ns`."""
+    """Mask of the stamps, ns, that are not before an earlier one, and not before `after_ns`."""
     first = int(stamps_ns[0]) if after_ns is None and len(stamps_ns) else after_ns or 0
     return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([[first], stamps_ns]))[:-1])
 

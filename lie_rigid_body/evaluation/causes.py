@@ -129,7 +129,7 @@ def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
 
 
 def derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
-    """Derivative by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
+    """Derivative of the errors by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
     now = undone(track, parts)
     truth, rate = now.truth.states(now.stamps_ns)
     J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
@@ -143,7 +143,7 @@ def weights(norms: Array) -> Array:
 
 
 def _left(turns_xyzw: Array) -> Array:
-    """Matrices of the products with quaternions, shape (d, 4), from the left, shape (d, 4, 4)."""
+    """Matrices of the products with quaternions from the left: of shape (d, 4), matrices of shape (d, 4, 4)."""
     return np.swapaxes(quaternion.multiply(turns_xyzw[:, np.newaxis], np.eye(4)), 1, 2)
 
 
@@ -185,7 +185,7 @@ def _fixed(*values: Sequence[float]) -> Callable[[Tracks], Sequence[Array]]:
 
 
 def _turn(maps: Array, constants: Callable[[Array], Array]) -> Callable[[Tracks], Sequence[Array]]:
-    """The best turn of a kind: an eigenvector, see above."""
+    """Fit of the best turn of a kind, whose quaternion is an eigenvector."""
 
     def fits(tracks: Tracks) -> Sequence[Array]:
         each = [products(track, track.stamps_ns) @ maps.reshape(-1, 16).T for track in tracks]

@@ -1,7 +1,7 @@
 """The clock of an estimate's stamps: its lag with a standard error, a far lag, or another rate.
 
-A lag is told where it is one and not what slow errors feign. Another clock, as by a mistaken unit or by the time of day
-beside a replay, is looked for where nothing else explains a large error.
+A lag is told where it is real, and slow errors cannot look like it. Another clock, as by a mistaken unit or by the time
+of day beside a replay, is looked for where nothing else explains a large error.
 """
 
 from __future__ import annotations
@@ -24,47 +24,48 @@ from lie_rigid_body.lie import quaternion
 SIGNIFICANT: Final = 3.0
 """Largest lag, in standard errors, that counts as none."""
 SURE: Final = 8.0
-"""Least lag, in standard errors, that is told and named also where other errors are larger."""
+"""Least lag, in standard errors, that is named as a cause even if other errors are larger."""
 UNSTEADY: Final = 0.25
-"""Largest relative difference between the lag of each half of a run and that of the whole; a drift makes a half."""
+"""Largest relative difference between the lag of either half of a run and that of the whole run; a drift makes ½."""
 LARGEST_INFLATION: Final = 10.0
-"""Largest variance inflation factor at which a lag counts as told apart from turns."""
+"""Largest variance inflation factor with which the motion separates a lag from constant turns."""
 SLOWEST_RATE: Final = 1e-6
-"""Least body rate that tells something about time, rad/s."""
+"""Least body rate, rad/s, at which the motion determines a lag."""
 LEFT_BY_CLOCK: Final = float(np.radians(5.0))
-"""Largest error, root mean square in a quarter, that is left by another clock, rad: any clock fits a little."""
+"""Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
 LEAST_COVERED: Final = {True: 0.25, False: 0.9}
-"""Least share of the samples within the truth's times by another lag, and by another rate."""
+"""Least share of the samples that another clock puts within the truth's times: True for a lag, False for a rate."""
 MOST_STRAY: Final = 0.05
-"""Largest share of the samples at either end that may be stamped far from all others, and are then left out."""
+"""Largest share of the samples at either end whose stamps may be far from all others; they are then left out."""
 GRID_TURN: Final = 0.2
-"""Turn of the body from one clock that is tried to the next, rad."""
+"""Turn of the body at its fastest, rad, between one clock that is tried and the next."""
 MOST_CLOCKS: Final = 5000
-"""Largest number of clocks that are tried of one kind; where it would take more, none is."""
+"""Largest number of clocks of one kind that are tried; if the grid needs more, none of the kind is tried."""
 LEAST_TURN: Final = 0.1
-"""Least turn of the body in the whole run that tells a clock, rad."""
+"""Least turn of the body in the whole run, rad, that determines a clock."""
 EVEN_SPIN: Final = 0.98
-"""Squared length of the mean axis of rotation above which a lag is that of a turn earlier as well."""
+"""Squared length of the mean axis of rotation above which a spin is even: lags a whole turn apart then look alike."""
 FAR: Final = 1.5
-"""Ratio of two rates above which no error of a gyro feigns it."""
+"""Ratio of two clock rates above which no error of a gyro looks like another rate."""
 LEAST_OFF: Final = 2e-3
-"""Least difference of a rate from 1: a lag with a little of a rate is a lag, as that of a right filter."""
+"""Least difference of a clock's rate from 1. A clock with a smaller one is left out, as the lag alone explains as
+much."""
 MOSTLY_SPANNED: Final = 0.8
-"""Least share of the truth's times that stamps by another rate fill, where the body turns about one axis."""
+"""Least share of the truth's time span that the stamps must fill by another rate, if the body turns about one axis."""
 
 Clock = list[Part]
-"""A rate, and a lag, by which stamps are those of the truth; of a lag alone only that."""
+"""Clock that takes stamps to the truth's times: a rate and a lag, or a lag alone."""
 
 
 class Lag(NamedTuple):
-    """A lag that is told.
+    """Lag of an estimate behind the truth, with its standard error.
 
     Attributes
     ----------
     lag_s, standard_error_s : float or None
-        None where the motion and the errors do not tell it.
+        Lag and its standard error, s; None where the motion and the errors do not determine them.
     sure : bool
-        Whether it is a cause beside errors as large.
+        Whether the lag is named as a cause even if other errors are as large.
     """
 
     lag_s: float | None = None
@@ -73,13 +74,13 @@ class Lag(NamedTuple):
 
 
 def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float, most: int = 4000) -> Lag:
-    """Tell the lag beside a turn of the world and one of the body where the motion tells them apart.
+    """Fit the lag together with a turn of the world and one of the body, where the motion tells them apart.
 
-    Where it does not, the lag is fitted beside a heading and a mounting, else beside the turns that are named. Then a
-    tilt of the world, which sensors leave as well, may be told as a lag. So the standard error of a named one is at
-    least by how much another it is beside a tilt. A lag is told where it is named, where it is sure, and where it is
-    none. The latter is to an error that is small beside a lag that would turn the body by what is left. It is fitted to
-    `most` samples.
+    Otherwise the lag is fitted beside a heading and a mounting, else beside the turns that are named. Then a tilt of
+    the world, which sensors leave as well, may look like a lag. So the standard error of a named lag is at least the
+    change of the lag by fitting a tilt beside it. A lag is returned where it is named, where it is sure, and where it
+    is none. It counts as none if its standard error is small beside the lag that would make an error as large as what
+    is left. The fit uses `most` samples.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
     track = undone(track.few(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
@@ -105,10 +106,10 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
 def _unnamed(
     track: Track, fitted: Sequence[Part], without: Sequence[Part], instead: Sequence[Part], period_s: float
 ) -> Lag:
-    """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be.
+    """Lag that no explanation names: returned where it is sure, or surely small.
 
-    A lag leaves no more than what is fitted instead of it, a turn of the world and one of the body. The lead of a right
-    filter may leave more.
+    A lag must leave no more error than ``instead``, a turn of the world and one of the body. The lead of a right filter
+    may leave more.
     """
     lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
     left, before, other, raw = (
@@ -131,9 +132,9 @@ def _unnamed(
 
 
 def _separable(track: Track, parts: Sequence[Part]) -> bool:
-    """Whether the motion tells the lag, the last of some constants, from the others, and turns at all.
+    """Whether the motion tells the lag, the last constant, apart from the other constants, and the body turns at all.
 
-    The variance of a lag that is fitted alone grows by a factor when others are fitted with it.
+    Fitting other constants beside the lag multiplies its variance by an inflation factor, which has a limit.
     """
     J = derivative(track, parts)[0]
     normal = np.einsum("nia,nib->ab", J, J)
@@ -143,13 +144,13 @@ def _separable(track: Track, parts: Sequence[Part]) -> bool:
 
 
 def standard_error(track: Track, parts: Sequence[Part]) -> float:
-    """Standard error of the lag, the last of fitted constants, s.
+    """Standard error of the lag, which is the last of the fitted constants, s.
 
-    The fit takes the lag as a weighted sum of the errors, G · ψ. The same sum with the errors moved along the run, in a
-    circle, is what errors of that spectrum make of a lag where there is none. Its root mean square over all shifts
-    counts white errors as independent, and drifts as the few that they are. Errors keep to the axes of the world, as
-    those of a heading, or to those of the body, as biases do. Of a body that turns evenly the shifts are all alike and
-    tell nothing: errors that are independent are counted as well. The largest value counts.
+    The fit gives the lag as a weighted sum of the errors, G · ψ. Errors that are shifted cyclically along the run have
+    the same spectrum and no lag; the sum of each shift is a sample of the lag's error. The root mean square over all
+    shifts counts white errors as independent, and slow drifts as few. Errors may be constant in the world, as a
+    heading, or in the body, as a bias. If the body turns evenly all shifts are alike and tell nothing; so independent
+    errors are a third case. The largest of the three values counts.
     """
     J, error, truth = derivative(track, parts)
     weight = weights(sizes(error))[:, np.newaxis]
@@ -193,18 +194,18 @@ def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | No
 
 
 def rate_of(clock: Clock) -> float:
-    """Seconds of the truth in a second of the stamps."""
+    """Rate of a clock: seconds of the truth in a second of the stamps."""
     return float(clock[0][1][0]) if len(clock) > 1 else 1.0
 
 
 def clock_lag(clock: Clock, track: Track) -> Lag:
-    """Lag of a clock and its standard error by the samples that it covers; none of a clock of another rate."""
+    """Lag of a clock with its standard error by the samples that it covers; empty for another rate."""
     (cause, lag_s), *rate = clock[::-1]
     return Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [(cause, np.zeros(1))]))
 
 
 def _without_strays(track: Track) -> Track:
-    """The track without the few samples that are farther from all others than these span, as by one wrong stamp."""
+    """The track without few samples whose stamps are farther from all others than these span, as by a wrong stamp."""
     stamps, few = track.stamps_ns, round(MOST_STRAY * len(track.stamps_ns))
     first, last = int(stamps[few]), int(stamps[-1 - few])
     kept = np.flatnonzero((stamps >= 2 * first - last) & (stamps <= 2 * last - first))
@@ -212,7 +213,7 @@ def _without_strays(track: Track) -> Track:
 
 
 def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
-    """Rates and lags, s, that are tried: all lags, then all rates by which the last sample is within the truth."""
+    """Rates and lags, s, that are tried: lags alone, then rates that keep the last sample in the truth."""
     truth, first, last = track.truth, int(track.stamps_ns[0]), int(track.stamps_ns[-1])
     begin, end = (first - truth.last_ns) / 1e9, (last - truth.first_ns) / 1e9
     if end - begin <= MOST_CLOCKS * step_s:
@@ -226,7 +227,7 @@ def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
 
 
 def _costs(track: Track, rates: Array, lags_s: Array, most: int = 60) -> Array:
-    """Mean sine of half of the error of some samples by each clock; infinite where too few are within the truth."""
+    """Mean sine of half of the error by each clock; infinite if too few samples are in the truth's times."""
     few, truth = track.few(most), track.truth
     since = (few.stamps_ns - track.stamps_ns[0]) / 1e9
     found = []
@@ -241,7 +242,7 @@ def _costs(track: Track, rates: Array, lags_s: Array, most: int = 60) -> Array:
 
 
 def _lowest(costs: Array, most: int = 5) -> list[int]:
-    """Numbers of some minima that are as low as a grid can tell, the lowest first."""
+    """Indices of the minima that are as low as the grid can tell, the lowest first."""
     around = np.concatenate([[np.inf], costs, [np.inf]])
     minima = np.flatnonzero(np.isfinite(costs) & (costs <= around[:-2]) & (costs <= around[2:]))
     near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + 0.25 * GRID_TURN]
@@ -249,10 +250,10 @@ def _lowest(costs: Array, most: int = 5) -> list[int]:
 
 
 def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, Track]]:
-    """The clock fitted to some of the samples that it covers, and these; none where it explains little.
+    """Clock fitted to samples that it covers, with these samples; an empty list if it explains little.
 
-    It must leave little in every quarter of the run but the first, beside the error by the stamps as they are and
-    beside the turn of the body.
+    The error that the clock leaves must be small in every quarter of the run but the first. This error is compared with
+    that by the given stamps, and with the turn of the body.
     """
     is_lag = len(clock) == 1
     for _ in range(3):

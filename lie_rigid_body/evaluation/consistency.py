@@ -26,12 +26,14 @@ AXES: Final = {"world": "body", "body": "world"}
 TELLING: Final = np.log(1.5)
 """Logarithm of the ratio of mean and expected NEES above which the other axes are tried."""
 BETTER: Final = 0.25
-"""Largest share of that logarithm that the other axes may leave to be named: errors are correlated in time."""
+"""Largest ratio of the logarithm of the relative NEES about the other axes to that about the given ones, for the others
+to be named. The ratio is not 0, as errors are correlated in time."""
 
 SMALLEST_VARIANCE: Final = 1e-200
 """Least variance, in the squared unit of the errors; a NEES by a smaller one overflows."""
 ASYMMETRY: Final = 1e-6
-"""Largest difference between a covariance and its transpose, relative to the standard deviations, that is round-off."""
+"""Largest difference between a covariance and its transpose, relative to the standard deviations, that counts as
+round-off."""
 
 
 @short_dataclass(frozen=True)
@@ -184,7 +186,7 @@ def require_axes(axes: str) -> None:
 def covariance_fault(covariance: Array) -> str | None:
     """Reason why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
 
-    None of those that are all unknown, −1 or all 0: they are not given.
+    Covariances that are all unknown, −1 or all 0, count as not given, and have no fault.
     """
     unknown = (covariance[:, 0, 0] == -1.0) | ~covariance.any(axis=(-2, -1))
     if unknown.all():

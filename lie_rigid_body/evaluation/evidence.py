@@ -1,10 +1,10 @@
 """Evidence about the error of an estimate, and the choice of the explanation that is named.
 
-One rule. The best explanation costs least, in units of halved errors: log₂ of what it leaves, plus its price. It is
-named if each of its causes is needed: without it at least `1 / SHARE` times as much is left, in each of these quarters.
-So drifts, random walks and noise are no causes, as no constant of some quarters fits the others. A right filter may be
-ahead by up to a sample, as it compares readings with the attitude before its gyro step. Every explanation without a lag
-may have such a lead at no price, and it is no cause.
+The rule: the best explanation has the least cost, in units of halved errors: log₂ of the error that it leaves, plus its
+price. It is named if each of its causes is needed: without that cause the error is at least `1 / SHARE` times as large
+in each quarter but the first. So drifts, random walks and noise are no causes, as a constant fitted to some quarters
+does not fit the others. A right filter may be ahead by up to a sample, as it compares readings with the attitude before
+its gyro step. Every explanation without a lag may have such a lead at no price, and it is no cause.
 """
 
 from __future__ import annotations
@@ -23,56 +23,61 @@ from lie_rigid_body.evaluation.track import Track, products, spins, still
 from lie_rigid_body.lie import quaternion
 
 SHARE: Final = 1.0 / 3.0
-"""Largest share of what is left without it that a named cause may leave, root mean square in a quarter."""
+"""Largest ratio of the RMS error with a named cause to that without the cause, in each quarter of a run."""
 LAG_SHARE: Final = 0.5
-"""Largest such share of a lag: slow errors hardly go with the rate of a body, unless it turns about one axis."""
+"""Largest ratio of the RMS error with a named lag to that without. Slow errors hardly follow the body rate, unless the
+body turns about one axis."""
 LEAST_LATE: Final = 0.5
-"""Least lag, in samples, that is named where other errors are as large."""
+"""Least lag, in samples, that is named as a cause where other errors are as large."""
 TIE: Final = 1.25
-"""Ratio of two errors up to which their explanations are as good."""
+"""Ratio of two RMS errors up to which their explanations count as equally good."""
 UNEVEN: Final = 3.0
-"""Largest ratio of what a far lag leaves in two quarters: of a motion that nearly repeats each has its own."""
+"""Largest ratio of the RMS errors that a far lag leaves in two quarters: a motion that nearly repeats fits another lag
+in each."""
 FOLLOWING: Final = 0.125
-"""Largest share of the error that causes leave which are no names, but tell that the body is followed."""
+"""Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
 UNLIKE: Final = 0.5
-"""Largest share of what a constant attitude would leave that an explanation may leave; with a mounting half of it."""
+"""Largest error of an explanation, as a share of the error of a constant attitude; with a mounting half of it."""
 LEAST_TILT: Final = float(np.radians(10.0))
-"""Least tilt of a turned world, rad, and least angle to one upside down: sensors err by less. A turn about the vertical
-is a heading offset, and a world upside down is NED with a heading offset."""
+"""Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
+about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
 LEAD: Final = 1.5
-"""Largest lead of a right filter, samples: one, and what its sensors err by."""
+"""Largest lead of a right filter, samples: one sample, and half of one for sensor errors."""
 FLOOR: Final = 0.1
-"""Largest constant turn of a right filter with perfect sensors, as a share of the turn between two samples."""
+"""Largest constant attitude error of a right filter with perfect sensors, as a share of the largest turn between two
+samples."""
 LAG_TURN: Final = 0.25
-"""Turn of the body from one lag that is tried to the next, rad."""
+"""Largest turn of the body between one lag that is tried and the next, rad."""
 MOST_LAGS: Final = 181
 SAMPLES: Final = 400
 """Largest number of samples by which explanations are judged."""
 SCANNED: Final = 100
-"""Largest number of samples by which lags are compared at first."""
+"""Largest number of samples by which lags are first compared."""
 MOST_BOTH: Final = 6
-"""Number of forms with which a heading and a mounting are fitted together, the best with one of them."""
+"""Largest number of forms with which a heading and a mounting are fitted together: the best with one of the two."""
 OF_SENSORS: Final = float(np.radians(1.0))
-"""Error that sensors make, rad; it is nearer to a constant turn than to a lag."""
+"""Attitude error, rad, below which sensor errors may be the cause; they look more like a constant turn than like a
+lag."""
 LAG_TIE: Final = 3.0
-"""Ratio of two errors up to which a lag is told as an alternative to a cause of such a small error."""
+"""Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
 FULL: Final = 0.999
-"""Share of the longest lag from which on a lag is at the limit of the search."""
+"""Share of the longest lag from which on a lag counts as at the limit of the search."""
 REFINED: Final = 8
-"""Number of lags, the best of all explanations, that are refined."""
+"""Largest number of explanations with a lag that are refined, the cheapest ones."""
 HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
-"""Turns about the vertical, numbers w and z, from which a heading and a mounting are fitted together."""
+"""Numbers w and z of quaternions of turns about the vertical, 60° apart: starts of the joint fit of heading and
+mounting."""
 
 TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
 BOTH: Final = ("heading_offset", "body_mounting")
-"""Turns that are tried, and those that are fitted together."""
+"""Turns that are fitted together; `TURNED` are those that are tried."""
 LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
-"""Turns that are tried beside a lag."""
+"""Turns that are tried together with a lag."""
 
 
 @cache
 def _base(form: Form, turned: Turned) -> Array:
-    """Base of the repairs of a form followed by turns, shape (d, 16)."""
+    """Basis of the repairs of a form followed by turns, shape (d, 16)."""
     maps = np.eye(4)[np.newaxis]
     for code in turned:
         maps = (maps[:, np.newaxis] @ BY_CODE[code].maps[0]).reshape(-1, 4, 4)
@@ -85,7 +90,7 @@ def _best(forms: Array) -> Array:
 
 
 def _best_of_both(forms: Array, first: Array) -> Array:
-    """Numbers of a turn about the vertical (2) and one of the body (4), fitted in turns, shape (..., 6)."""
+    """Quaternion numbers of a turn about the vertical (2) and of the body (4), fitted alternately, (..., 6)."""
     G, up = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4), first
     for _ in range(8):
         body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
@@ -94,14 +99,14 @@ def _best_of_both(forms: Array, first: Array) -> Array:
 
 
 def _value(numbers: Array, forms: Array) -> Array:
-    """The largest cᵀ G c; numbers of two turns are those of their product."""
+    """Value cᵀ G c of fitted numbers c; for two turns c is the product of their numbers."""
     if numbers.shape[-1] == 6:
         numbers = (numbers[..., :2, np.newaxis] * numbers[..., np.newaxis, 2:]).reshape(*numbers.shape[:-1], 8)
     return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
 
 
 class Evidence:
-    """An estimate beside the truth, as sums of which every explanation is judged.
+    """Sums over an estimate and the truth, from which every explanation is judged.
 
     Parameters
     ----------
@@ -133,7 +138,10 @@ class Evidence:
         return np.stack([np.swapaxes(q, 1, 2) @ q / q.shape[1] for q in np.array_split(P, 4, axis=1)[1:]], axis=1)
 
     def judged(self, form: Form, turned: Turned, T: Array) -> tuple[Array, Array]:
-        """What a form with turns leaves in each quarter, (..., 3), and its numbers, from T of (..., 3, 16, 16)."""
+        """Mean sin² of half of the error that a form with turns leaves in each quarter, (..., 3), and its numbers.
+
+        T has the shape (..., 3, 16, 16).
+        """
         base = _base(form, turned)
         G = base @ T @ base.T
         whole = G.sum(axis=-3)
@@ -162,13 +170,13 @@ class Evidence:
 
     @cached_property
     def _scanned(self) -> dict[tuple[Form, Turned], Array]:
-        """What each form, with each of the turns that are tried beside a lag, leaves at the lags that are tried."""
+        """Mean sin² of half of the error that each form leaves, with each turn of `LATE`, at each lag tried."""
         T = self.sums(self._lags, SCANNED).mean(axis=1)
         bases = {(form, turned): _base(form, turned) for turned in LATE for form in FORMS}
         return {key: 1.0 - np.linalg.eigvalsh(base @ T @ base.T)[..., -1] for key, base in bases.items()}
 
     def _with_lag(self, form: Form, turned: Turned) -> Explanation:
-        """The explanation with the nearest of the lags that leave about the least."""
+        """The explanation with the smallest of the lags that leave about the least error."""
         lags, cost = self._lags, self._scanned[form, turned]
         around = np.concatenate([[np.inf], cost, [np.inf]])
         lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
@@ -180,7 +188,7 @@ class Evidence:
         return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
 
     def _at_lag(self, form: Form, turned: Turned, lag_s: float, step: float) -> Explanation:
-        """The explanation with the best lag near one: vertices of parabolas through three, ever nearer ones."""
+        """The explanation with a refined lag: vertices of parabolas through three lags, ever nearer ones."""
         base = _base(form, turned)
         for _ in range(4):
             three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
@@ -197,7 +205,7 @@ class Evidence:
 
     @cached_property
     def tried(self) -> list[Explanation]:
-        """Those that may be the best, the cheapest first."""
+        """Explanations that may be the best, the cheapest first."""
         found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
         turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
         found += [self.get(form, BOTH) for form in list(turnable)[:MOST_BOTH]]
@@ -242,7 +250,7 @@ class Evidence:
         return self.get(form, turned, late=explanation.lag_s is not None and cause != "lag")
 
     def is_needed(self, explanation: Explanation) -> bool:
-        """Whether an explanation leaves little beside the turn of the body, and needs each cause in each quarter."""
+        """Whether an explanation leaves little beside the body's turn, and needs each cause in each quarter."""
         left, lag_s = counted(explanation.left), explanation.lag_s
         unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
         if left.mean() > max(unlike**2 * self.still, counted(np.zeros(1))[0]) or not explanation.explains:
@@ -262,7 +270,7 @@ class Evidence:
         )
 
     def is_small(self, explanation: Explanation) -> bool:
-        """Whether one of the turns is no larger than what sensors leave, or that in a lag that leaves some error."""
+        """Whether a turn, or the turn in a lag that leaves some error, is no larger than what sensor errors leave."""
         turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
         is_late = explanation.lag_s is not None and (
             explanation.error > FOLLOWING * self.without(explanation, "lag").error
@@ -272,12 +280,12 @@ class Evidence:
         return is_late or min(turns_rad, default=np.inf) <= least
 
     def follows(self) -> bool:
-        """Whether up to three causes leave little, be they sure enough to be named or not: the body is followed."""
+        """Whether up to three causes, sure or not, leave little error: the estimate then follows the body."""
         most = FOLLOWING * self.get().error
         return any(e.error <= most and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
 
     def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
-        """What is named with a lag beside it, if that is about the same without other turns."""
+        """The named explanation with a lag added, if its own fit of a lag gives about the same."""
         if named.lag_s is not None or named.turned not in LATE or self.spins:
             return named
         late = self.get(named.form, named.turned, late=True)
@@ -285,7 +293,7 @@ class Evidence:
         return replace(late, lag_s=lag_s) if same and not self.is_small(late) else named
 
     def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
-        """Causes that, in the place of one that is named, leave about as much."""
+        """Causes that leave about as much error in the place of a named one."""
         rest, without, left = {*named.causes} - {cause}, self.without(named, cause), max(named.error, NEGLIGIBLE)
         others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
         found: dict[str, None] = {}
@@ -301,7 +309,7 @@ class Evidence:
 
 
 def _vertex(three: Array) -> float:
-    """Place of the least of a parabola through three even points, in steps from the middle one, at most one."""
+    """Place of the minimum of a parabola through three equally spaced values, in steps from the middle, at most one."""
     a, b, c = three.tolist()
     bend = a - 2.0 * b + c
     return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0

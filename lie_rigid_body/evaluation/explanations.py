@@ -17,16 +17,16 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, vector
 
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
-"""Prices of causes with constants, in halved errors; of one without a constant it is 1.
+"""Prices of causes with constants, in halved errors; a cause without a constant costs 1.
 
-Far is a lag by which the body turns by more than half a turn: there are many, so this is a further price.
+A far lag, in which the body turns by more than half a turn, has a further price, as there are many.
 """
 NEGLIGIBLE: Final = float(np.radians(1e-3))
-"""Error that needs no explanation, rad; smaller ones count as this."""
+"""Error that needs no explanation, rad; a smaller one counts as this."""
 LARGEST_LEFT: Final = float(np.radians(20.0))
-"""Largest error that named causes leave, rad; where one has a constant, over their number."""
+"""Largest error that named causes may leave, rad; if one of them has a constant, divided by their number."""
 LEFT_BY_THREE: Final = float(np.radians(7.7))
-"""Largest error that a cause with three constants leaves, rad, over the number of those with any."""
+"""Largest error that a cause with three constants may leave, rad, divided by the number of causes with constants."""
 
 Turned = tuple[str, ...]
 """Turns of the world and of the body, in the order of undoing."""
@@ -53,7 +53,7 @@ class Explanation:
     left : ndarray, shape (3,)
         Mean of sin² of half of the error in each quarter but the first, the constants fitted to the others.
     numbers : ndarray
-        Those of the turns.
+        Fitted quaternion numbers of the turns.
     lag_s : float or None
         The lag, if it is a cause.
     far : bool
@@ -87,7 +87,7 @@ class Explanation:
 
     @property
     def cost(self) -> float:
-        """What the choice makes least."""
+        """Cost in halved errors, which the choice minimises: log₂ of the error left, plus prices."""
         simple = sum(PRICES.get(cause, 1.0) for cause in self.causes) + PRICES["far"] * self.far
         # of two that do the same by nature: without other axes of the body, and with the smaller mounting
         simple += 0.02 * (("ned_world", 1) in self.form)
@@ -107,7 +107,7 @@ class Explanation:
 
 
 def counted(left: Array) -> Array:
-    """What is left in each quarter, errors that need no explanation as large as the largest of these."""
+    """Mean sin² of half of the error left in each quarter, raised to that of `NEGLIGIBLE` where it is less."""
     return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
 
 

@@ -75,7 +75,7 @@ class Honesty:
     factor : float
         What the covariance is to be multiplied by to have the right mean NEES.
     factor_bounds : tuple of float
-        Its interval at 95 %.
+        Interval of `factor` at 95 %.
     """
 
     runs: int
@@ -127,9 +127,10 @@ _REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] =
     ),
     "factor": (lambda P, R, factor: factor * P, "multiply it by {:.3g} ({:.3g} to {:.3g})"),
 }
-"""Repaired covariances, from covariances P, turns R to the other axes and a factor, and what is said, by causes.
+"""Repairs of covariances by cause: a function of covariances P, turns R to the other axes and a factor, and what is
+said.
 
-That with a constant is the last.
+The repair with a constant is the last.
 """
 
 
@@ -263,7 +264,7 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
 
 
 def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
-    """The repair that makes the errors likelier and the covariance honest: the likeliest, with a factor if no other."""
+    """Cause whose repair makes errors likelier and the covariance honest: the likeliest, a factor if no other."""
     runs, dimension = len(errors), errors.shape[-1]
     found: dict[str, float] = {}
     for code, (repair, _) in _REPAIRS.items():

@@ -139,7 +139,7 @@ def _earlier(pair: Pair, F: Array, noise: Array, B: Array, later: Pair) -> Pair:
 
 
 def _triangle(rows: list[list[Array]]) -> Array:
-    """The triangular root of what rows, given in parts, are a root of."""
+    """Triangular root of the matrix of which the given rows, in parts, are a root."""
     return np.linalg.qr(np.block(rows), mode="r")
 
 

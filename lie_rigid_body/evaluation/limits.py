@@ -22,9 +22,10 @@ UNITS: Final = {
     "an angle such as 1deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi},
     "a time such as 10s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
 }
-"""Units of what a limit is of, in degrees and in seconds."""
+"""Units in which limits and times may be written, each in degrees or in seconds."""
 LEAST_SHARE: Final = 0.5
-"""Least share of the given estimates, and of the time in which they are due, that must be compared to keep a limit."""
+"""Least share that must be compared for a limit to be kept: of the given estimates, and of the time in which they are
+due."""
 _NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*", re.ASCII)
 
 

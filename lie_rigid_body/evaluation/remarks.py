@@ -1,9 +1,9 @@
 """Remarks on an estimate that hold whatever convention its attitudes are in: on its series, and on its turns.
 
-Its turns are told from those of the body where they are none, to and fro, too fast, or about other axes. The turn of
-the estimate from one sample to the next, on its own body axes, is held against that of the truth. The latter is taken
-times a scale, and with axes that change places and signs. A gyro in deg/s, one axis of wrong sign or a left-handed
-frame leave attitudes that no constant rotation explains, and turns that this explains to a few percent.
+The turns of an estimate are wrong if they vanish, go to and fro, are too fast, or are about other axes. The turn from
+one sample to the next, on the estimate's own body axes, is compared with that of the truth. The latter is multiplied by
+a scale, and its axes are permuted and reversed. A gyro in deg/s, one axis of wrong sign or a left-handed frame leave
+attitudes that no constant rotation explains. Such a map explains their turns to a few percent.
 """
 
 from __future__ import annotations
@@ -26,29 +26,32 @@ from lie_rigid_body.evaluation.track import FEWEST, Track, spread
 from lie_rigid_body.lie import quaternion
 
 GAP_OF_EVEN: Final = 1.5
-"""Least distance that is a gap where stamps are even, so that one missing sample stands out, in median periods."""
+"""Least distance of two stamps that is a gap, in median periods, where stamps are even: one missing sample stands
+out."""
 UNEVEN: Final = 0.1
-"""Largest relative difference of a period from the median of even stamps, and share of periods that differ more."""
+"""Limit of even stamps: of the relative difference of a period from the median, and of the share of periods beyond
+that."""
 NOT_UNIT: Final = 0.002
-"""Largest | |q|² − 1 | that is taken for unit norm: what remains of one written with three decimals. tf2 takes 0.01."""
+"""Largest | |q|² − 1 | that counts as unit norm, as of a quaternion written with three decimals. tf2 takes 0.01."""
 ABSENT: Final = 0.05
 """Largest share of the truth's times by which a filter may begin late or end early without a remark."""
 LEAST_TURN: Final = 0.5
-"""Least turn of the body in the whole run that tells anything, rad."""
+"""Least turn of the body in the whole run, rad, at which turns are compared."""
 STUCK: Final = 0.01
-"""Share of the body's turn below which an estimate does not turn."""
+"""Share of the body's turn below which an estimate counts as not turning."""
 LONG: Final = 0.1
-"""Least share of the run in which an estimate is stuck to be told so, where it turns in others."""
+"""Least share of the run in which an estimate must be stuck for a finding, if it turns in other parts."""
 JUMP: Final = 3.0
-"""Least ratio of a step to that of the body, and to those within each of two attitudes, that is a jump."""
+"""Least ratio of a jump to the body's turn in the same step, and to the steps within each of two attitudes."""
 LEAST_MIXED: Final = 0.02
-"""Least share of the steps that are jumps from one attitude to another."""
+"""Least share of steps that are jumps from one of two attitudes to the other."""
 LARGEST_MISS: Final = 0.2
-"""Root mean square by which the turns may be missed, in median turns: mistakes of this kind leave less."""
+"""Largest RMS difference, in median turns, between the turns of an estimate and those that a mistake predicts. Real
+mistakes leave less."""
 SMALLEST_MISS: Final = 1e-3
-"""Least root mean square by which the turns count as missed, in median turns."""
+"""Least RMS difference between turns and prediction, in median turns; a smaller one counts as this."""
 CLEARLY: Final = 2.0
-"""Ratio of two misses above which the larger one is not the mistake."""
+"""Ratio of the RMS differences of two predictions above which the larger one is not the mistake."""
 
 DEGREE: Final = 180.0 / np.pi
 SCALES: Final = {
@@ -62,7 +65,7 @@ SCALES: Final = {
 AXES: Final = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
-"""Matrices that change places and signs of axes, the first of which changes none: shape (48, 3, 3)."""
+"""Matrices that permute and reverse axes, the first of which is the identity: shape (48, 3, 3)."""
 
 
 def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[Finding]:
@@ -171,7 +174,7 @@ class Turns:
     def mixed(self, most: int = 4000) -> Finding | None:
         """Finding that the samples of the estimate belong to two attitudes in turns.
 
-        Each of `most` samples is of that attitude, of the two that came last, which is nearer.
+        Each of `most` samples belongs to the nearer of the two attitudes that came last.
         """
         q, jumps = self.estimate_xyzw, self.ours_rad > np.maximum(LEAST_TURN, JUMP * self.true_rad)
         if np.count_nonzero(jumps) < max(FEWEST, LEAST_MIXED * len(jumps)):
@@ -193,7 +196,7 @@ class Turns:
         )
 
     def other(self) -> Finding | None:
-        """Finding that the turns are those of the body at another rate, or about other axes."""
+        """Finding that the estimate turns as the body would at another rate, or about other axes."""
         few = spread(len(self.first), SAMPLES)
         ours, true, first = self.ours[few], self.true[few], self.first[few]
         if len(self.first) < FEWEST or self.true_rad.sum() < LEAST_TURN:
@@ -231,9 +234,9 @@ def _turn_rate(scale: float) -> Finding:
 
 
 def _missed(ours: Array, predicted: Array) -> Array:
-    """Root mean square by which turns (n, 3) are missed by predictions (..., n, 3), in median turns, two at most.
+    """RMS difference between turns (n, 3) and predictions (..., n, 3), in median turns, at most two.
 
-    Axes about which the body turns for a short time only, as that of a flip, count by this, and not by a median.
+    An RMS, unlike a median, also counts axes about which the body turns for a short time only, as in a flip.
     """
     missed = angles_between(quaternion.exp(predicted), quaternion.exp(ours))
     turned = max(float(np.median(sizes(ours))), 1e-300)

@@ -84,7 +84,7 @@ class BestPossible:
     beaten : bool
         Whether the estimate is nearer to the truth than the noise allows, even where the constants are known.
     calibrated : BestPossible or None
-        The same where the constants are known; None where there are none.
+        Bounds for known constants; None where there are no constants.
     """
 
     filtered_deg: Array
@@ -126,18 +126,18 @@ class Score(Shown):
     Attributes
     ----------
     stamps_ns : ndarray of int64, shape (N,)
-        Of the estimates that were compared.
+        Stamps of the estimates that were compared, ns.
     error : AttitudeError
-        Their errors, rad, shape (N,) each.
+        Errors of these estimates, rad, shape (N,) each.
     total_deg, heading_deg, inclination_deg : Statistics
-        Of these errors, degrees.
+        Statistics of these errors, degrees.
     time_to_converge_s : float or None
-        From the first sample until the total error stays below `converged_deg`; None if it never does.
+        Time from the first sample until the total error stays below `converged_deg`, s; None if it never does.
     converged_deg : float
-        As given, or one and a half times the largest total error in the second half of the run, at most
-        `LARGEST_SETTLED_DEG`.
+        Largest total error of a converged estimate, degrees: as given, or one and a half times the largest in the
+        second half of the run, at most `LARGEST_SETTLED_DEG`.
     lag_s : float or None
-        Positive if the estimate is late. None if the motion does not tell it.
+        Lag of the estimate behind the truth, s; None if the motion does not tell it.
     lag_standard_error_s : float or None
     findings : tuple of Finding
     broken : tuple of str
@@ -147,15 +147,15 @@ class Score(Shown):
     truth_uncertainty_deg : float
         Bound of the error of the truth by interpolation, degrees.
     consistency : Consistency or None
-        Where a covariance was given.
+        Consistency of the covariance, where one was given.
     gyro_bias : BiasEstimate or None
-        Where one was given.
+        Estimated gyro bias beside the true one, where one was given.
     best : BestPossible or None
-        What the sensors' noise leaves at best, where it is known.
+        Bounds that the sensors' noise sets, where it is known.
     limits : Limits
-        Those that it was held against.
+        Limits with which the errors were compared.
     of_sensors_deg : float or None
-        Where a constant turn was found that is no mistake: the largest that these sensors leave to a right filter.
+        Largest constant turn that these sensors leave to a right filter, degrees; None unless such a turn was found.
     """
 
     stamps_ns: Integers
@@ -359,7 +359,7 @@ FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
         ),
     ),
 )
-"""What else a score tells, by name: sentences, and nothing where there is nothing to tell."""
+"""Other facts of a score by name, each a function that gives a sentence, or None if there is nothing to tell."""
 
 
 def facts(score: Score) -> Iterator[tuple[str, str]]:

@@ -43,11 +43,11 @@ from lie_rigid_body.wording import components, shown
 LARGEST_DEVIATION: Final = 1e50
 """Largest standard deviation: squares and their ratios stay finite."""
 SMALLEST: Final = 1e-6
-"""Turn-on of a bias that has none, in steps of its walk: the recursion divides by it."""
+"""Turn-on deviation of a bias that has none, in steps of its walk: the recursion divides by it."""
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
 """Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
 UNSEEN: Final = 0.25
-"""Variance about an axis from which on nothing is known of it, rad²."""
+"""Variance of the attitude about an axis, rad², from which on no reading tells anything about that axis."""
 VERTICAL: Final = 0.999
 """Cosine between an axis and the vertical above which the axis is called vertical."""
 
@@ -152,7 +152,7 @@ class UnavoidableError:
     filtered : ndarray, shape (N, 3, 3)
         Covariance of the error on the body's axes, rad², from the readings up to the sample.
     smoothed : ndarray, shape (N, 3, 3)
-        The same from all readings.
+        Covariance of the error on the body's axes, rad², from all readings.
     gyro_bias : ndarray, shape (N, 3, 3)
         Covariance of the gyro's bias from the readings up to the sample, (rad/s)²; zeros where it has none.
     stamps_ns : ndarray of int64, shape (N,)
@@ -335,7 +335,7 @@ def _system(
 
 
 def _in_turn(begin: int, sizes: Sequence[int]) -> list[slice]:
-    """Places of parts of some sizes, one after the other."""
+    """Slices of parts of given sizes, one after the other."""
     ends = begin + np.cumsum(sizes)
     return [slice(end - size, end) for end, size in zip(ends.tolist(), sizes, strict=True)]
 

@@ -25,7 +25,8 @@ from lie_rigid_body.short_dataclass import short_dataclass
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""
 _THIN: Final = 1e-2
-"""Squared width over squared length below which the width of a body is compared with the noise of the points."""
+"""Squared ratio of a body's width to its length below which the width is compared with the noise of the measured
+points."""
 
 
 @short_dataclass(frozen=True, eq=False)

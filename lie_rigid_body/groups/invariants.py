@@ -82,8 +82,8 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
 def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n), SU(n), U(1) and their products, those of a product factor by factor.
 
-    On all of them eq. (24) is one of several. They are `rotation_casimirs` of SO(n), `unitary_casimirs` of SU(n), and
-    of U(1) its charge, the momentum itself.
+    Each such group has eq. (24) as one of its Casimirs. All of them are `rotation_casimirs` of SO(n),
+    `unitary_casimirs` of SU(n), and of U(1) its charge, the momentum itself.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""
 
 SMALLEST_SQUARE: Final = 1e-290
-"""Least θ² by which is divided: a smaller one has lost digits, and (1 − cos θ)/θ² is ½ there to the last bit."""
+"""Least θ² that is a divisor: a smaller one has lost digits, and (1 − cos θ)/θ² is ½ there to the last bit."""
 
 
 def _bernoulli(count: int) -> list[Fraction]:

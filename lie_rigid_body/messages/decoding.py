@@ -22,7 +22,7 @@ Bytes: TypeAlias = NDArray[np.uint8]
 _BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 """Byte order, as `struct` names it, by the first two bytes of plain CDR."""
 _ENCAPSULATION: Final = 2
-"""Number of these bytes, without which a message has no layout."""
+"""Least length of a payload, bytes: its first two tell the encapsulation and with it the layout."""
 
 
 @short_dataclass(frozen=True)

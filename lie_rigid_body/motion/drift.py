@@ -96,7 +96,7 @@ TRUNCATION: Final = 2.0
 """Factor by which a time shift along the orbit enlarges the attitude error."""
 
 BIAS_OF_SLOPE: Final = 16.0
-"""Roundings of a slope that may be alike in all steps, in units of u."""
+"""Round-off of a slope, in units of u, that may be alike in all steps and so adds up."""
 
 BIAS_OF_STEP: Final = 2.0**-4
 """Part of the rounding of an attitude that is alike in all steps, in units of u. The largest observed is 0.015."""

@@ -115,7 +115,7 @@ def _flat(values: Array, batch: tuple[int, ...], *own: int) -> Array:
 
 
 def alike(values: Array, places: Iterable[int]) -> list[list[int]]:
-    """Places along the first axis of ``values``, those of the same bits together."""
+    """Indices along the first axis of ``values``, grouped by rows of the same bits."""
     groups: dict[bytes, list[int]] = {}
     for i in places:
         groups.setdefault(values[i].tobytes(), []).append(i)
@@ -166,7 +166,8 @@ _STATE_BYTES: Final = 7 * 8
 """Bytes of one state: 4 + 3 doubles."""
 
 _FIXED_BYTES: Final = 1024 * 1024
-"""Bytes taken whatever the number of samples, including Python's free lists of tuples."""
+"""Memory of a call that does not depend on bodies, times or samples, bytes; it includes Python's free lists of
+tuples."""
 
 
 @dataclass(frozen=True)

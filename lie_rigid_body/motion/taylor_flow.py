@@ -23,7 +23,7 @@ from lie_rigid_body.compilation import kernel
 from lie_rigid_body.mechanics import RigidBody, State
 
 LONGEST_TURN: Final = 32.0
-"""Largest rotation angle, rad, over which the flow is followed."""
+"""Largest rotation angle, rad, over which `flow` may be asked for."""
 
 TURN_PER_SUBSTEP: Final = 0.25
 """Largest rotation angle in a substep, rad."""
@@ -48,7 +48,7 @@ _BLOCK: Final = 4096
 
 
 def flow(body: RigidBody, states: State, spans: Array, rate_bound: float, longest: float | None = None) -> State:
-    """The states a time span later.
+    """States a time span later, by Taylor series.
 
     Parameters
     ----------

@@ -18,10 +18,10 @@ _SLACK: Final = 1e-9
 """Slack, in steps: how far an interval may exceed a whole number of largest steps by round-off."""
 
 _SHRUNK: Final = 1.0 - 1e-15
-"""Relative slack: a factor 1e-15 below 1."""
+"""Relative slack of a number of steps: a factor 1e-15 below 1."""
 
 _MOST_PER_NS: Final = 1e280
-"""Largest number of steps in a nanosecond: more are as impossible, and would overflow."""
+"""Cap on the number of steps in a nanosecond: larger numbers would overflow, and are refused anyway."""
 
 
 def longest_step(max_step: float, largest_turn: float, rate_bound: float) -> float:

@@ -31,7 +31,7 @@ from lie_rigid_body.proof.taylor import taylor_state
 from lie_rigid_body.short_dataclass import short_dataclass
 
 WIDTH: Final = 2.0**-80
-"""8e-25: how wide an `Enclosure` is at most, unless asked otherwise."""
+"""Default of the largest width of an `Enclosure`, 8e-25."""
 
 _FIRST_BITS: Final = 128
 _MOST_BITS: Final = 1 << 16

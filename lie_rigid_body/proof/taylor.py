@@ -37,7 +37,7 @@ from lie_rigid_body.proof.balls import Balls, added, at_most, exact, norm, scale
 from lie_rigid_body.proof.start import Start, seconds
 
 _BITS_PER_TERM = 3
-"""Each term of a series is s = 2⁻³ of the one before, at most."""
+"""Bits that each term of a series adds: a term is at most s = 2⁻³ times the one before."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ SUFFIXES: Final = (".mcap", ".db3")
 """Suffixes of the names of bags: those in SQLite are found as well, and refused with the remedy."""
 
 _TOLERANCE_NS: Final = NS
-"""A recorder notes start and duration beside its messages; they are off by what it drops or sorts anew."""
+"""Largest error of the start and the duration that a recorder notes, ns: it drops and reorders some messages."""
 _PER_MESSAGE: Final = 100
 """Memory that a message takes beside its content, about, bytes."""
 _KEPT_AT_LEAST: Final = 64 * 2**20
@@ -188,7 +188,7 @@ def _hold_metadata(metadata: Path, information: Mapping[str, Any], contents: Mca
 
 
 def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> Iterator[str]:
-    """What does not fit, as it is said and as it was found."""
+    """Contradictions between metadata and files, each with the declared value and the one found."""
     spans = contents.files
     whole = FileSpan("", sum(s.count for s in spans), min(s.first_ns for s in spans), max(s.last_ns for s in spans))
     present = {path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")}

@@ -45,7 +45,7 @@ _TEXTS_AT_ONCE: Final = 1000
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
 _MOST_OTHERS: Final = 1000
-"""Number of topics besides those of the bodies that are named."""
+"""Largest number of topics that are named beside those of the bodies."""
 _RECORDER: Final = "libmcap "
 """Beginning of the library name in a file by `ros2 bag record`."""
 NO_TOPICS: Final[Mapping[str, str]] = MappingProxyType({})

@@ -36,7 +36,7 @@ LIBRARY: Final = f"{SOFTWARE} {__version__}"
 """Name by which a bag calls its writer."""
 
 REWRITTEN: Final = f"; rewritten by {SOFTWARE} "
-"""In the name of a bag's writer, if a recorder, named before, heard what is in it, and this package only wrote it."""
+"""Part of the writer's name of a bag that this package rewrote from a recorder's; the recorder's name stands before."""
 
 CHUNK_BYTES: Final = 512 * 1024
 """Default size of a chunk."""

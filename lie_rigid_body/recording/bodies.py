@@ -111,7 +111,7 @@ def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tu
 
 
 def telling_of_bodies(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> set[TrackKey]:
-    """The topics of texts whose first is a scenario, were it even damaged, and not that of another node.
+    """Topics of texts whose first message is a scenario, even a damaged one, and not that of another node.
 
     They are found in one pass: there may be ten thousands.
     """
@@ -171,7 +171,7 @@ def _above(topic: str) -> Iterator[str]:
 
 
 def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawTrack:
-    """The one of several topics of texts that is of scenarios."""
+    """The topic of scenarios among several topics of texts."""
     telling = telling_of_bodies(path, contents, [track for track in scenarios if track.count])
     own = [track for track in scenarios if track.key in telling]
     if len(own) != 1:

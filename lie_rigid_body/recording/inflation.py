@@ -22,7 +22,7 @@ COMPRESSED_ONE_BY_ONE: Final = (
 )
 _LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
 _RUN_OF_ONE_BYTE: Final = 1
-"""Number of the kind of a zstd block that holds one byte, and in its head how often that comes."""
+"""Type number of a zstd block that repeats one byte, as often as its head says."""
 
 
 class NotOneFrameError(ContradictionError):
@@ -75,7 +75,7 @@ def _inflate(chunk: Chunk, most: int) -> tuple[bytes, int]:
 
 
 def _of_frames(compression: str, data: bytes, first: int) -> str:
-    """Complaint about compressed bytes of which only the first so many are a frame."""
+    """Complaint about compressed bytes that go on behind their first frame."""
     if not first:
         return f"a chunk does not begin with a frame of {compression}"
     if data[first:].startswith(data[: len(ZSTD_MAGIC)]):

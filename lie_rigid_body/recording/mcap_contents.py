@@ -49,7 +49,7 @@ class RawMessages:
 
     @classmethod
     def of_payloads(cls, found: Sequence[tuple[int, bytes]]) -> RawMessages:
-        """Messages of log times, ns, and payloads."""
+        """Make messages of log times, ns, and payloads."""
         times, sizes = np.array([(time, len(data)) for time, data in found], dtype=np.int64).reshape(-1, 2).T
         return cls(memoryview(b"".join(data for _, data in found)), sizes, times)
 
@@ -80,9 +80,9 @@ class RawMessages:
 
 
 Found: TypeAlias = dict[TrackKey, RawMessages]
-"""Messages of some tracks in a part of a file."""
+"""Messages in one part of a file, by topic and message type."""
 Parts: TypeAlias = Iterator[tuple[int, Found]]
-"""Parts of a file as they are read: how many bytes each has, and its messages."""
+"""Parts of a file in the order of reading: the size of each in bytes, and its messages."""
 
 
 @dataclass
@@ -182,7 +182,7 @@ class McapContents:
         Raises
         ------
         BagError
-            If a file is not what it was.
+            If a file has changed since it was first read.
         """
         if all(self.wanted(*key) for key in keys):
             yield from self.kept

@@ -47,13 +47,13 @@ _TOGETHER: Final[Mapping[tuple[int, int], int]] = {
     (Opcode.CHUNK, Opcode.MESSAGE_INDEX): 2 * LARGEST_RECORD,
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
 }
-"""Bytes from a record on within which those of some kind that follow it are taken together with it."""
+"""Reach in bytes, by kinds of records: records of these kinds within it are read together with the first."""
 _WITH_MESSAGES: Final = (Opcode.CHUNK, Opcode.MESSAGE)
 _CHECKSUMS: Final[Mapping[int, tuple[int, int, str]]] = {
     Opcode.DATA_END: (0, RECORD_HEAD.size, "data section"),
     Opcode.FOOTER: (RECORD_HEAD.size + 16, RECORD_HEAD.size + 16, "summary"),
 }
-"""Records with a checksum: how many of their own bytes are under it, where it stands, and of what it is."""
+"""Records with a checksum: the number of their own bytes under it, its place, and what it covers."""
 _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _NO_ROWS: Final = np.empty((0, 2), dtype="<u8")
@@ -250,7 +250,7 @@ class _FileReader:
             self._contents.without_checksum += self._bare_chunks or not self._summary.chunks
 
     def _finish(self) -> None:
-        """Take the account of the whole file into that of the bag."""
+        """Add the contents of the whole file to those of the bag."""
         found, contents = self._summary, self._contents
         for channel in found.channels:
             self._track(channel).count += found.counts[channel]

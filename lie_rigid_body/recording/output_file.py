@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
 
 _UNFINISHED: Final = (".lie_rigid_body-", ".part")
-"""How the name of a file that is to replace an older one begins and ends until it is whole."""
+"""Beginning and end of the name of an unfinished file, which replaces an older one when it is whole."""
 RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
 """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of writing to where there is no room left."""
+"""Numbers of errors by which a write fails for want of room."""
 LARGEST_BACKLOG: Final = 32 * 1024**2
 """Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
@@ -110,7 +110,7 @@ class OutputFile:
                 os.close(folder)
 
     def draft(self, data: bytes) -> None:
-        """Write all that is still in a buffer, and bytes behind it in whose place what is written next comes."""
+        """Write all buffered bytes, and behind them a draft, which the next write replaces."""
         self.stream.flush()
         self._file.draft(data)
 

@@ -24,9 +24,9 @@ from lie_rigid_body.simulation import SampleClock, Segment
 MOST_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
 UNNAMED: Final = "the bag"
-"""Name in errors of a bag that has none."""
+"""Name that errors give a bag without a name."""
 _ROUNDING_NS: Final = 8
-"""Largest error of the time at which a clock that errs shows a stamp, ns."""
+"""Largest rounding error, ns, of the time at which a sensor's erring clock shows a stamp."""
 _FAR: Final = np.iinfo(np.int64).max
 
 

@@ -24,7 +24,7 @@ _UNIT: Final = 3
 _TIME: Final = 9
 """Width of the column of times, characters."""
 _COUNTS: Final = (99.0, 1e7)
-"""Between these a whole number is a count, and shown with all digits; from the second on it does not fit."""
+"""Limits between which a whole number is a count, shown with all digits; a larger one does not fit."""
 _WIDTH: Final = 80
 """Width of the table, and of the sentences, characters."""
 MOST_TABLES: Final = 30

@@ -56,7 +56,8 @@ _TURN: Final = 0.25
 _TAIL: Final = 30
 """Number of frames that the bright part of the trace is long."""
 _ARROW: Final = 1.15
-"""Length of the angular momentum, and the greatest of the angular velocity, in longest sides of the box."""
+"""Length of the arrow of the angular momentum, and of the longest arrow of the angular velocity, in longest sides of
+the box."""
 _AXIS: Final = 0.8
 """Length of the body's axes, in longest sides of the box."""
 _REACH: Final = 1.25
@@ -73,14 +74,14 @@ _FACES: Final = (
 )
 _TINTS: Final = tuple(tint for tint in ("#7FA6D9", "#B5CBE8", "#E3ECF7") for _ in range(4))
 _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
-"""Corners along a path through all edges."""
+"""Numbers of a box's corners along a path through all its edges."""
 _NONE: Final = np.zeros((1, 3))
 
 _BINS: Final = 30
 _LEAST_SPAN: Final = 0.3
 """Least span of a distribution, decades."""
 _BEYOND: Final = 10.0
-"""Height at which residuals are drawn that are not finite, as a multiple of all that is."""
+"""Height at which infinite residuals are drawn, as a multiple of the largest finite one."""
 _LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width": 1.4}, "mode": "lines"}
 
 

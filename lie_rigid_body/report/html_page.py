@@ -25,7 +25,7 @@ Figure = Mapping[str, Any]
 _MARKS: Final = 6
 """Largest number of decades that are labelled."""
 _FEW: Final = 50
-"""Number of points up to which each is marked on a line of time."""
+"""Largest number of points that are each marked on a curve over time."""
 
 _STYLE: Final = """
 :root { color-scheme: light dark; --ink: #222; --paper: white; --line: #ddd; }

@@ -30,7 +30,7 @@ _STEP: Final = 0.05
 _FAR: Final = 1e3
 """Largest body rate that is drawn, as a multiple of the fastest of the motion: a larger one was damaged."""
 _SEEN_POINTS: Final = 400
-"""Number of points by which a view is judged."""
+"""Number of points of the polhode by which a view is judged."""
 _FROM_BELOW: Final = 0.8
 """Merit of a view from below, which is less usual, as a share of that from above."""
 

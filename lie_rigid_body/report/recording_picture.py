@@ -32,7 +32,7 @@ INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
 
 _LARGEST: Final = 1e300
-"""Largest number that is drawn: the length of an axis is a number as well."""
+"""Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
 _SHORT_NUMBER: Final = 3
 """Number of characters of a number that keeps clear of its axis at the usual distance."""
 _TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0

@@ -27,7 +27,7 @@ from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
 SHOWN_EVERY: Final = 0.2
 """Shortest time between two printed poses, s."""
 LONGEST_SILENCE: Final = 5.0
-"""Longest wait for the first pose, whose absence is then reported, for a service and for its answer, s."""
+"""Longest wait, s, for the first pose, whose absence is then reported, for a service, and for a service's answer."""
 SIGNAL_INTERVAL: Final = 0.1
 """Longest time between two looks whether a signal has come, s."""
 

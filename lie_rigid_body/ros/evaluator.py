@@ -34,7 +34,7 @@ NODE_PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait", "covarianc
 TICK_S: Final = 0.05
 """Time between two looks at what has come, s."""
 GRAPH_S: Final = (0.25, 2.0)
-"""Time between two looks for topics, before and after the comparison has begun, s."""
+"""Time between two searches for topics, s, before and after the comparison has begun."""
 WORD_S: Final = (5.0, 30.0)
 """Time until the first line about what is missing, and between two later lines, s."""
 

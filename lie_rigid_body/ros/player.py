@@ -26,7 +26,7 @@ from lie_rigid_body.sensors import SENSORS
 SILENCE_S: Final = 10.0
 """Longest wait for an answer, s; at most half of the time of a run."""
 FIRST_S: Final = 1.0
-"""Longest wait for the answer to the first reading, s, by which some filters only begin."""
+"""Longest wait for the answer to the first reading, s: some filters only begin with that reading."""
 
 
 def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:

@@ -1,4 +1,4 @@
-"""Runs that are made: by simulation, of one seed or of many, and without the truth, for a filter to be tested."""
+"""Runs by simulation, of one seed or of many, and runs without the truth, for a filter to be tested."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ from lie_rigid_body.wording import shown
 _TRUTH_BYTES: Final = 300
 """Largest memory for a sample of the truth while it is computed, bytes."""
 _NUMBER_BYTES: Final = 44
-"""Memory that a number of a sensor's reading takes at most while it is computed, bytes."""
+"""Largest memory for one number of a sensor's reading while it is computed, bytes."""
 _KEPT_BYTES: Final = 160
-"""Memory that a reading takes in a run, bytes."""
+"""Memory for each reading that a run keeps, bytes."""
 _RUN_BYTES: Final = 2**16
 """Memory that a run takes beside its arrays, bytes."""
 WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
 """Parameters that would tell the truth, or the noise."""
 _MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bound")
-"""Attributes that a scenario computes from them."""
+"""Attributes of a scenario that are computed from its start, and so are withheld as well."""
 _TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
 """Methods of a run that would tell the truth, were it in a bag."""
 _NO_TRUTH: Final[Any] = None
@@ -160,7 +160,7 @@ def _start(start: State | None) -> dict[str, object]:
 
 
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:
-    """The seeds, and of too many for the memory one more than it has room for."""
+    """Seeds as a list, cut off at one more than the memory has room for."""
     try:
         chosen = list(islice(seeds, most + 1))
     except TypeError:
@@ -234,7 +234,7 @@ class BlindScenario(Scenario):
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __getstate__(self) -> dict[str, object]:
-        """The attributes that there are."""
+        """Attributes to be copied or pickled: those that are not withheld."""
         return dict(vars(self))
 
     def __eq__(self, other: object) -> bool:

@@ -36,7 +36,7 @@ _GRACE_S: Final = 2.0
 
 
 def called(estimate: Estimator, run: Run) -> Estimate:
-    """What an estimator returns for a run, with stamps and numbers; its warnings are nobody's.
+    """Call an estimator with a run; return its estimate with stamps, and ignore its warnings.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def source_of(estimate: Estimator | str) -> Source | None:
 
 
 def each_alone(estimate: Estimator, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
-    """The results of jobs that are done in this process, in their order, of one that fails the error."""
+    """Results of jobs that are done in this process, in their order; for a job that fails its error."""
     for job in jobs:
         try:
             yield job(estimate)
@@ -145,7 +145,7 @@ class Workers:
             self._idle.put(process)
 
     def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
-        """The results of jobs in their order, of one that fails the error."""
+        """Results of jobs in their order; for a job that fails its error."""
         return self._threads.map(self._done, jobs)
 
     def close(self) -> None:
@@ -158,7 +158,7 @@ class Workers:
             process.end()
 
     def _done(self, job: Job[Any]) -> Any:
-        """What a process makes of a job, or why it makes nothing of it."""
+        """Result of a job in a process, or the error by which it fails."""
         process = self._idle.get()
         try:
             if not process.is_running:
@@ -175,5 +175,5 @@ class Workers:
 
 
 def _with_estimator(source: Source, job: Job[object] = lambda estimate: None) -> object:
-    """What a job makes of an estimator, which is imported for the first one."""
+    """Result of a job with the estimator, which is imported for the first job."""
     return job(source.load())

@@ -22,16 +22,16 @@ MOST_KEPT: Final = 100_000
 Of more every second is kept, then every fourth, and so on. Their score takes about 3 s; launch kills what does not end
 within 10 s."""
 MOST_BLOCKS: Final = 2000
-"""Largest number of pieces of what is kept, before they are joined."""
+"""Largest number of arrays of kept attitudes before they are joined."""
 LENIENCE_NS: Final = NS
-"""Largest time, ns, between neighbours that no wrong stamp has made, and between the last estimate and the last pose
-heard, as each has its way. The scenario tells the truth so far beyond the poses."""
+"""Largest time between neighbours, ns, that counts as no leap of the stamps. The last estimate and the last pose heard
+may differ by as much, as each has its own way. The scenario tells the truth so far beyond the poses."""
 AGREEING: Final = 3
 """Number of attitudes after which a leap of stamps, or the name of a frame, is no mistake of one message."""
 LONE: Final = 9
-"""Number of attitudes of which no `AGREEING` are near each other after which the topic is taken for a slow one."""
+"""Number of waiting attitudes after which a topic counts as slow, if no `AGREEING` of them are near each other."""
 STEPS: Final = 4
-"""Number of the last periods of a slow topic by which a stamp may leap."""
+"""Largest step of a stamp on a slow topic that is no leap, as a multiple of the topic's latest period."""
 
 MOST_FRAMES: Final = 20
 """Largest number of pairs of frames of one topic that are told apart, beside the one that is wanted."""
@@ -47,14 +47,14 @@ _SENTENCES: Final = {
     OF_OTHERS: "{count} of {whole} are of other frames, the first stamped {first} s, and are left out: let one node "
     "publish one body",
 }
-"""What the reader of a score is told of each kind of attitudes that are left out."""
+"""Sentences for the reader of a score, one for each kind of attitudes that are left out."""
 
 
 class KeptAttitudes:
-    """Attitudes that can be used, in order of time, of which evenly so many are kept that memory does not grow.
+    """Usable attitudes in order of time, evenly thinned so that memory does not grow.
 
-    One bad message costs itself. A stamp that leaps ahead waits until it is one of `AGREEING` in a row: one wrong stamp
-    would put all that follow it out of order. Another frame is believed as late.
+    One bad message costs itself alone. A stamp that leaps ahead waits until it is one of `AGREEING` in a row, as one
+    wrong stamp would put all later ones out of order. Attitudes of another frame count from as many on.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class KeptAttitudes:
         return self._counted(AttitudeTrack.joined([track[:0], *map(self._believed, pieces)]), truth_ns)
 
     def end(self, truth_ns: int = 0) -> None:
-        """Take what waits if nothing else has come, and else leave it out."""
+        """Take the waiting attitudes if nothing else has come, and else leave them out."""
         if self.followed is None and self.frames:
             for track in self.of_one_body({}, max(self.frames, key=lambda frames: self.frames[frames])):
                 self.add(track, truth_ns)
@@ -188,7 +188,7 @@ class KeptAttitudes:
         }
 
     def _believed(self, piece: AttitudeTrack) -> AttitudeTrack:
-        """What is believed after a piece that has no leap in it: that and what waited, once their stamps agree."""
+        """Attitudes that are believed when a piece without a leap comes: its own, or waiting ones that agree."""
         ahead_ns = np.inf if self.last_ns is None else int(piece.stamps_ns[0]) - self.last_ns
         if ahead_ns > max(LENIENCE_NS, STEPS * self._period_ns):
             waiting = sum(map(len, self._waiting))
@@ -201,7 +201,7 @@ class KeptAttitudes:
         return self._ordered(piece)
 
     def _agreeing(self, most: int = LONE, *, slow: bool = False) -> AttitudeTrack:
-        """Take from what waits the attitudes whose stamps agree, if there are enough; on a slow topic they are apart.
+        """Take the waiting attitudes whose stamps agree, if they are enough; on a slow topic these are farther apart.
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ class KeptAttitudes:
         return self._ordered(waiting[np.r_[np.flatnonzero(agree), len(head) : len(waiting)]])
 
     def _ordered(self, track: AttitudeTrack) -> AttitudeTrack:
-        """What is stamped before none that came earlier."""
+        """Attitudes of a track without those stamped before an earlier one."""
         ordered = in_order(track.stamps_ns, self.last_ns)
         self.leave_out(DISORDERED, track.stamps_ns[~ordered])
         known = [] if self.last_ns is None else [self.last_ns]

@@ -27,11 +27,11 @@ from lie_rigid_body.wording import listed
 RECENT: Final = 40
 """Number of batches of poses by which the latest estimates are judged."""
 MOST_WAITING: Final = 50_000
-"""Largest number of estimates that wait for a truth; of more the oldest are given up."""
+"""Largest number of estimates that wait for a truth; beyond it the oldest are dropped."""
 OTHERS_SHARE: Final = 0.1
-"""Share of estimates of other frames from which on it is not clear which body is meant."""
+"""Share of estimates in other frames from which on it is not clear which body is meant."""
 INTERIM: Final = 2000
-"""Number of samples of the score on the way."""
+"""Number of samples in a score that is computed while messages still come."""
 
 
 class HeardTruth:
@@ -90,7 +90,7 @@ class HeardTruth:
         return min(self.segments, default=self.poses.first_ns or 0)
 
     def between(self, first_ns: int, last_ns: int, poses: Iterable[AttitudeTrack]) -> TrueMotion:
-        """The motion that is told from one stamp to another, ns, and by poses."""
+        """Declared motion from one stamp to another, ns: the scenarios in that time, and the poses."""
         tracks = [track for track in poses if len(track)]
         known = AttitudeTrack.joined(tracks) if tracks else None
         times = [first_ns, last_ns, *([] if known is None else known.stamps_ns[[0, -1]].tolist())]
@@ -275,7 +275,7 @@ class LiveEstimate:
             )
 
     def _true(self, stamps: Integers, poses: Iterable[AttitudeTrack], start_ns: int | None) -> tuple[TrueMotion, Truth]:
-        """The motion told for some stamps, and the truth from a stamp on: a scenario's also where no pose came yet."""
+        """Declared motion for some stamps, and the truth from a stamp on; a scenario tells it before the poses come."""
         end, due_ns = int(stamps[-1]), self.estimate.due_ns
         motion = self.truth.between(int(stamps[0]), end, poses)
         truth = motion.until(end)

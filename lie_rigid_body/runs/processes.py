@@ -1,4 +1,4 @@
-"""Processes in which estimators are called: other Pythons, which are asked something, reply, hang, and die."""
+"""Processes in which estimators are called: other Python interpreters, which may hang or die."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FilterError(InputError):
 
 
 def told(error: BaseException) -> str:
-    """Say an exception of a filter with the last line of the user's own that it came through."""
+    """Words for an exception of a filter, with the last line of the user's own code on its way."""
     package = str(Path(__file__).resolve().parent.parent)
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(package)]
     own = [frame for frame in frames if not any(part in frame.filename for part in _LIBRARIES)]
@@ -40,7 +40,7 @@ def told(error: BaseException) -> str:
 
 
 class Interpreter:
-    """Another Python, which is asked to call a function, and replies what that returns: what can be pickled.
+    """Python interpreter in another process, which calls a function when asked, and replies with its pickled result.
 
     It starts when it is asked, and anew where it has ended. It is new, no copy of this one: nothing of the user's main
     module is run again, on any platform. It ends with this one, and where nothing refers to it any more.

@@ -48,7 +48,7 @@ TOPIC: Final = "imu/data"
 IMU: Final = "imu"
 """Sensor whose readings are answered, and the last of those that arrive at once."""
 _BEGIN_NS: Final = 10**9
-"""Time that is added to the stamps of a run, ns: 0 means that there is no time yet."""
+"""Time added to the stamps of a run, ns, as a stamp of 0 means that there is no time yet."""
 _GRACE_S: Final = 1.0
 """Time that a player has beyond that of its run, s."""
 

@@ -172,7 +172,7 @@ def _with_bias(
 
 
 def _estimate_or_truth(*topics: str) -> Wanted:
-    """Want the messages of an estimate's topic and its biases, and of those that are said to or may tell the truth."""
+    """Choose the messages to keep: an estimate, its biases, and topics that are said to or may tell the truth."""
 
     def wanted(name: str, kind: str) -> bool:
         told = kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 OWN_TOPICS: Final = frozenset(
     {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
 )
-"""Topics of a bag that are the run's own."""
+"""Topics of a bag with the run's own messages: truth, scenario and sensors."""
 END_OF_TIME: Final = 2**63 - 1
 
 
@@ -426,7 +426,7 @@ class Run(_NamedSensors, Shown):
         )
 
     def _within(self, segment: Segment, begin_ns: int, end_ns: int) -> Taken:
-        """What a segment has, from one time on and before another one."""
+        """Truth and readings of a segment from one time on and before another one, ns."""
         kept = (self.t_ns >= begin_ns) & (self.t_ns < end_ns)
         states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
         there = {name: sensor for name, sensor in SENSORS.items() if sensor.key in self.sensors}

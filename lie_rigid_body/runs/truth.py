@@ -1,4 +1,4 @@
-"""What scenarios, and poses, tell of a run: the true attitude at any time, and the least error that sensors leave."""
+"""Truth of a run, as scenarios and poses tell it: the attitude at any time, and the least error that sensors leave."""
 
 from __future__ import annotations
 
@@ -33,16 +33,17 @@ from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.wording import shown
 
 THINNED: Final = 40_000
-"""Readings of the IMU at which the bound is computed for a score, in a few seconds at most.
+"""Number of IMU readings at which the bound of a score is computed, in a few seconds at most.
 
 Measured over an hour: within 1.5 % of the bound of all (rms, median, 95 % and last) up to 3 rad/s, at 20 rad/s 12 %.
 """
 SETTLES_S: Final = 1.0
-"""Time in which a right filter corrects what its gyro errs by, s."""
+"""Time in which a right filter corrects the error of its gyro, s."""
 LEFT: Final = 1.5
-"""Ratio of the largest to the expected turn that errors of the sensors leave."""
+"""Ratio of the largest turn that sensor errors leave to a right filter to the expected one."""
 FEWEST: Final = 100
-"""Least number of such readings in a segment. The segments share the other readings by their durations."""
+"""Least number of IMU readings in a segment at which the bound is computed. The segments share the other readings by
+their durations."""
 
 
 class ScenarioTruth(Truth):
@@ -144,7 +145,7 @@ class _Correction(SampledTruth):
         return super().at(np.clip(stamps_ns, *self._bounds))
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
-        """Before the first sample all that the exact solution misses it by: how that came about is not known."""
+        """Largest error of the correction, rad: all of it before the first sample, where its course is unknown."""
         before = self._unsampled if np.any(stamps_ns < self._begin_ns) else 0.0
         return max(before, super().uncertainty_at(stamps_ns))
 
@@ -171,7 +172,7 @@ class TrueMotion:
 
     @property
     def source(self) -> str:
-        """Names of what it is made of."""
+        """Names of the sources: poses, scenario, or both."""
         return " and ".join([*(["poses"] if self.poses is not None else []), *(["scenario"] if self.segments else [])])
 
     def until(self, last_ns: int) -> Truth:
@@ -245,7 +246,7 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
 
 
 def _in_turn(parts: Sequence[UnavoidableError]) -> UnavoidableError | None:
-    """The bounds of several segments as one; None of none."""
+    """Bounds of consecutive segments as one; None without a segment."""
     if not parts:
         return None
     return UnavoidableError(

@@ -24,8 +24,8 @@ from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, wi
 from lie_rigid_body.wording import call_repr, shown
 
 LARGEST_TURN_PER_STEP: Final = 1.0
-"""rad: a Runge–Kutta step of more would go where its Taylor expansion means nothing. The Moser–Veselov steppers limit
-their steps themselves."""
+"""Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The
+Moser–Veselov steppers limit their steps themselves."""
 
 _OWN: Final = (
     "inertia",
@@ -41,7 +41,7 @@ _OWN: Final = (
     "epoch_ns",
 )
 OF_THE_NODE: Final = tuple(parameter.name for parameter in OWN if parameter.name not in _OWN)
-"""Parameters that no scenario holds: they change when and where a live node sends its samples, and none of them."""
+"""Parameters of the live node alone: they change when and where samples are sent, and no sample."""
 
 
 @dataclass(frozen=True, init=False)
@@ -111,7 +111,7 @@ class Scenario:
         return {**own, **sensors} if self.has_sensors else own
 
     def frame(self, parameter: str) -> str:
-        """The name of the frame that a parameter names."""
+        """Value of a frame parameter: the name of a frame."""
         return str(dict(self.sensor_parameters).get(parameter) or getattr(self, parameter))
 
     @property
@@ -134,7 +134,7 @@ class Scenario:
         return self._body
 
     def start(self) -> State:
-        """The state at the start."""
+        """State at the start: attitude and body rate."""
         return self._start
 
     def exact_motion(self) -> ClosedForm:

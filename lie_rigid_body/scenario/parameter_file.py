@@ -37,7 +37,7 @@ _TRUE: Final = frozenset({"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE",
 _FALSE: Final = frozenset({"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"})
 _INTEGER: Final = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
 _MOST_DIGITS: Final = 24
-"""Digits of the longest integer of 64 bits, which is octal."""
+"""Largest number of characters of an integer that is tried with 64 bits; octal ones are the longest."""
 _FLOAT: Final = re.compile(
     r"[-+]?((\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|\.?inf|infinity|\.?nan)", re.IGNORECASE | re.ASCII
 )

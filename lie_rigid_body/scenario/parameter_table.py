@@ -109,12 +109,12 @@ OWN: Final = (
         maximum=1e6,
     ),
 )
-"""The parameters that are not of sensors."""
+"""Parameters of a scenario and of the live node, except for those of sensors."""
 
 BY_NAME: Final[Mapping[str, Parameter]] = ChainMap(SENSORS.parameters, {p.name: p for p in OWN})
-"""Every parameter by its name, in the order in which they are shown; a view, as the table of sensors may grow."""
+"""Parameters by name, in the order in which they are shown; a view, as the table of sensors may grow."""
 PARAMETERS: Final = BY_NAME.values()
-"""Every parameter, in that order."""
+"""All parameters, in the order of `BY_NAME`."""
 
 
 def read_parameters(given: Mapping[str, object]) -> dict[str, Value]:

@@ -23,11 +23,11 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 
 _FEW: Final = 256
-"""Numbers that are drawn in vain at most, rather than that the generator is set to another place."""
+"""Largest number of random numbers that are drawn and not used; beyond it the counter of the generator is set."""
 _WORDS_PER_COUNT: Final = 4
 """Random words that Philox 4×64 makes of one value of its counter."""
 _SKIPPED_AT_ONCE: Final = 65_536
-"""Vectors of a walk that are drawn together where they are left out, which bounds the memory."""
+"""Number of vectors drawn at once for values of a random walk that are left out, which bounds the memory."""
 _WALK: Final = 0.5
 """Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps.
 It is the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""

@@ -1,4 +1,4 @@
-"""Signals: what an instrument measures, its converter, and how far another computer may find it otherwise."""
+"""Signals: the quantity that an instrument measures, its converter, and how far another computer's value may differ."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Converter:
         return found
 
     def read(self, values: Array) -> Array:
-        """The readings: the nearest multiple of the resolution, ties to even, that is within the range.
+        """Readings of values: the nearest multiples of the resolution, ties to even, within the range.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class Converter:
 
 @short_dataclass(frozen=True)
 class Conditioning:
-    """What decides how far a signal may differ: its round-off, and what errors of the body's state make of it.
+    """Sensitivity of a signal to round-off and to errors of the body's state.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ class Conditioning:
     def of(
         cls, size: Array, per_attitude: Array | float = 0.0, per_rate: Array | float = 0.0, span: float = 0.0
     ) -> Conditioning:
-        """The conditioning of these numbers for each reading, shape (N,), all axes alike."""
+        """The conditioning of given numbers for each reading, shape (N,), all axes alike."""
         return cls(np.stack(np.broadcast_arrays(size, per_attitude, per_rate))[..., np.newaxis], span)
 
     def scaled(self, gains: Array | float) -> Conditioning:
@@ -148,7 +148,7 @@ class Signal:
         return self.values if self.converter is None else self.converter.read(self.values)
 
     def conditioning(self) -> Conditioning:
-        """How far the values may differ elsewhere."""
+        """Sensitivity of the values to round-off and to errors of the body's state."""
         if self.condition is not None:
             return self.condition()
         size = np.sqrt(np.sum(self.values * self.values, axis=-1))
@@ -173,14 +173,14 @@ class Signal:
         return replace(self, values=values, condition=lambda: self.conditioning().enlarged(np.abs(part) + roundings()))
 
     def held(self, rows: Integers, before: Signal | None) -> Signal:
-        """The signal with, on each axis, what it is in another row.
+        """The signal with the values of other rows, chosen for each axis.
 
         Parameters
         ----------
         rows : ndarray of int64, shape (N, 3)
-            Number of that row; −1: the last row of the signal before.
+            Number of the other row; −1: the last row of the signal before.
         before : Signal or None
-            That signal; None: no row asks for it.
+            Signal before this one; None if no row asks for it.
         """
         earlier = self[:1] if before is None else before
 
@@ -191,7 +191,7 @@ class Signal:
         return replace(self, values=_held(earlier.values, self.values, rows), condition=conditioning)
 
     def __getitem__(self, rows: slice) -> Signal:
-        """Some readings, which keep no memory of the others."""
+        """Some readings as a copy, which does not keep the others in memory."""
         whole = self.conditioning()
         some = replace(whole, numbers=whole.numbers[:, rows].copy())
         return replace(self, values=self.values[rows].copy(), condition=lambda: some)

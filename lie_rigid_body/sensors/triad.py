@@ -32,23 +32,24 @@ class TriadFaults(Faulty):
     sensor, seed, window
         See `Faulty`.
     spike_probability : float
-        That a reading has one, on one axis.
+        Probability that a reading has a spike, on one axis.
     spike_size : float
-        Unit of the reading; its sign is drawn.
+        Size of a spike, unit of the reading; its sign is drawn.
     noise_burst : Episodes or None
-        In which there is more white noise.
+        Episodes with more white noise.
     noise_burst_density : float
-        Unit/√Hz.
+        Noise density in a burst, unit/√Hz.
     stuck : Episodes or None
-        In which an axis repeats what it read before.
+        Episodes in which an axis repeats what it read before.
     saturation : Episodes or None
-        In which the readings saturate at a lower level.
+        Episodes in which the readings saturate at a lower level.
     saturation_level : float
-        Unit; no multiple of the resolution that is above it, but for round-off, is read.
+        Largest magnitude in an episode of saturation, unit. Readings are multiples of the resolution up to it, within
+        round-off.
     temperature_drift : float
         Standard deviation of the change of the bias on each axis, unit.
     temperature_drift_duration : float
-        Time in which it comes about, from the window's begin on, evenly, s.
+        Time in which the bias changes evenly, from the begin of the window on, s.
     """
 
     spike_probability: float
@@ -109,7 +110,7 @@ class TriadFaults(Faulty):
     def repeated(
         self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
     ) -> Iterator[int]:
-        """Readings that those after one may repeat on an axis that is stuck; see `Faulty.repeated`."""
+        """Numbers of readings that readings after ``number`` may repeat on a stuck axis; see `Faulty.repeated`."""
         axes: set[int] = set()
         if self.stuck is not None:
             yield number

@@ -32,7 +32,8 @@ LOOK_AHEAD: Final = 64
 STEPS_AHEAD: Final = 64
 """Largest number of integrator steps for samples that are not wanted yet, about 1 ms."""
 _READINGS_AHEAD: Final = 64
-"""Readings of the fastest sensor whose faults are sought at once, within a second: to seek for one takes as long."""
+"""Number of readings of the fastest sensor whose faults are sought at once, within a second: one alone takes as
+long."""
 _BEGIN: Final = attrgetter("begin_ns")
 
 

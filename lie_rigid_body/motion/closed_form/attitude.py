@@ -27,7 +27,7 @@ from lie_rigid_body.motion.closed_form.jacobi import EllipticValues, Libration, 
 # Numbers are floats of one motion, or arrays with an element for each of many.
 
 Members: TypeAlias = NDArray[np.intp]
-"""Places of motions in an ensemble, shape (B,)."""
+"""Indices of motions in an ensemble, shape (B,)."""
 
 Sample: TypeAlias = tuple[Number, Number, Number, Number, Number, Number, Number]
 """A state: attitude x y z w and body rate, rad/s."""

@@ -22,7 +22,7 @@ from lie_rigid_body.arithmetic.numbers import Number, magnitude, nearest
 from lie_rigid_body.compilation import kernel
 
 _NANOSECOND: Final = Decimal("1e-9")
-"""s"""
+"""One nanosecond, s."""
 
 _GREATEST_RATE: Final = Decimal("1e12")
 """Cap on the phase rate of an `EndlessClock`, 1/ns; the phase saturates within 1 ns anyway."""

@@ -164,12 +164,12 @@ def steady_sample(constants: SteadyMotion, time: DoubleDouble) -> Sample:
 
 
 _COLUMNS: Final = 7
-"""Numbers of a sample."""
+"""Number of doubles in a sample: attitude x y z w and body rate."""
 _BLOCK: Final = 256
 """Samples whose columns stay in a processor's nearest cache."""
 
 WORK_AREA: Final = _COLUMNS * _BLOCK
-"""Length of the array that the functions below work in."""
+"""Length of the work array of the functions that fill in states."""
 
 SIGNATURE: Final = "void(float64[:,:], int64[::1], int64[::1], float64[:,:,::1], float64[:,:,::1], float64[::1], int64)"
 """Types of the arguments of the functions that fill in an ensemble's states.
@@ -249,11 +249,11 @@ def fill_steady(table: Any, members: Any, t_ns: Any, attitude: Any, rate: Any, c
 
 
 SAMPLES_FOR_COMPILING: Final = 5_000_000
-"""Number of samples in long calls from which on compiling pays: they take a second on arrays, while numba loads in half
-a second and compiles, once, in two."""
+"""Number of samples in long calls from which on compiling pays. Arrays take a second for so many. Numba loads in half a
+second and compiles, once, in two."""
 
 SAMPLES_FOR_LOADING: Final = 2_500_000
-"""Number of samples from which on loading pays, where a compiled form is kept from before."""
+"""Number of samples from which on loading compiled code from the cache pays."""
 
 
 @dataclass(frozen=True)

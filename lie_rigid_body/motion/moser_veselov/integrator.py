@@ -37,7 +37,7 @@ from lie_rigid_body.motion.time_steps import longest_step
 LaterTerms: TypeAlias = tuple[list[float], list[float]]
 
 _NANOSECOND: Final = Decimal("1e-9")
-"""A nanosecond in seconds."""
+"""One nanosecond, s."""
 _EXACT_TERMS: Final = 3
 """Number of coefficients of β computed in decimals; the later ones are doubles."""
 _FEWEST_TERMS: Final = 2

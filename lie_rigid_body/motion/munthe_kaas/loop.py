@@ -37,11 +37,11 @@ STAGES: Final = 6
 """Places of the inverse inertia and of the first stage among the constants."""
 
 SHORT_SQUARED: Final = 0.25
-"""Limit of θ² for the short series, rad²: up to ½ rad eight terms of the series of c, and six of the sine's, leave less
-than 1e-17."""
+"""Limit of θ² for the short series, rad²: up to ½ rad, eight terms of `dexpinv_quadratic` and six of the sine leave
+less than 1e-17."""
 
 LONG_SQUARED: Final = SERIES_LIMIT * SERIES_LIMIT
-"""Limit of θ² for the long series, rad²: from here on the closed form of c does not cancel."""
+"""Limit of θ² for the long series, rad²: from here on the closed form of `dexpinv_quadratic` does not cancel."""
 
 # c(θ) = Σ |B₂ₖ₊₂| θ²ᵏ/(2k+2)!
 C0, C1, C2, C3, C4, C5, C6, C7 = DEXPINV_QUADRATIC[:8]

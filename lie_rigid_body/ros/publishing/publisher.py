@@ -34,15 +34,16 @@ DEPTH: Final = 4 * LARGEST_BATCH
 CLOCK_DEPTH: Final = 6 * DEPTH
 """Messages of the clock kept: it has one for each time of the truth, of each sensor and of a fault."""
 BATCH_CONFIRMATION_NS: Final = 10_000_000
-"""Longest wait on each topic for subscribers to confirm full batches: one that hangs must not hold up the others."""
+"""Longest wait on each topic for subscribers to confirm full batches, ns: one that hangs must not hold up the
+others."""
 LAST_CONFIRMATION_NS: Final = 100_000_000
-"""Longest wait on each topic for subscribers to confirm the last samples when the node ends."""
+"""Longest wait on each topic for subscribers to confirm the last samples when the node ends, ns."""
 LAST_SENDING_NS: Final = NS
-"""Longest wait for room for the last samples when the node ends."""
+"""Longest wait for room for the last samples when the node ends, ns."""
 ON_TIME_NS: Final = 5_000_000
-"""Samples no later than this go out at their own rate: only those that catch up wait for subscribers."""
+"""Largest lateness, ns, with which samples go out at their own rate; later ones wait for subscribers."""
 LATE_NS: Final = NS
-"""Lateness from which a warning is logged."""
+"""Lateness of samples, ns, from which on a warning is logged."""
 WARNING_INTERVAL_NS: Final = 10 * NS
 
 
@@ -160,7 +161,7 @@ class SamplePublisher(Sink):
             yield self.publishers[topic], payload
 
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
-        """Log a warning when the samples are late, at most one in ten seconds."""
+        """Log a warning when the samples are late, at most one in ten seconds; return `FOREVER`, as no tick is due."""
         late = punctuality.lateness_ns
         if late < ON_TIME_NS and self._is_limited:
             self._unconfirmed = 0
