@@ -214,11 +214,11 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     if watched.is_right():
         return number, mistake, "no effect", ""
     watched.search.run()
-    choice = watched.search.choice()
-    if choice is None:
+    found = watched.search.choice()
+    if not found:
         return number, mistake, "nothing", f"{watched.search.runs} runs"
-    told = any(sorted(trial.codes) == sorted(put.codes) for trial in (choice.named, *choice.others))
-    what = f"{' + '.join(choice.named.codes)}, {np.degrees(choice.named.error):.2g}°, {watched.search.runs} runs"
+    told = any(sorted(trial.codes) == sorted(put.codes) for trial in found)
+    what = f"{' + '.join(found[0].codes)}, {np.degrees(found[0].error):.2g}°, {watched.search.runs} runs"
     return number, mistake, "named" if told else "other", what
 
 

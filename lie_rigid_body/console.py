@@ -8,6 +8,7 @@ import shlex
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
@@ -134,8 +135,9 @@ def progress(
     """
     from tqdm import tqdm
 
-    if sys.stderr.isatty() and not all(os.get_terminal_size(sys.stderr.fileno())):
-        more |= {"ncols": 79, "nrows": 23}  # one less than usual, as tqdm has it: this terminal tells no size
+    with suppress(OSError):  # of what is no terminal, or none of the system
+        if not all(os.get_terminal_size(sys.stderr.fileno())):
+            more |= {"ncols": 79, "nrows": 23}  # one less than usual, as tqdm has it: this terminal tells no size
     with Interruption.current().put_off():  # half a bar could not be removed
         return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 

@@ -109,7 +109,12 @@ def including(sensor: Sensor) -> Iterator[None]:
 
 def become(table: SensorTable) -> None:
     """Put another table in the place of `SENSORS`, in the same dictionaries, of which others have views."""
-    for there, new in ((SENSORS, table), (SENSORS.parameters, table.parameters), (SENSORS.topics, table.topics)):
+    pairs: list[tuple[Any, Any]] = [
+        (SENSORS, table),
+        (SENSORS.parameters, table.parameters),
+        (SENSORS.topics, table.topics),
+    ]
+    for there, new in pairs:
         there.clear()
         there.update(new)
     SENSORS.quiet = table.quiet

@@ -8,6 +8,7 @@ from __future__ import annotations
 import tempfile
 import time
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -239,15 +240,15 @@ class Judgement:
 
 
 def judged(entry: Entry, run: Run) -> Judgement:
-    """Call an estimator with a run and score what it returns.
+    """Call an estimator with a copy of a run, and score what it returns by the run itself.
 
     An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
     raise anything, also KeyboardInterrupt: no Ctrl-C raises that here, in a session of its own.
     """
     try:
-        estimate = entry.load()
+        estimate, own = entry.load(), deepcopy(run)
         begin = time.perf_counter()
-        found = Estimate.of(estimate(run))
+        found = Estimate.of(estimate(own))
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:

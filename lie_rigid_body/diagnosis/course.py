@@ -105,10 +105,6 @@ class Course:
     off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
 
-    def of_kind(self, kind: str) -> Course:
-        """The course with a kind of gyro."""
-        return self.of_scenario(gyro_rate=kind)
-
     def of_scenario(self, **parameters: object) -> Course:
         """The course with some parameters of its scenario changed."""
         return replace(self, scenario=Scenario.from_parameters({**self.scenario.parameters(), **parameters}))
@@ -135,7 +131,7 @@ class Course:
     @property
     def truth(self) -> PathTruth:
         """The true attitude."""
-        return _truth(self.scenario, self.rest_s)
+        return PathTruth(self.scenario, self.rest_s)
 
     @property
     def turn(self) -> float:
@@ -144,20 +140,20 @@ class Course:
         return float(np.mean(sizes(self.truth.states(times.astype(np.int64))[1]))) / self.number("imu_rate")
 
 
+@dataclass(frozen=True)
 class PathTruth(Truth):
     """The attitude of a course at any time, and the body's rate.
 
-    Parameters
+    Attributes
     ----------
     scenario : Scenario
     rest_s : float
         Time at rest, s; then the body gathers speed.
     """
 
-    def __init__(self, scenario: Scenario, rest_s: float) -> None:
-        self.first_ns, self.last_ns = -(2**62), 2**62
-        self._motion, self._rest_s = scenario.exact_motion(), rest_s
-        self._kept = lru_cache(maxsize=32)(self._states)  # fits ask again and again at the same stamps
+    scenario: Scenario
+    rest_s: float
+    first_ns, last_ns = -(2**62), 2**62
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes world-from-body, shape (..., 4)."""
@@ -166,16 +162,21 @@ class PathTruth(Truth):
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitudes, shape (..., 4), and body rates, rad/s, shape (..., 3)."""
         stamps = np.asarray(stamps_ns, dtype=np.int64)
-        attitude, rate = self._kept(stamps.tobytes())
+        attitude, rate = _states(self, stamps.tobytes())
         return attitude.reshape(*stamps.shape, 4), rate.reshape(*stamps.shape, 3)
 
-    def _states(self, stamps_ns: bytes) -> tuple[Array, Array]:
-        since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - self._rest_s
-        u = np.clip(since / RAMP, 0.0, 1.0)
-        passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)  # time on the path of the free motion
-        speed = u * u * (3.0 - 2.0 * u)
-        states = self._motion.at(np.round(passed * 1e9).astype(np.int64))
-        return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
+
+_motion: Final = lru_cache(maxsize=16)(Scenario.exact_motion)
+
+
+@lru_cache(maxsize=512)  # fits ask again and again at the same stamps
+def _states(truth: PathTruth, stamps_ns: bytes) -> tuple[Array, Array]:
+    since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - truth.rest_s
+    u = np.clip(since / RAMP, 0.0, 1.0)
+    passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)  # time on the path of the free motion
+    speed = u * u * (3.0 - 2.0 * u)
+    states = _motion(truth.scenario).at(np.round(passed * 1e9).astype(np.int64))
+    return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,9 +212,6 @@ class Readings:
         for gap_s in self.course.gaps_s:
             inside &= (stamps_ns < round(gap_s * 1e9)) | (stamps_ns >= round((gap_s + 1.0) * 1e9))
         return np.asarray(inside)
-
-
-_truth: Final = lru_cache(maxsize=16)(PathTruth)
 
 
 @lru_cache(maxsize=16)

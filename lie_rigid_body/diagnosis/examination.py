@@ -15,7 +15,7 @@ from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import Setup, probed
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
-from lie_rigid_body.diagnosis.search import Each, Search, plain, settled
+from lie_rigid_body.diagnosis.search import Each, Search, or_else, plain, settled
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
@@ -119,7 +119,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     try:
         search.run()
         errors += _over_time(search)
-        chosen, course = search.chosen, search.courses[0].of_kind(search.chosen.kind)
+        chosen, course = search.chosen, search.courses[0].of_scenario(gyro_rate=search.chosen.kind)
         (answer,) = search.ask([Job(course, chosen.repairs)])
         has_covariance = isinstance(answer, Answer) and answer.given.covariance is not None
         found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance, search.change), left_out)
@@ -131,7 +131,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     if search.is_cut and not interrupted:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
     if errors and not mistakes and unrepaired.error > search.floor:
-        remarks = [*remarks, _command(search.courses[0].of_kind(unrepaired.kind), errors[0])]
+        remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(each for each in found if isinstance(each, Probe)),
@@ -147,7 +147,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
 
 def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     """The errors of the filter as it is, and after each of the repairs that are named."""
-    chosen, courses = search.chosen, [course.of_kind(search.chosen.kind) for course in search.courses]
+    chosen, courses = search.chosen, [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
     for count, code in enumerate(("", *chosen.codes)):
         repairs = (*chosen.mistakes[:count], *(JOINT,) * (chosen.joint and count > 0))
         answers = search.ask([Job(course, repairs) for course in courses])
@@ -159,17 +159,15 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
 
 def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     """The mistakes that are named; what is left after each of several is known where it was asked of the filter."""
-    choice = search.choice()
-    if choice is None:
-        return
-    left = {choice.named.codes[-1]: float(np.degrees(choice.named.error)), **{e.code: e.rms_deg for e in errors}}
+    named, *others = search.choice() or [plain(search.trials)]
+    left = {code: float(np.degrees(named.error)) for code in named.codes[-1:]} | {e.code: e.rms_deg for e in errors}
     before = left.get("", float(np.degrees(plain(search.trials, joint=False).error)))
-    for found in choice.named.mistakes:
-        after, or_else = left.get(found.code, before), choice.or_else(found.code)
-        doubt = f" Undoing {' or '.join(or_else)} does as well on this motion." if or_else else ""
+    for found in named.mistakes:
+        after, instead = left.get(found.code, before), or_else(named, others, found.code)
+        doubt = f" Undoing {' or '.join(instead)} does as well on this motion." if instead else ""
         leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"
         message = f"{found.fact}. {found.deed} {leave} {degrees(after)} instead of {degrees(before)}.{doubt}"
-        yield Mistake(found.code, message, found.text, before, after, or_else)
+        yield Mistake(found.code, message, found.text, before, after, instead)
         before = after
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
+from lie_rigid_body.diagnosis.course import MARGIN, NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.result import Note, Probe
 from lie_rigid_body.diagnosis.search import Each, Trial
@@ -150,17 +150,14 @@ def _half_turns(setup: Setup) -> list[Course]:
     """Motions that are half a turn about an axis of the world away from no turn, in their midst."""
     start, midst = setup.course.truth.at(np.array([0, round(5e8 * (setup.course.rest_s + setup.course.moving_s))]))
     passed = quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst))
-    return [_from(setup, quaternion.multiply(each, start)) for each in passed]
+    return [setup.course.of_scenario(initial_attitude_xyzw=q) for q in quaternion.multiply(passed, start).tolist()]
 
 
 def _starts(setup: Setup) -> list[Course]:
     """The ordinary motion, and those that begin turned by each rotation of a cube."""
     start = Rotation.from_quat(setup.course.scenario.start().attitude_xyzw)
-    return [setup.course, *(_from(setup, (start * turn).as_quat()) for turn in Rotation.create_group("O"))]
-
-
-def _from(setup: Setup, attitude_xyzw: Array) -> Course:
-    return setup.course.of_scenario(initial_attitude_xyzw=attitude_xyzw.tolist())
+    turned = [(start * turn).as_quat().tolist() for turn in Rotation.create_group("O")]
+    return [setup.course, *(setup.course.of_scenario(initial_attitude_xyzw=each) for each in turned)]
 
 
 def _biased(setup: Setup) -> list[Course]:
@@ -205,19 +202,17 @@ def _noisy(setup: Setup, seed: int = 1) -> Course:
 
 def _noise_judged(setup: Setup, answers: Answers) -> Judged:
     """Beside the attitudes that each pair of readings tells (TRIAD), and the least that such noise leaves."""
-    course, found = _noisy(setup), answers[0].track
-    run, begin = readings(course).run(), len(found.stamps_ns) // 3
-    assert run.imu
-    assert run.magnetometer
-    held = np.maximum(np.searchsorted(run.magnetometer.t_ns, run.imu.t_ns, side="right") - 1, 0)
+    course, begin = _noisy(setup), len(answers[0].track.stamps_ns) // 3
+    read = readings(course)
+    held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
-    body = _axes(run.imu.specific_force, run.magnetometer.field[held])
-    single = Track(run.imu.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course.truth)
+    body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
+    single = Track(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course.truth)
     bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
     assert bound
     least, error = UnavoidableError.rms(bound.filtered[begin:]), answers[0].error()
     beside = f"; such noise leaves {with_unit(float(np.degrees(least)))} at least, {error / least:.2g} times less"
-    return Judged(error, 1.01 * rms(single.error().total[begin:]), beside)
+    return Judged(error, 1.01 * rms(single.error().total[MARGIN + begin : -MARGIN]), beside)
 
 
 def _axes(first: Array, second: Array) -> Array:
@@ -267,12 +262,12 @@ def _noisy_runs(setup: Setup) -> list[Course]:
 
 def _covariance_judged(setup: Setup, answers: Answers) -> Probe:
     """Whether a covariance is honest, and what is wrong with it, by the rule of a campaign."""
-    count, axes = min(len(answer.stamps_ns) for answer in answers), answers[0].given.covariance_axes
+    count, axes = min(len(answer.track.stamps_ns) for answer in answers), answers[0].given.covariance_axes
     at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
     tracks = [answer.track.part(at) for answer in answers]
     estimate, truth = np.stack([(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks], axis=1)
     errors = error_vectors(estimate, truth, axes)
-    given = [(len(answer.stamps_ns), rotation_block(answer.given.covariance)) for answer in answers]
+    given = [(len(answer.track.stamps_ns), rotation_block(answer.given.covariance)) for answer in answers]
     covariance = np.stack([np.broadcast_to(P, (samples, 3, 3))[at] for samples, P in given])
     verdicts = [
         honesty(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)

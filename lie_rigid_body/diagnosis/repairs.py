@@ -173,11 +173,10 @@ def drift(sensor: str) -> Repair:
 
 
 def _drifting(sensor: str, given: Readings) -> Readings:
-    course = given.course
-    axis = course.field / np.linalg.norm(course.field) if sensor == "accelerometer" else UP
-    rate = DRIFT * course.turn * course.number("imu_rate") * axis
-    back = quaternion.conjugate(course.truth.at(given.t_ns))
-    return given.changed(gyro=given.vectors["gyro"] + quaternion.rotate(back, rate))
+    axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
+    rate = DRIFT * given.course.turn * given.course.number("imu_rate") * axis
+    drifts = quaternion.rotate(quaternion.conjugate(given.course.truth.at(given.t_ns)), rate)
+    return given.changed(gyro=given.vectors["gyro"] + drifts)
 
 
 def late(sensor: str, samples: float) -> Repair:
@@ -253,31 +252,23 @@ class Answer:
 
     Attributes
     ----------
-    course : Course
-    stamps_ns : ndarray of int64, shape (N,)
-    attitude_xyzw : ndarray, shape (N, 4)
-        Its attitudes, repaired, divided by their norms; the identity where one is broken.
+    track : Track
+        The attitudes, repaired, divided by their norms, beside the truth; the identity where one is broken.
     broken : ndarray of int64
         Numbers of the samples that are zero, or whose norm has no finite square.
     given : Estimate
         As it was returned.
     """
 
-    course: Course
-    stamps_ns: Integers
-    attitude_xyzw: Array
+    track: Track
     broken: Integers
     given: Estimate
 
-    @property
-    def track(self) -> Track:
-        """The attitudes beside the truth."""
-        return Track(self.stamps_ns, self.attitude_xyzw, self.course.truth)
-
     def apart(self, other: Answer) -> float:
         """Largest difference from another answer while both go on, rad."""
-        both = min(len(self.attitude_xyzw), len(other.attitude_xyzw))
-        return float(np.max(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])))
+        first, second = self.track.attitude_xyzw, other.track.attitude_xyzw
+        both = min(len(first), len(second))
+        return float(np.max(angles_between(first[:both], second[:both])))
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error between two shares of the samples, rad."""
@@ -313,4 +304,4 @@ class Job:
         unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
         causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
         track = undone(Track(found.t_ns, unit, self.course.truth), causes)
-        return Answer(self.course, track.stamps_ns, track.attitude_xyzw, np.flatnonzero(~good), found)
+        return Answer(track, np.flatnonzero(~good), found)

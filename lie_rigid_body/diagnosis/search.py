@@ -104,27 +104,13 @@ class Trial:
         return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
 
 
-@short_dataclass(frozen=True)
-class Choice:
-    """The trial that names the mistakes, and those that do as well with as many repairs."""
-
-    named: Trial
-    others: tuple[Trial, ...]
-
-    def or_else(self, code: str) -> tuple[str, ...]:
-        """Codes that stand in the place of one of the named ones where the others stay."""
-        rest = set(self.named.codes) - {code}
-        found = [set(other.codes) - rest for other in self.others if rest <= set(other.codes)]
-        return tuple(sorted(set().union(*found) - set(self.named.codes), key=ORDER.index))
-
-
 def plain(trials: Iterable[Trial], *, joint: bool | None = None) -> Trial:
     """The filter without a repair, with the kind of gyro that it expects; `JOINT` is none."""
     return min((t for t in trials if not t.codes and joint in (None, t.joint)), key=lambda t: t.error)
 
 
-def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> Choice | None:
-    """The repairs that are named, if any mend the error.
+def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> list[Trial]:
+    """The repairs that mend the error: those that are named, and others that do as well with as many.
 
     Parameters
     ----------
@@ -139,11 +125,18 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> Cho
     limit = max(mended * before, min(floor, HALVED * before))
     mending = [t for t in trials if t.codes and t.error <= limit]
     if before <= floor or not mending:
-        return None
+        return []
     best = min(t.error for t in mending)
     as_good = [t for t in mending if t.error <= (floor if best <= floor else NEAR * best)]
     named = min(as_good, key=lambda t: (t.rank, t.error))
-    return Choice(named, tuple(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes))
+    return [named, *(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes)]
+
+
+def or_else(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, ...]:
+    """Codes that stand in the place of one of the named ones where the others stay."""
+    rest = set(named.codes) - {code}
+    found = [set(other.codes) - rest for other in others if rest <= set(other.codes)]
+    return tuple(sorted(set().union(*found) - set(named.codes), key=ORDER.index))
 
 
 Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
@@ -192,7 +185,7 @@ class Search:
     ) -> None:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self.short = (replace(courses[0], moving_s=SCREENED_S).of_kind(KINDS[0]).nearly_perfect(),)
+        self.short = (replace(courses[0], moving_s=SCREENED_S).of_scenario(gyro_rate=KINDS[0]).nearly_perfect(),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
         self.runs, self.is_cut, self.is_broken = 0, False, False
@@ -205,15 +198,14 @@ class Search:
             self._tell(self.runs)
             yield answer
 
-    def choice(self) -> Choice | None:
-        """What is named so far."""
+    def choice(self) -> list[Trial]:
+        """What is named so far, and what does as well."""
         return choose(self.trials, self.floor, 0.0 if self.change else MENDED)
 
     @property
     def chosen(self) -> Trial:
         """The filter with its mistakes repaired, or as it is."""
-        choice = self.choice()
-        return choice.named if choice else plain(self.trials)
+        return next(iter(self.choice()), plain(self.trials))
 
     def run(self) -> None:
         """Look for repairs of a filter that is wrong, also after a longer rest: one that is right then goes on so."""
@@ -233,7 +225,7 @@ class Search:
     def changes(self) -> Iterator[float]:
         """What sensors that are off by a little change, where it is much and no chance of the filter itself, rad."""
         for kind, repairs in product(KINDS, ((), (JOINT,))):
-            course = self.courses[0].of_kind(kind)
+            course = self.courses[0].of_scenario(gyro_rate=kind)
             given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
             exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
             if exact and again and nearly:
@@ -266,8 +258,7 @@ class Search:
 
     def _is_mended(self, count: int, price: int) -> bool:
         """Whether so few and so cheap repairs leave an error below the floor: then no later one is named instead."""
-        choice = self.choice()
-        return choice is not None and choice.named.error <= self.floor and choice.named.rank[:2] <= (count, price)
+        return any(t.error <= self.floor and t.rank[:2] <= (count, price) for t in self.choice()[:1])
 
     def _exact_beside(self, first: Repairs) -> list[Trial]:
         """Try each repair of the input without a constant beside another."""
@@ -305,7 +296,7 @@ class Search:
         return all(self.silence_costs(sensor, trial.repairs) > self.floor for sensor in scaled)
 
     def silence_costs(self, sensor: str, repairs: Repairs) -> float:
-        """By how much the error is larger without a sensor, while the gyro drifts as this one alone tells, rad."""
+        """Growth of the error without a sensor, while the gyro drifts as this one alone tells, rad."""
         drifting = (drift(sensor), *repairs)
         (used,), (silenced,) = self.tried([(drifting, self.short), ((*drifting, silent(sensor)), self.short)])
         return silenced.error - used.error
@@ -324,7 +315,7 @@ class Search:
         """
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
         courses = courses or [course.nearly_perfect() for course in self.courses]
-        by_kind = [tuple(course.of_kind(kind) for course in courses) for kind in KINDS]
+        by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in KINDS]
         for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
             yield from found
 

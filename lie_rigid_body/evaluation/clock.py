@@ -107,7 +107,8 @@ def _unnamed(
 ) -> Lag:
     """The lag of fitted constants, or none of others: told where it is sure, or small and sure to be.
 
-    A lag is sure only if it leaves no more than what is fitted instead of it, a turn of the world and one of the body.
+    A lag leaves no more than what is fitted instead of it, a turn of the world and one of the body. The lead of a right
+    filter may leave more.
     """
     lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
     left, before, other, raw = (
@@ -120,9 +121,9 @@ def _unnamed(
     # each half of a run alone tells about the same lag; what drifts feign hardly does
     halves = [track.part(half) for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
     alone = (float(fit([half], fitted)[-1][1][0]) for half in halves)
-    clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and left <= other
+    lead = -LEAD * period_s <= lag_s <= 0.0
+    clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and (lead or left <= other)
     if clear and all(abs(of_half - lag_s) <= UNSTEADY * abs(lag_s) for of_half in alone):
-        lead = -LEAD * period_s <= lag_s <= 0.0
         return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, LEAST_LATE * period_s) and not lead)
     error = max(standard_error(track, without), 1e-9)  # stamps are whole nanoseconds
     told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * turn <= max(before, NEGLIGIBLE)

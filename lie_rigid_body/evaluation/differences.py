@@ -63,6 +63,9 @@ class Difference:
 
     def sentence(self, first: str, second: str, unit: str = "°") -> str:
         """What may be said of two estimates of these names."""
+        if not np.isfinite(self.low):
+            few = "few common samples" if self.runs == 1 else f"few common runs ({self.runs})"
+            return f"{first} and {second}: too {few} to tell a difference"
         among = "" if self.runs == 1 else f" that {self.runs} runs could show"
         if not self.is_sure:
             return f"{first} and {second}: no difference{among} ({self.low:+.2g}{unit} to {self.high:+.2g}{unit})"
@@ -97,7 +100,8 @@ def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     InputError
         If they are not two flat lists of as many finite numbers.
     """
-    errors = numbers("errors", _both(first, second).T, 2).T
+    both = _both(first, second)
+    errors = numbers("errors", both.T, 2).T if both.size else both
     value, squares, given = rms(errors[0]) - rms(errors[1]), errors**2, errors.shape[1]
     if given > MOST_SAMPLES:
         group = -(-given // MOST_SAMPLES)

@@ -23,6 +23,8 @@ REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
 _MOST_BYTES: Final = 2**22
 """Most bytes of a file of rows; the reference has a tenth of that."""
 _ROWS_FILE: Final = "a file that 'league --json' writes"
+_ALWAYS_KNOWN: Final = {"total_deg", "heading_deg", "inclination_deg"}
+"""Errors that each case has; the others may be None."""
 LOST_DEG: Final = 180.0
 """Error of a filter that fails, degrees."""
 SMALLEST_DEG: Final = 1e-9
@@ -113,13 +115,25 @@ class FilterRow:
         try:
             results = {str(name): CaseResult(**result) for name, result in content["results"].items()}
             row = cls(**{**content, "results": results, "other_readings": tuple(content.get("other_readings", ()))})
-            numbers = np.array([[row.results[str(case)].total_deg] for case in CASES], dtype=np.float64)
-            if not np.isfinite(numbers).all():
-                raise ValueError("an error that is not finite")
+            of_cases = [vars(row.results[str(case)]) for case in CASES]
+            texts = (row.filter, row.version, row.setting, *(each["failure"] for each in of_cases))
+            sizes = [
+                size
+                for each in of_cases
+                for name, size in each.items()
+                if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
+            ]
+            if not (all(map(str.isprintable, texts)) and row.filter and all(map(_is_size, sizes))):
+                raise ValueError("no words, or no size of an error")
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             what = f"{error} is missing" if isinstance(error, KeyError) else "a value is unknown, or of another kind"
             raise InputError(f"no row of the league ({what}): give what 'league --json' writes") from None
         return row
+
+
+def _is_size(value: object) -> bool:
+    """Whether a value of JSON is a finite number that is not below 0."""
+    return isinstance(value, int | float) and value is not True and 0 <= value < np.inf
 
 
 def is_of(case: Case, grade: str, *, faults: bool = False) -> bool:

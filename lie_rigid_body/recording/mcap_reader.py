@@ -63,7 +63,7 @@ _Place: TypeAlias = tuple[int, int, dict[TrackKey, list[int]]]
 _PROFILES: Final = ("ros2", "")
 _OTHER_FORMATS: Final = {
     b"SQLite format 3\x00": (
-        "it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it with 'ros2 bag convert'"
+        "it is an SQLite bag: convert it with 'ros2 bag convert', or record in MCAP, the default of Jazzy"
     ),
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
     ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",

@@ -97,6 +97,9 @@ class SensorArrays:
     def __repr__(self) -> str:
         return call_repr(self, vars(self))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.t_ns, self.arrival_ns, self.arrays)  # copies are read only as well
+
     @classmethod
     def of_samples(cls, sensor: Sensor, samples: SensorSamples) -> SensorArrays:
         """Make the arrays of the readings of a simulation."""

@@ -15,7 +15,7 @@ Strategies of hypothesis are in `lie_rigid_body.testing.strategies`.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
@@ -128,8 +128,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     for name in ("scenario", "grade"):
         if name in chosen:
             _fail(f"{name}={shown(chosen[name])} is no argument: did you mean {name}s=?")
-    scenarios = _names(chosen.pop("scenarios", None)) or list(scenario_files())
-    grades = _names(chosen.pop("grades", None)) or list(GRADES)
+    scenarios, grades = _names(chosen, "scenarios", scenario_files()), _names(chosen, "grades", GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:
         for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:
@@ -140,9 +139,14 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
 
 
-def _names(chosen: str | Sequence[str] | None) -> Sequence[str]:
-    """The names that a marker chooses; a text is one name."""
-    return [chosen] if isinstance(chosen, str) else chosen or []
+def _names(chosen: dict[str, Any], name: str, every: Iterable[str]) -> list[str]:
+    """Take the names that a marker chooses, all where it does not choose; a text is one name."""
+    given = chosen.pop(name, None)
+    if given is None:
+        return list(every)
+    if not given:
+        _fail(f"{name}={shown(given)} makes no run: leave it out for all")
+    return [given] if isinstance(given, str) else list(given)
 
 
 def _fail(message: str) -> NoReturn:

@@ -74,6 +74,7 @@ def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
             Campaign.from_table(other)
 
 
+@pytest.mark.slow
 def test_one_worker_gives_the_same_bytes(out: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
     assert main([str(written(tmp_path)), "--out", str(other), "--workers", "1"]) == 0

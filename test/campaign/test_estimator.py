@@ -40,6 +40,15 @@ def few(run):
 def nothing(run):
     return None
 
+def writes_in_its_readings(run):
+    run.imu.gyro[:] = 0.0
+
+def makes_itself_right(run):
+    true = run.truth.attitude_xyzw
+    true.flags.writeable = True
+    true[:] = [0.0, 0.0, 0.0, 1.0]
+    return true
+
 def lost(run):
     return np.nan * run.truth.attitude_xyzw
 
@@ -132,6 +141,12 @@ def test_a_heading_that_is_off_is_the_heading_error(scored: Any) -> None:
     }
 
 
+def test_an_estimator_that_changes_its_run_is_scored_by_the_true_one(scored: Any) -> None:
+    found = scored("makes_itself_right")
+    assert found["estimator_error"] is None
+    assert found["total_rms_deg"] > 30.0
+
+
 def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
     found = scored("late")
     assert found["estimator_error"] is None
@@ -146,6 +161,7 @@ def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
         ("nothing", "not numbers"),
         ("three", "shape (3,) is not (N, 4)"),
         ("lost", "finite"),
+        ("writes_in_its_readings", "read-only"),
         ("leaves", "SystemExit: 3"),
         ("interrupts", "KeyboardInterrupt: enough"),
         ("halves", "RuntimeError: half a character: \\ud800"),

@@ -44,6 +44,7 @@ def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
         process.communicate(timeout=DEADLINE)
 
 
+@pytest.mark.slow
 def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str], Path], scheduler: str) -> None:
     """Ctrl-C reaches the workers as well: they say nothing."""
     process, out = slow

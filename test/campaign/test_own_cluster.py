@@ -105,6 +105,7 @@ def is_greeted(port: int, context: ssl.SSLContext | None) -> bool:
     return False
 
 
+@pytest.mark.slow
 def test_no_page_is_served(own: Own) -> None:
     """Of a dashboard, and of the programs that Dask answers by HTTP, of which some change the cluster."""
     answers = set()

@@ -76,6 +76,7 @@ def test_estimates_without_a_common_stamp_have_no_interval(several, capsys):
     assert (pair["low_deg"], pair["high_deg"]) == (None, None)
 
 
+@pytest.mark.slow
 def test_they_share_a_picture_and_a_page(several, tmp_path, capsys):
     picture, page = tmp_path / "a.png", tmp_path / "a.html"
     given = [

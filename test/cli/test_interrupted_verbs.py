@@ -162,6 +162,7 @@ def test_a_second_request_does_not_tear_the_cleaning_up(folder: Path) -> None:
         assert f"at {DISCARDED} bag.mcap new.mcap" in ended.out
 
 
+@pytest.mark.slow
 def test_a_terminal_that_closes_ends_nothing_under_nohup(folder: Path) -> None:
     program = f"import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n{PROGRAM}"
     drawn, checked = run(folder, (PLOT, [(signal.SIGHUP, WRITTEN)]), ("check bag.mcap", []), program=program)

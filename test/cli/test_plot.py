@@ -14,6 +14,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
+from sampled import sampled
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, c
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("number", [np.inf, np.nan, 1e308])
+@pytest.mark.parametrize("number", sampled([np.nan, np.inf, 1e308], every=3))
 def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys):
     simulation = Simulation(Scenario.from_parameters())
     samples = simulation.take(5)

@@ -10,8 +10,9 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.course import readings as readings_of
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, exact_repairs, late, of_output
+from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, Repair, exact_repairs, late, of_output
 from lie_rigid_body.diagnosis.search import Trial, choose, settled
+from lie_rigid_body.diagnosis.search import or_else as instead_of
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES
 from lie_rigid_body.evaluation.track import Track
@@ -58,20 +59,20 @@ def trial(*codes: str, error: float, outputs: tuple[str, ...] = ()) -> Trial:
 def test_fewest_then_cheapest_then_first_is_named(
     found: list[Trial], named: tuple[str, ...] | None, or_else: tuple[str, ...]
 ) -> None:
-    choice = choose([trial(error=1.0), *found], FLOOR)
-    assert (choice.named.codes if choice else None) == named
-    if choice:
-        assert choice.or_else(choice.named.codes[0]) == or_else
+    chosen = choose([trial(error=1.0), *found], FLOOR)
+    assert (chosen[0].codes if chosen else None) == named
+    if chosen:
+        assert instead_of(chosen[0], chosen[1:], chosen[0].codes[0]) == or_else
 
 
 def test_nothing_is_named_below_the_floor() -> None:
-    assert choose([trial(error=0.9 * FLOOR), trial("gyro_axes", error=0.0)], FLOOR) is None
+    assert choose([trial(error=0.9 * FLOOR), trial("gyro_axes", error=0.0)], FLOOR) == []
 
 
 def test_small_error_is_mended_by_a_repair_that_halves_it_below_the_floor() -> None:
     before = trial(error=1.5 * FLOOR)
-    assert choose([before, trial("gyro_axes", error=0.8 * FLOOR)], FLOOR) is None
-    assert choose([before, trial("gyro_axes", error=0.7 * FLOOR)], FLOOR) is not None
+    assert not choose([before, trial("gyro_axes", error=0.8 * FLOOR)], FLOOR)
+    assert choose([before, trial("gyro_axes", error=0.7 * FLOOR)], FLOOR)
 
 
 def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
@@ -108,18 +109,26 @@ def given(readings: Readings) -> dict[str, Any]:
     return {"gyro": run.imu.gyro, "specific_force": run.imu.specific_force, "field": run.magnetometer.field}
 
 
+def repaired(readings: Readings, *repairs: Repair) -> dict[str, Any]:
+    """What a filter is given after some repairs."""
+    for repair in repairs:
+        assert repair.change is not None
+        readings = repair.change(readings)
+    return given(readings)
+
+
 def test_late_readings_are_undone_by_earlier_ones() -> None:
     readings = readings_of(courses_of({})[0])
     for sensor, name in SENSORS.items():
-        moved = given(late(sensor, 3).change(late(sensor, -3).change(readings)))
+        moved = repaired(readings, late(sensor, -3), late(sensor, 3))
         assert np.array_equal(moved[name], given(readings)[name])
-        once = given(late(sensor, 3).change(readings))
+        once = repaired(readings, late(sensor, 3))
         assert np.array_equal(once[name][:-3], given(readings)[name][3:])
 
 
 def test_joint_repair_gives_the_first_reading_twice() -> None:
     plain = readings_of(courses_of({})[0])
-    moved = given(JOINT.change(plain))
+    moved = repaired(plain, JOINT)
     for name in ("specific_force", "field"):
         assert np.array_equal(moved[name][1:], given(plain)[name][:-1])
         assert np.array_equal(moved[name][0], given(plain)[name][0])

@@ -23,6 +23,7 @@ from lie_rigid_body.diagnosis.repairs import exact_repairs
 from lie_rigid_body.diagnosis.search import Search, Trial
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimators import each_alone
+from sampled import sampled
 
 HERE = Path(__file__).parent
 CODES = [
@@ -157,12 +158,14 @@ def test_quaternions_too_large_to_be_squared_are_not_finite() -> None:
     assert "finite" in failed(found)
 
 
+@pytest.mark.slow
 def test_filter_that_averages_the_gyro_first_needs_a_rest_and_nothing_else() -> None:
     found = diagnose(textbook.averages_the_gyro, max_runs=1)
     assert found.mistakes == ()
     assert failed(found) == ["needs_rest"]
 
 
+@pytest.mark.slow
 def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path) -> None:
     found = diagnose(textbook.stuck, max_runs=1, imu_rate=50.0, magnetometer_rate=50.0)
     assert found.mistakes == ()
@@ -227,7 +230,9 @@ def test_verb_names_a_mistake_with_status_1(capsys: pytest.CaptureFixture[str], 
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("name", ["textbook", "textbook:none_such", "no_such_module:estimate", "textbook:HERE"])
+@pytest.mark.parametrize(
+    "name", sampled(["textbook:none_such", "textbook", "no_such_module:estimate", "textbook:HERE"], every=4)
+)
 def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([name, "--workers", "1"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
@@ -236,7 +241,11 @@ def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pyt
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("name", "workers", "timeout", "word"),
-    [("hangs", "1", "1", "--timeout"), ("forks", "2", "1", "--timeout"), ("dies", "1", "60", "status 3")],
+    [
+        ("hangs", "1", "1", "--timeout"),
+        pytest.param("forks", "2", "1", "--timeout", marks=pytest.mark.slow),
+        ("dies", "1", "60", "status 3"),
+    ],
 )
 def test_filter_that_hangs_or_dies_is_ended(
     name: str, workers: str, timeout: str, word: str, capsys: pytest.CaptureFixture[str]
@@ -313,6 +322,7 @@ def test_unit_that_makes_a_right_filter_unstable_is_heard_again(
     assert search.silence_costs(code.partition("_")[0], right.repairs) > 10.0 * search.floor
 
 
+@pytest.mark.slow
 def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
     found = diagnose(textbook.corrects_the_wrong_way, max_runs=1, workers=2)
     assert found.mistakes == ()
@@ -321,6 +331,7 @@ def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
     assert "unstable" in str(found)
 
 
+@pytest.mark.slow
 def test_bias_of_the_wrong_sign_is_told_beside_the_probe() -> None:
     found = diagnose(textbook.bias_of_wrong_sign, max_runs=1, workers=2)
     assert found.mistakes == ()

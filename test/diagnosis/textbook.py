@@ -285,9 +285,10 @@ def proportional(
     q: Quaternion = tuple(triad(run)[0].tolist())
     rate, out = 0.01 * step * gain, []
     for gyro, force, magnetic in zip(run.imu.gyro.tolist(), *(each.tolist() for each in vectors), strict=True):
-        q = product(q, exponential(tuple(0.01 * turn for turn in gyro)))
+        q = product(q, exponential((0.01 * gyro[0], 0.01 * gyro[1], 0.01 * gyro[2])))
         e, f = cross(force, to_body(q, tuple(up))), cross(magnetic, to_body(q, tuple(field)))
-        q = product(q, exponential(tuple(rate * (signs[0] * a + signs[1] * b) for a, b in zip(e, f, strict=True))))
+        x, y, z = (rate * (signs[0] * a + signs[1] * b) for a, b in zip(e, f, strict=True))
+        q = product(q, exponential((x, y, z)))
         size = sqrt(sum(x * x for x in q))
         q = (q[0] / size, q[1] / size, q[2] / size, q[3] / size)
         out.append(q)

@@ -67,6 +67,7 @@ def test_runs_in_which_either_failed_are_left_out():
     assert f"in {found.better} of 96 runs" in found.sentence("a", "b")
     same = of_runs(second, second + draws.normal(0.0, 0.2, 100))
     assert "no difference that 99 runs could show" in same.sentence("a", "b")
+    assert "too few common runs (3)" in of_runs(np.ones(3), np.zeros(3)).sentence("a", "b")
 
 
 @pytest.mark.parametrize("of", [of_run, of_runs])

@@ -78,7 +78,7 @@ REFUSED: dict[str, list[Call]] = {
     ],
     "give": [
         lambda: Limits.parse("0deg"),
-        *(lambda text=text: Limits.parse(max_after=text) for text in ("0s:0deg", WRONG, None)),  # type: ignore[misc]
+        *(lambda text=text: Limits.parse(max_after=text) for text in ("0s:0deg", WRONG, None)),
     ],
     "an angle such as 1deg": [
         lambda text=text: Limits.parse(text)  # type: ignore[misc]
@@ -125,8 +125,8 @@ REFUSED: dict[str, list[Call]] = {
     ],
     "truth_xyzw: 1 of 1 quaternions are zero or overflow": [lambda: attitude_error(ONE, ZERO)],
     "empty": [lambda: attitude_error(np.empty((0, 4)), ONE)],
-    "not numbers": [lambda: attitude_error("north", ONE)],  # type: ignore[arg-type]
-    "truth: 1 of 2 rows are not finite": [lambda: bias_error(np.zeros((2, 3)), [[0, 0, 0], [0, np.inf, 0]])],
+    "not numbers": [lambda: attitude_error("north", ONE)],
+    "truth: 1 of 2 rows are not finite": [lambda: bias_error(np.zeros((2, 3)), np.diag([0.0, np.inf, 0.0])[:2])],
     r"truth: shape \(1, 3\) is not \(5, 3\)": [lambda: bias_error(np.zeros((5, 3)), np.zeros((1, 3)))],
     r"truth: shape \(6, 3\) is not \(5, 3\)": [lambda: bias_error(np.zeros((5, 3)), np.zeros((6, 3)))],
     # a score

@@ -165,6 +165,7 @@ def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
     assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
 
 
+@pytest.mark.slow
 def test_what_fails_in_some_cases_is_said_and_what_fails_in_all_refused(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     assert main(["league_filters:at_times"]) == 0
@@ -216,6 +217,32 @@ def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_
     (line,) = capsys.readouterr().err.splitlines()
     assert line.endswith("'league --json' writes")
     assert not {"YAML", "char", "__init__()", "object", "None"} & set(re.findall(r"\w+(?:\(\))?", line))
+
+
+WRONG_NAMES: list[Any] = [-1, True, None, [], "", "a\nb | forged row"]
+WRONG_ERRORS: list[Any] = [None, -1.0, True, float("nan"), float("inf"), "1", [], {}]
+
+
+def changed(name: str, value: object) -> dict[str, object]:
+    """A row as JSON, with another value in the row or in its first case."""
+    content = json.loads(json.dumps(row("x", 1.0).to_json()))
+    first = content["results"][str(CASES[0])]
+    (first if name in first else content)[name] = value
+    return content
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *[("filter", wrong) for wrong in WRONG_NAMES],
+        *[(name, wrong) for name in ("total_deg", "heading_deg") for wrong in WRONG_ERRORS],
+        *[("converged_s", wrong) for wrong in WRONG_ERRORS[1:]],
+    ],
+)
+def test_row_with_a_value_of_another_kind_is_refused(name, value):
+    assert FilterRow.from_json(changed("version", "2.0")).version == "2.0"
+    with pytest.raises(InputError, match="of another kind"):
+        FilterRow.from_json(changed(name, value))
 
 
 def test_other_readings_are_told():

@@ -331,8 +331,8 @@ OTHERS = {
     "ROS 1": (b"#ROSBAG V2.0\n", "is not an MCAP file: it is a ROS 1 bag: convert it with 'mcap convert'"),
     "SQLite": (
         b"SQLite format 3\x00...",
-        "is not an MCAP file: it is an SQLite bag: record with 'ros2 bag record -s mcap', or convert it "
-        "with 'ros2 bag convert'",
+        "is not an MCAP file: it is an SQLite bag: convert it with 'ros2 bag convert', or record in MCAP, "
+        "the default of Jazzy",
     ),
     "zstd": (
         zstandard.compress(framed()),

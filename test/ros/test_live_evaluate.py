@@ -105,6 +105,7 @@ def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
         assert all(total >= max(heading, inclination) - 1e-9 for total, heading, inclination in told)
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_attitudes_that_are_no_numbers_are_told_at_once_and_end_with_score_and_status_2(

@@ -119,6 +119,7 @@ def turned_run(duration: float) -> tuple[Run, np.ndarray]:
     return run, quaternion.multiply(quaternion.exp(np.radians([3.0, -4.0, -5.0])), run.truth.attitude_xyzw)
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
@@ -212,6 +213,7 @@ def test_hostile_messages_cost_themselves(domain: int, scenario: bool) -> None:
     assert len(process.complained) < 20  # each kind once
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_two_of_one_name_and_a_clock_that_jumps_back(domain: int) -> None:

@@ -221,6 +221,7 @@ def test_who_only_listens_is_no_filter_and_who_is_awaited_is_named(domain: int) 
         assert sim.end(signal.SIGINT) == 0
 
 
+@pytest.mark.slow
 def test_pause_step_and_reset_work_as_without_and_the_clock_goes_with_it(domain: int) -> None:
     with simulator(domain, rate=100.0, lockstep_timeout=1.0) as sim, Peer("operator", domain) as peer:
         readings = peer.listen(Imu, "/imu/data_raw", 10_000)

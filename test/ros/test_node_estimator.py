@@ -115,6 +115,7 @@ def test_a_node_gives_what_its_filter_gives_to_the_last_bit(run):
         assert each.covariance is None
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("isolated_ros")
 def test_of_a_slower_magnetometer_the_pairs_are_answered():
     run = BlindRun.without_truth(simulated(imu_rate=100.0, magnetometer_rate=50.0))
@@ -123,6 +124,7 @@ def test_of_a_slower_magnetometer_the_pairs_are_answered():
     assert np.array_equal(found.t_ns, run.magnetometer.t_ns)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("isolated_ros")
 def test_a_filter_may_begin_with_its_second_reading_and_tell_a_covariance(run, scripted):
     source = """
@@ -178,9 +180,14 @@ def fill(answer, reading):
         ),
         pytest.param(SILENT, 300.0, ["no answer to 1010000000 ns in 10 s"], marks=SLOW),
         ("time.sleep(1000)", 12.0, ["is not there after 6 s", "one node that publishes /imu/data"]),
-        ("kind = TwistStamped", 60.0, ["/imu/data is of TwistStamped"]),
+        pytest.param("kind = TwistStamped", 60.0, ["/imu/data is of TwistStamped"], marks=SLOW),
         (ODOMETRY, 60.0, ["odom to base_footprint", "not of world to base_link"]),
-        ("def fill(answer, reading): answer.orientation_covariance[0] = -1.0", 60.0, ["has no orientation"]),
+        pytest.param(
+            "def fill(answer, reading): answer.orientation_covariance[0] = -1.0",
+            60.0,
+            ["has no orientation"],
+            marks=SLOW,
+        ),
     ],
 )
 @pytest.mark.usefixtures("isolated_ros")

@@ -65,7 +65,8 @@ def rain(peer: Peer, simulator: SimulatorProcess, drops: int) -> int:
     return peer.stamp("pause")
 
 
-@pytest.mark.parametrize("drops", [20, pytest.param(600, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("drops", [20, 600])
 def test_every_stamp_arrives_once(peer: Peer, tmp_path: Path, drops: int) -> None:
     topics = [*RATES, "/clock"]
     given = assignments(rate=1000.0, imu_rate=700.0, magnetometer_rate=130.0, epoch_ns=EPOCH)

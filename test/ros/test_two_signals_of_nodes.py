@@ -13,6 +13,7 @@ import pytest
 from simulator_process import LAST_LINE, assignments
 
 from lie_rigid_body.recording.bag_reader import read_bag
+from sampled import sampled
 from two_signals import DEADLINE, PAIRS, VERB, ended_by_the_fourth, fill, full_pipe, started, struck
 
 pytestmark = pytest.mark.ros
@@ -40,7 +41,7 @@ def evaluated(folder: Path, seed: int) -> None:
     assert first.startswith("lie-rigid-body evaluate: error: interrupted"), err
 
 
-@pytest.mark.parametrize("strike", [simulated, evaluated])
+@pytest.mark.parametrize("strike", sampled([simulated, evaluated], every=2))
 def test_a_second_signal_changes_nothing(strike, tmp_path: Path) -> None:
     strike(tmp_path, 0)
 

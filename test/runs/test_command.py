@@ -142,6 +142,7 @@ def test_a_program_is_ranked_as_a_function_is(capsys):
     assert all(not result["failure"] for result in row["results"].values())
 
 
+@pytest.mark.slow
 @WITH_AWK
 def test_a_program_is_played_and_diagnosed_as_a_function_is(capsys, monkeypatch):
     monkeypatch.setattr(playing, "CASES", CASES[:2])

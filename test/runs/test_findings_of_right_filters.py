@@ -83,8 +83,8 @@ def filtered(run: Run, north: np.ndarray | None, gain: float, *, ahead: bool) ->
     ("grade", "north", "offset_deg", "within_deg"),
     [
         ("perfect", *TO_Y),
-        ("consumer", *TO_X),
-        ("tactical", *TO_Y),
+        pytest.param("consumer", *TO_X, marks=pytest.mark.slow),
+        pytest.param("tactical", *TO_Y, marks=pytest.mark.slow),
         pytest.param("perfect", *TO_X, marks=pytest.mark.slow),
         pytest.param("consumer", *TO_Y, marks=pytest.mark.slow),
         pytest.param("tactical", *TO_X, marks=pytest.mark.slow),

@@ -231,6 +231,8 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
         'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' is unknown: choose one of perfect, ",
         'scenarios="flat_plate", imu_rat=5.0': "imu_rat: no such parameter: did you mean imu_rate",
         'scenario="flat_plate"': "scenario='flat_plate' is no argument: did you mean scenarios=?",
+        "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
+        "grades=()": "grades=() makes no run: leave it out for all",
         'grade="mems"': "grade='mems' is no argument: did you mean grades=?",
         '"flat_plate"': "'flat_plate' has no name: give scenarios=, grades= or arguments of simulate by name",
     }

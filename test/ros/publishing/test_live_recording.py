@@ -17,6 +17,7 @@ from broken_bag import stamps_in_whole_chunks
 from simulator_process import DEADLINE, SimulatorProcess, cpu_seconds, eventually, sim_command, without_lateness
 
 from lie_rigid_body.recording.bag_reader import read_bag
+from sampled import sampled
 
 if find_spec("rclpy"):
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -41,7 +42,8 @@ def test_kill_leaves_whole_chunks_without_a_gap(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rate", "numbers"), [("200.0", (signal.SIGHUP, signal.SIGINT)), ("100000.0", (signal.SIGTERM, signal.SIGINT))]
+    ("rate", "numbers"),
+    sampled([("200.0", (signal.SIGHUP, signal.SIGINT)), ("100000.0", (signal.SIGTERM, signal.SIGINT))], every=2),
 )
 def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers: tuple[signal.Signals, ...]) -> None:
     """At the higher rate, which no machine keeps up with, they come in the middle of catching up."""
@@ -105,7 +107,7 @@ def test_a_bag_that_is_deleted_is_told_at_once_while_the_node_goes_on(peer: Peer
         end_of_a_lost_recording(simulator, bag, "is lost: the file was deleted")
 
 
-@pytest.mark.parametrize("stdout", ["closed", "without a reader"])
+@pytest.mark.parametrize("stdout", sampled(["without a reader", "closed"], every=2))
 def test_works_without_stdout(tmp_path: Path, stdout: str) -> None:
     bag = tmp_path / "whole.mcap"
     reader, writer = os.pipe()

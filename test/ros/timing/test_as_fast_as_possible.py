@@ -47,6 +47,7 @@ def go_on(peer: Peer, bag: Path) -> int:
     return peer.stamp("pause")
 
 
+@pytest.mark.slow
 def test_the_bytes_are_those_of_a_recording(peer: Peer, tmp_path: Path) -> None:
     bag = tmp_path / "live.mcap"
     given = [*GIVEN, *assignments(real_time_factor=0.0, paused="true", record_path=bag)]
