@@ -21,7 +21,7 @@ from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
 from lie_rigid_body.runs.estimators import Estimator, NamedFunction
-from lie_rigid_body.runs.programs import CommandEstimator
+from lie_rigid_body.runs.programs import CommandEstimator, words
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
@@ -266,7 +266,7 @@ class Contender:
             yield Entry(self, {**self.parameters, **dict(zip(self.grid, values, strict=True))})
 
     def require_parameters(self) -> None:
-        """Refuse parameters that the function does not take.
+        """Refuse parameters that the function does not take, and a program that is not there.
 
         Raises
         ------
@@ -274,6 +274,7 @@ class Contender:
             Also if it cannot be imported.
         """
         if self.function is None:
+            CommandEstimator(str(self.command)).require_program(f"estimators.{self.name}.")
             return
         function = NamedFunction(self.function).load()
         try:
@@ -351,10 +352,10 @@ def _contender(name: object, content: object) -> Contender:
     if function is not None and not re.fullmatch(_FUNCTION, str(function)):
         raise InputError(f"{place}.function: {shown(function)} names no function: give module:function")
     parameters, grid = (_mapping(f"{place}.{key}", content.get(key)) for key in ("parameters", "grid"))
-    if command is not None and (not isinstance(command, str) or not command.strip() or parameters or grid):
+    if command is not None and (not isinstance(command, str) or not words(command) or parameters or grid):
         raise InputError(
-            f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, and no "
-            "parameters or grid"
+            f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, with its "
+            "quotations closed, and no parameters or grid"
         )
     for key, values in grid.items():
         if not (isinstance(values, list | tuple) and values):

@@ -27,7 +27,7 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import STARTING_S, Interpreter
+from lie_rigid_body.runs.processes import STARTING_S, FilterError, Interpreter
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import shortened
@@ -157,6 +157,8 @@ def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     for place in range(len(campaign.entries)):
         try:
             found.append(_interpreter(campaign).ask(partial(judged_in, campaign, run, place), limit_s))
+        except FilterError as error:  # of a process that the estimator has spoilt in an earlier run
+            found.append(_without_score(str(error)))
         except (EOFError, TimeoutError) as error:
             found.append(_without_score(f"it {error}"))
     return [vars(each) for each in found]

@@ -20,12 +20,14 @@ from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator, called
+from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Names of the readings of each sensor, by the sensor's name in codes."""
 
-
+LARGEST_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
+"""Norm of a quaternion from which its square is beyond float64."""
 DRIFT: Final = 0.1
 """Rate error of a drifting gyro, as a share of the body's mean rate: in a course it makes hundreds of times the floor
 of the error."""
@@ -252,9 +254,9 @@ class Answer:
     Attributes
     ----------
     track : Track
-        Track of the repaired and normalised attitudes beside the truth; the identity where one is not finite or zero.
+        Track of the repaired and normalised attitudes beside the truth; the identity where one is broken.
     broken : ndarray of int64
-        Numbers of the samples that are not finite or zero.
+        Numbers of the samples that are zero, or whose norm has no finite square.
     given : Estimate
         Estimate as the filter returned it.
     """
@@ -288,14 +290,17 @@ class Job:
         Raises
         ------
         FilterError
-            With the line in the user's file, or with the shape.
+            With the line in the user's file, or with the shape; or if no attitude is of the last two thirds.
         """
         given = readings(self.course)
         for repair in self.repairs:
             given = repair.change(given) if repair.change else given
         found = called(estimate, given.run())
+        begin_s = (self.course.rest_s + self.course.moving_s) / 3.0
+        if found.t_ns[-1] < 1e9 * begin_s:
+            raise FilterError(f"no attitude after {begin_s:.3g} s: return a row for each reading of the IMU")
         norms = quaternion.norm(found.attitude_xyzw)
-        good = np.isfinite(norms) & (norms > SMALLEST_NORM)
+        good = (norms > SMALLEST_NORM) & (norms < LARGEST_NORM)
         attitude = np.where(good[:, np.newaxis], found.attitude_xyzw, (0.0, 0.0, 0.0, 1.0))
         unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
         causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]

@@ -73,12 +73,12 @@ def own_domain() -> Iterator[int]:
 @contextmanager
 def _started(command: str, words: BinaryIO) -> Iterator[Callable[[], None]]:
     """Keep a node running; what is given raises an error once it has ended."""
-    arguments = shlex.split(command)
     try:
-        process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=words, stderr=words)
-    except (OSError, IndexError) as error:
-        what = getattr(error, "strerror", "there is no command")
-        raise LieRigidBodyError(f"cannot be started: {what}: give a program, such as 'ros2 run PACKAGE NODE'") from None
+        process = subprocess.Popen(shlex.split(command), stdin=subprocess.DEVNULL, stdout=words, stderr=words)
+    except OSError as error:
+        raise LieRigidBodyError(
+            f"cannot be started: {error.strerror}: give a program, such as 'ros2 run PACKAGE NODE'"
+        ) from None
 
     def require_alive() -> None:
         if process.poll() is not None:

@@ -91,8 +91,6 @@ class Estimate:
         InputError
             If it is none of these, with its shape.
         """
-        if isinstance(result, cls):
-            return result
         if hasattr(result, "attitude_xyzw"):
             return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if hasattr(result, f.name)})
         return cls(result[1], result[0]) if isinstance(result, tuple) and len(result) == 2 else cls(result)

@@ -21,8 +21,9 @@ from lie_rigid_body.errors import InputError, LieRigidBodyError, said
 STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.processes import serve; serve()"
-_LIBRARIES: Final = ("site-packages", "dist-packages", str(Path(traceback.__file__).parent))
-"""Parts of the paths of files that are not the user's."""
+_PACKAGE: Final = f"{Path(__file__).resolve().parents[1]}{os.sep}"
+_STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
+"""Folder of the standard library, in which installed packages have one of their own."""
 
 
 class FilterError(InputError):
@@ -30,13 +31,18 @@ class FilterError(InputError):
 
 
 def told(error: BaseException) -> str:
-    """Words for an exception of a filter, with the last line of the user's own code on its way."""
-    package = str(Path(__file__).resolve().parent.parent)
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not frame.filename.startswith(package)]
-    own = [frame for frame in frames if not any(part in frame.filename for part in _LIBRARIES)]
-    line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in (own or frames)[-1:])
-    remedy = "" if isinstance(error, LieRigidBodyError) else ": mend that first"
-    return f"the filter failed, {line}{said(error)}{remedy}"
+    """Words for an exception of a filter, with the last line of the user's own code on its way.
+
+    Of an installed filter that is the first line outside of this package. What this package says of an answer, with no
+    such line, stands alone.
+    """
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((_PACKAGE, "<"))]
+    installed = [frame for frame in frames if "-packages" in frame.filename]
+    own = [frame for frame in frames if frame not in installed and not frame.filename.startswith(_STANDARD)]
+    line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in own[-1:] or installed[:1])
+    if isinstance(error, LieRigidBodyError):
+        return f"the filter failed, {line}{error}" if line else str(error)
+    return f"the filter failed, {line}{said(error)}: mend that first"
 
 
 class Interpreter:
@@ -55,12 +61,14 @@ class Interpreter:
         return self._process is not None
 
     def ask(self, question: Callable[[], object], limit_s: float) -> Any:
-        """Ask, and return the reply; an exception that it replies is raised.
+        """Ask, and return the reply; an InputError that it replies is raised.
 
         Raises
         ------
         TimeoutError, EOFError
             If it has not replied in so many seconds, or has ended, with its status. Then it is ended.
+        FilterError
+            If anything but an InputError is raised in it: an estimator may have left anything in its process.
         """
         process = self._process = self._process or subprocess.Popen(
             [sys.executable, "-c", _SERVE.format(repr(sys.path))],
@@ -72,7 +80,7 @@ class Interpreter:
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
         timer.start()
         try:
-            _send(process.stdin, question)
+            _send(process.stdin, pickle.dumps(question))
             reply = pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
         except (EOFError, OSError, pickle.UnpicklingError):
             is_late = time.monotonic() >= end
@@ -82,7 +90,7 @@ class Interpreter:
             raise EOFError(f"ended its process, status {process.returncode}") from None
         finally:
             timer.cancel()
-        if isinstance(reply, Exception):
+        if isinstance(reply, InputError):
             raise reply
         return reply
 
@@ -126,15 +134,11 @@ def serve() -> None:
     own = os.getpid()
     while True:
         try:
-            reply = waiting.get()()
-        except Exception as error:
-            reply = error if isinstance(error, InputError) else RuntimeError(repr(error))
+            reply = pickle.dumps(waiting.get()())
         except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
-            reply = FilterError(told(error))
-        if os.getpid() != own:
-            os._exit(
-                1
-            )  # a copy that the estimator has made of this process, whose reply would be that to the next question
+            reply = pickle.dumps(error if isinstance(error, InputError) else FilterError(told(error)))
+        if os.getpid() != own:  # a copy that the estimator has made, whose reply would be that to the next question
+            os._exit(1)
         _send(replies, reply)
 
 
@@ -148,7 +152,7 @@ def _hear(asked: BinaryIO, waiting: SimpleQueue[Callable[[], Any]]) -> None:
         os._exit(1)
 
 
-def _send(stream: Any, item: object) -> None:
-    """Pickle something into a stream at once."""
-    pickle.dump(item, stream)
+def _send(stream: Any, pickled: bytes) -> None:
+    """Write into a stream at once."""
+    stream.write(pickled)
     stream.flush()

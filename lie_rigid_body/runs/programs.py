@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shlex
+import shutil
 import subprocess
 import tempfile
 import time
@@ -53,6 +55,13 @@ _GRACE_S: Final = 1.0
 """Time that a player has beyond that of its run, s."""
 
 
+def words(command: str) -> list[str]:
+    """Program and arguments of a command, as a shell splits it; none where a quotation has no end."""
+    with suppress(ValueError):
+        return shlex.split(command)
+    return []
+
+
 @short_dataclass(frozen=True)
 class CommandEstimator:
     """An estimator that starts a program for each run.
@@ -63,10 +72,34 @@ class CommandEstimator:
         Program and arguments, as for a shell; no shell is started.
     timeout_s : float
         Longest time of a run, s.
+
+    Raises
+    ------
+    InputError
+        If the command has no program, or a quotation without an end.
     """
 
     command: str
     timeout_s: float = 60.0
+
+    def __post_init__(self) -> None:
+        if not words(self.command):
+            raise InputError(
+                f"{self._name}: give a program as in a shell, quotations closed, such as './my_filter --rate 100'"
+            )
+
+    def require_program(self, place: str = "") -> None:
+        """Refuse a program that is not there, in a line that begins with the place where it is given.
+
+        Raises
+        ------
+        InputError
+        """
+        program = words(self.command)[0]
+        if shutil.which(program) is None:
+            fault = "it is not executable" if Path(program).exists() else os.strerror(errno.ENOENT)
+            fault = "it is a folder" if Path(program).is_dir() else fault
+            raise InputError(f"{place}{self._name} cannot be started: {fault}: give the path of a program")
 
     def load(self) -> CommandEstimator:
         """The estimator itself, for a process that is told where one is."""
@@ -88,26 +121,23 @@ class CommandEstimator:
         return f"command {shown(self.command)}"
 
     def _output(self, readings: str) -> str:
-        arguments = shlex.split(self.command)
-        if not arguments:
-            raise InputError("command '': give a program, such as './my_filter --rate 100'")
+        self.require_program()
         # no pipes: what is not read or written in time would stand in them
         with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
             given.write(readings.encode())
             given.seek(0)
             try:
                 process = subprocess.Popen(
-                    arguments,
+                    words(self.command),
                     stdin=given,
                     stdout=output,
                     stderr=errors,
                     start_new_session=True,  # so that it can be ended with what it starts
                 )
             except OSError as error:
-                path = Path(arguments[0])
-                fault = "it is not executable" if path.exists() and not os.access(path, os.X_OK) else error.strerror
-                fault = "it is a folder" if path.is_dir() else fault
-                raise InputError(f"{self._name} cannot be started: {fault}: give the path of a program") from None
+                raise InputError(
+                    f"{self._name} cannot be started: {error.strerror}: give the path of a program"
+                ) from None
             try:
                 self._wait(process, output, errors)
             finally:
@@ -116,8 +146,8 @@ class CommandEstimator:
             if process.returncode:
                 errors.seek(0)
                 text = errors.read(_LARGEST_OUTPUT).decode(errors="replace")
-                words = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
-                raise InputError(f"{self._name} ended with status {process.returncode}: {words}: mend it")
+                told = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
+                raise InputError(f"{self._name} ended with status {process.returncode}: {told}: mend it")
             output.seek(0)
             return output.read().decode(errors="replace")
 

@@ -87,6 +87,10 @@ def starts_a_program(run):
         print(subprocess.Popen(["sleep", "600"]).pid, file=file)
     return run.truth.attitude_xyzw
 
+def spoils_its_process(run):
+    np.asarray = None
+    return run.truth.attitude_xyzw
+
 def lowers_a_limit(run):
     resource.setrlimit(resource.RLIMIT_NOFILE, (30, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
     return run.truth.attitude_xyzw
@@ -182,6 +186,10 @@ def test_an_estimator_that_hangs_costs_the_score_of_its_run_only(asked: Any, mon
     monkeypatch.setattr("lie_rigid_body.campaign.run.LONGEST_S", 0.0)
     found = asked("hangs_in_the_second", runs=3)
     assert [each["estimator_error"] for each in found] == [None, "it did not return within 12 s", None]
+
+
+def test_an_estimator_that_spoils_its_process_costs_scores_only(asked: Any) -> None:
+    assert all(each["estimator_error"] for each in asked("spoils_its_process", runs=2))
 
 
 def test_a_copy_of_the_process_that_comes_back_ends_there(asked: Any) -> None:

@@ -183,6 +183,8 @@ CAMPAIGNS = [
     (f"{SHORT}estimators: {{a: {{function: 'no:such'}}}}", "cannot be imported: ModuleNotFoundError"),
     (f"{SHORT}estimators: {{a: {{command: ls, grid: {{x: [1]}}}}}}", "a program takes its parameters in its line"),
     (f"{SHORT}estimators: {{a: {{command: ''}}}}", "estimators.a.command: '': "),
+    (f"{SHORT}estimators: {{a: {{command: a 'b}}}}", 'estimators.a.command: "a \'b": a program takes its parameters'),
+    (f"{SHORT}estimators: {{a: {{command: no_such}}}}", "estimators.a.command 'no_such' cannot be started: No such"),
     (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{}}}}}}", "estimators.a.grid is of nothing: "),
     (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: []}}}}}}", "estimators.a.grid.x: [] is no list of values"),
     (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: [1]}}}}", "estimators.a.parameters: [1] is no mapping"),
@@ -195,6 +197,7 @@ CAMPAIGNS = [
         "estimators: 101 with the points of their grids: give at most 100",
     ),
     (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: {{x: .nan}}}}}}", "estimators.a: NaN, infinity, dates"),
+    (f"{SHORT}estimators: {{a: {{function: 'a:b', parameters: {{x: !!binary aGk=}}}}}}", "estimators.a: NaN, infinity"),
     (f"{SHORT}estimators: {{a: {{function: 'a:b', grid: {{x: [1]}}}}}}", "runs: 1: the best point of a grid is scored"),
     (
         f"{SHORT}estimators: {{a: {{function: 'statistics:quantiles', parameters: {{methods: 1}}}}}}",

@@ -152,10 +152,10 @@ def test_covariance_that_is_none_fails_in_one_line() -> None:
 
 
 @pytest.mark.filterwarnings("error")
-def test_filter_that_answers_the_first_reading_only_fails_without_a_warning() -> None:
-    found = diagnose(lambda run: textbook.first_reading(run), max_runs=1)
+def test_quaternions_too_large_to_be_squared_are_not_finite() -> None:
+    found = diagnose(lambda run: 1e308 * textbook.triad(run), max_runs=1)
     assert found.mistakes == ()
-    assert "follows" in failed(found)
+    assert "finite" in failed(found)
 
 
 @pytest.mark.slow
@@ -183,6 +183,12 @@ def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path
         (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
         (textbook.stops, ["textbook.py line ", ": BaseException: mend"]),
         (textbook.of_wrong_shape, ["(1300, 3)"]),
+        (textbook.changes_its_run, ["(10, 4) for 1300 stamps"]),
+        (textbook.changes_its_estimate, ["estimate: not numbers"]),
+        (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
+        (textbook.endless, ["the filter failed, MemoryError: mend"]),
+        (textbook.unreadable, ["textbook.py line ", "LookupError: where it is read"]),
+        (textbook.first_reading, ["no attitude after 4.33 s"]),
         (textbook.peeks, ["textbook.py line ", "run.attitude() would tell the truth"]),
     ],
 )

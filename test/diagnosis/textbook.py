@@ -156,6 +156,49 @@ def first_reading(run: Any) -> Any:
     return run.imu.t_ns[:1], [[0.0, 0.0, 0.0, 1.0]]
 
 
+def changes_its_run(run: Any) -> Array:
+    object.__setattr__(run, "imu", None)
+    return np.tile([0.0, 0.0, 0.0, 1.0], (10, 1))
+
+
+def changes_its_estimate(run: Any) -> Any:
+    from lie_rigid_body import Estimate
+
+    found = Estimate(triad(run), run.imu.t_ns)
+    object.__setattr__(found, "attitude_xyzw", "nothing")
+    return found
+
+
+def spoils_its_process(run: Any) -> Array:
+    import sys
+
+    sys.path.clear()
+    del sys.modules["numpy"]
+    return np.tile([0.0, 0.0, 0.0, 1.0], (len(run.imu.t_ns), 1))
+
+
+class _Endless:
+    def __len__(self) -> int:
+        return 10**18
+
+    def __getitem__(self, place: int) -> list[float]:
+        return [0.0, 0.0, 0.0, 1.0]
+
+
+def endless(run: Any) -> Any:
+    return _Endless()
+
+
+class _Unreadable:
+    @property
+    def attitude_xyzw(self) -> Array:
+        raise LookupError("where it is read")
+
+
+def unreadable(run: Any) -> Any:
+    return _Unreadable()
+
+
 def dies(run: Any) -> Array:
     import os
 

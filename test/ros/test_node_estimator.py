@@ -202,7 +202,7 @@ def test_what_goes_wrong_is_one_line(source, timeout, told, run, scripted):
 
 
 @pytest.mark.usefixtures("isolated_ros")
-@pytest.mark.parametrize(("command", "told"), [("/no/such/node", "No such file"), ("", "no command")])
+@pytest.mark.parametrize(("command", "told"), [("/no/such/node", "No such file"), ("", "give a program")])
 def test_a_command_that_cannot_be_started_is_one_line(command, told, run):
     with pytest.raises(InputError, match=told):
         node_estimator(command)(run)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -12,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.runs.processes import FilterError, Interpreter
+from lie_rigid_body.runs import Estimate
+from lie_rigid_body.runs.processes import FilterError, Interpreter, told
 
 LIMIT_S = 60.0
 WITH_PROC = pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /proc")
@@ -33,8 +35,11 @@ def test_reply_is_what_the_function_returns_or_raises():
         assert not other.is_running
         first = other.ask(os.getpid, LIMIT_S)
         assert first == other.ask(os.getpid, LIMIT_S) != os.getpid()
-        with pytest.raises(RuntimeError, match="ValueError"):
+        with pytest.raises(FilterError, match="ValueError"):
             other.ask(partial(int, "three"), LIMIT_S)
+        with pytest.raises(FilterError, match="local object"):
+            other.ask(_made_here, LIMIT_S)
+        assert first == other.ask(os.getpid, LIMIT_S)
         with pytest.raises(FilterError, match="SystemExit: enough"):
             other.ask(partial(sys.exit, "enough"), LIMIT_S)
         assert other.ask(partial(print, "nowhere"), LIMIT_S) is None
@@ -48,6 +53,25 @@ def test_reply_is_what_the_function_returns_or_raises():
             other.ask(partial(_raise, "of the package"), LIMIT_S)
     finally:
         other.end()
+
+
+def _made_here():
+    return lambda: "what another process does not find"
+
+
+def test_place_of_an_error_is_a_line_of_the_user_or_none():
+    def failed(function, *arguments):
+        try:
+            function(*arguments)
+        except Exception as error:
+            return told(error)
+
+    assert failed(_raise, "of the package").startswith("the filter failed, test_processes.py line ")
+    assert failed(Estimate, "nothing").startswith("the filter failed, test_processes.py line ")
+    assert told(FilterError("of the package")) == "of the package"
+    with pytest.raises(ValueError, match="quotation") as caught:
+        shlex.split('"')
+    assert "line" not in told(caught.value.with_traceback(caught.tb.tb_next))
 
 
 def _raise(words):
