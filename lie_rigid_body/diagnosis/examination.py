@@ -19,7 +19,7 @@ from lie_rigid_body.diagnosis.search import Each, Search, or_else, plain, settle
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
-from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of
+from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of, time_limit
 from lie_rigid_body.runs.programs import NodeEstimator
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
@@ -98,8 +98,7 @@ def diagnose(
     for name, value in (("workers", workers), ("max_runs", max_runs)):
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
-    if not timeout > 0.0:
-        raise InputError(f"timeout: {shown(timeout)} is not above 0: give a time in seconds")
+    time_limit(timeout)
     source, most, count, remarks, left_out = source_of(estimate), MOST_RUNS, cores(), list[str](), tuple[str, ...]()
     if isinstance(source, NodeEstimator):
         most, count, remarks, left_out = MOST_RUNS_OF_NODE, WORKERS_OF_NODE * cores(), [_OF_NODE], LEFT_OUT_OF_NODE

@@ -31,6 +31,8 @@ Job = Callable[[Estimator], T]
 
 MENDED: Final = "mend it"
 """Remedy at the end of an error line about an estimator that cannot be imported."""
+LONGEST_TIMEOUT_S: Final = 1e6
+"""Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
 _GRACE_S: Final = 2.0
 """Time that a program has beyond its own limit, s: its estimator ends it, and says more."""
 
@@ -120,6 +122,21 @@ def each_alone(estimate: Estimator, jobs: Sequence[Job[T]]) -> Iterator[T | Filt
             yield error
 
 
+def time_limit(timeout: float) -> float:
+    """Read a limit of the time of one run of a filter, s, above 0 and at most `LONGEST_TIMEOUT_S`.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    if not 0.0 < timeout <= LONGEST_TIMEOUT_S:
+        raise InputError(
+            f"timeout: {shown(timeout)} is not above 0 and at most {LONGEST_TIMEOUT_S:g}: give a time in seconds"
+        )
+    return timeout
+
+
 class Workers:
     """Jobs done by processes; one that hangs or dies is ended, and another takes its place.
 
@@ -134,7 +151,8 @@ class Workers:
     """
 
     def __init__(self, source: Source, count: int, timeout_s: float) -> None:
-        self._source, self._timeout_s = source, timeout_s + _GRACE_S * isinstance(source, CommandEstimator)
+        self._source, grace_s = source, _GRACE_S * isinstance(source, CommandEstimator)
+        self._timeout_s = time_limit(timeout_s) + grace_s
         self._threads = ThreadPoolExecutor(count)
         self._processes = [Interpreter() for _ in range(count)]
         self._idle = SimpleQueue[Interpreter]()

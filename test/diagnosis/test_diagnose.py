@@ -205,6 +205,7 @@ def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any]
         ({"initial_body_rate": [0.0, 0.0, 0.0]}, "initial_body_rate"),
         ({"workers": 0}, "workers"),
         ({"timeout": 0.0}, "timeout"),
+        ({"timeout": float("inf")}, "timeout"),
     ],
 )
 def test_argument_that_cannot_be_is_refused(arguments: dict[str, Any], name: str) -> None:

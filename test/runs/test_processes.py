@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shlex
 import subprocess
@@ -72,6 +73,19 @@ def test_place_of_an_error_is_a_line_of_the_user_or_none():
     with pytest.raises(ValueError, match="quotation") as caught:
         shlex.split('"')
     assert "line" not in told(caught.value.with_traceback(caught.tb.tb_next))
+
+
+def test_place_of_an_error_in_an_installed_filter_is_its_first_line(tmp_path, monkeypatch):
+    folder = tmp_path / "site-packages"
+    folder.mkdir()
+    (folder / "installed_filter.py").write_text("import json\n\ndef estimate(run):\n    return json.loads(run)\n")
+    monkeypatch.syspath_prepend(folder)
+    estimate = importlib.import_module("installed_filter").estimate
+    with pytest.raises(ValueError, match="column 1") as caught:
+        estimate("no JSON")
+    assert told(caught.value.with_traceback(caught.tb.tb_next)).startswith(
+        "the filter failed, installed_filter.py line 4"
+    )
 
 
 def _raise(words):
