@@ -6,10 +6,12 @@ live ``evaluate`` needs ROS.
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
+from typing import Final
 
 from lie_rigid_body import __version__, console
 from lie_rigid_body.errors import InputError
@@ -39,6 +41,8 @@ EXTRAS = {
     "ros": ("rclpy",),
 }
 """Extras of the package, and the modules that each brings."""
+_UNSAID: Final = logging.NullHandler()
+"""Handler of what libraries log."""
 
 
 def usage() -> str:
@@ -100,6 +104,8 @@ def run(name: str, argv: list[str]) -> int:
     from lie_rigid_body.report.request import is_live
 
     live = name == "sim" or (name == "evaluate" and is_live(argv))
+    if not live:  # a verb's own lines tell what went wrong, and what libraries log would stand between them
+        logging.getLogger().addHandler(_UNSAID)
     verb: Callable[[list[str]], int] = import_module(f"lie_rigid_body.{'ros' if live else 'cli'}.{name}").main
     return verb(argv)
 

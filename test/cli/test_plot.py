@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -67,3 +70,13 @@ def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys
         bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
     assert main([str(tmp_path / "bag.mcap"), "-o", str(tmp_path / "out.png")]) == 0
     assert capsys.readouterr().err == ""
+
+
+def test_matplotlib_without_a_folder_of_its_own_says_nothing(bag, tmp_path):
+    """As where there is no home folder; it logs where it keeps its caches instead."""
+    (tmp_path / "file").touch()
+    command = [sys.executable, "-m", "lie_rigid_body", "plot", str(bag), "-o", str(tmp_path / "a.png")]
+    done = subprocess.run(
+        command, env={**os.environ, "MPLCONFIGDIR": str(tmp_path / "file" / "x")}, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
