@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Set
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias, cast
@@ -161,7 +161,7 @@ class Parameter:
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
-        if isinstance(value, str | bytes | Mapping) or not isinstance(value, Iterable):
+        if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
             raise self._error(f"{shown(value)} is not a list: give {self._example()}")
         numbers = tuple(self._number(v) for v in value)
         if len(numbers) not in self.lengths:

@@ -133,6 +133,31 @@ def unit(name: str, value: ArrayLike) -> Array:
     return quaternion.normalize(array)
 
 
+def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
+    """Read stamps of any shape, in any order, as int64.
+
+    Raises
+    ------
+    InputError
+        If they are no integers, or none that a message can have.
+    """
+    _require_unmasked(f"{name}: stamps", stamps_ns)
+    try:
+        stamps = np.asarray(stamps_ns)
+    except ValueError:  # rows of unequal length
+        stamps = np.asarray(stamps_ns, dtype=object)
+    if stamps.size and stamps.dtype.kind not in "iu":
+        how = {"f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds", "M": ", as stamps.astype('int64') of ns"}
+        raise InputError(
+            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how.get(stamps.dtype.kind, '')}"
+        )
+    if stamps.size and max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
+        raise InputError(
+            f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
+        )
+    return stamps.astype(np.int64)
+
+
 def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     """Read stamps as int64, never decreasing, at least one.
 
@@ -141,20 +166,9 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     InputError
         If they are not that.
     """
-    _require_unmasked(f"{name}: stamps", stamps_ns)
-    stamps = np.asarray(stamps_ns)
+    stamps = integer_stamps(name, stamps_ns)
     if stamps.ndim != 1 or stamps.size == 0:
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
-    if stamps.dtype.kind not in "iu":
-        how = {"f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds", "M": ", as stamps.astype('int64') of ns"}
-        raise InputError(
-            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how.get(stamps.dtype.kind, '')}"
-        )
-    if max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
-        raise InputError(
-            f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
-        )
-    stamps = stamps.astype(np.int64)
     back = np.flatnonzero(np.diff(stamps) < 0)
     if back.size:
         jump_s = (stamps[back[0]] - stamps[back[0] + 1]) / 1e9

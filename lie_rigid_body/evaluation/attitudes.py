@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import FARTHEST_NS, read_series, unit
+from lie_rigid_body.evaluation.arguments import FARTHEST_NS, integer_stamps, read_series, unit
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_repr
 from lie_rigid_body.wording import components, shown
@@ -254,7 +254,7 @@ class ExactTruth(Truth):
 
     def at(self, stamps_ns: Integers) -> Array:
         """Values of the function, asked once and in order of time."""
-        stamps, place = np.unique(stamps_ns, return_inverse=True)
+        stamps, place = np.unique(integer_stamps("truth", stamps_ns), return_inverse=True)
         return np.asarray(self._attitude(stamps)[place.reshape(np.shape(stamps_ns))])
 
 
@@ -306,8 +306,9 @@ class SampledTruth(Truth):
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes at the samples, and on the geodesics between them."""
-        i = self._interval(stamps_ns)
-        fraction = (stamps_ns - self._stamps[i]) / (self._stamps[i + 1] - self._stamps[i])
+        stamps = integer_stamps("truth", stamps_ns)
+        i = self._interval(stamps)
+        fraction = (stamps - self._stamps[i]) / (self._stamps[i + 1] - self._stamps[i])
         between = geodesic(self._attitude[i], self._attitude[i + 1], fraction)
         return np.where((fraction == 1.0)[..., np.newaxis], self._attitude[i + 1], between)
 

@@ -1,26 +1,32 @@
-"""The ROS packages that are there: those that every node needs, and those for what is offered besides."""
+"""ROS as it is found: packages that every node needs, those for what is offered besides, and the environment."""
 
 from __future__ import annotations
 
+import os
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Final
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.wording import shown
 
 REQUIRED_PACKAGES: Final = (
     *("rclpy", "rcl_interfaces", "rosgraph_msgs", "std_msgs", "std_srvs"),
     *("geometry_msgs", "sensor_msgs", "diagnostic_msgs", "visualization_msgs"),
 )
 """Packages without which no node starts."""
+LARGEST_DOMAIN: Final = 232
+"""Largest ROS domain for which DDS has ports."""
+_MIDDLEWARES: Final = "share/ament_index/resource_index/rmw_typesupport"
 
 
 def require_ros() -> None:
-    """Check that ROS 2 is installed.
+    """Check that ROS 2 is installed, and works in this environment, before it is loaded.
 
     Raises
     ------
     InputError
-        Naming the first package that is missing.
+        Naming the first package that is missing, or as `require_environment`.
     """
     missing = [name for name in REQUIRED_PACKAGES if not is_installed(name)]
     if missing:
@@ -28,6 +34,41 @@ def require_ros() -> None:
             f"{missing[0]} is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, "
             "pip install '.[ros]'; or use 'record'"
         )
+    require_environment()
+
+
+def require_environment() -> None:
+    """Refuse settings with which ROS would end the process, with a status of its own, or not say what is wrong.
+
+    Raises
+    ------
+    InputError
+    """
+    given = os.environ
+    domain, middleware = given.get("ROS_DOMAIN_ID", ""), given.get("RMW_IMPLEMENTATION", "")
+    security = [given.get(f"ROS_SECURITY_{name}", "") for name in ("ENABLE", "STRATEGY", "KEYSTORE")]
+    faults = {
+        f"ROS_DOMAIN_ID {domain} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}": (
+            domain.isdecimal() and int(domain[:9]) > LARGEST_DOMAIN
+        ),
+        f"RMW_IMPLEMENTATION {shown(middleware)} is not installed: install it, or unset RMW_IMPLEMENTATION": (
+            middleware != "" and not _is_middleware(middleware)
+        ),
+        "HOME is empty, where ROS keeps its log: name a folder that can be written as ROS_LOG_DIR": (
+            not any(map(given.get, ("ROS_LOG_DIR", "ROS_HOME", "HOME")))
+        ),
+        "ROS_SECURITY_STRATEGY is Enforce, and ROS_SECURITY_KEYSTORE is empty: name the folder of the keys, or set "
+        "ROS_SECURITY_ENABLE to false": security == ["true", "Enforce", ""],
+    }
+    for fault, is_there in faults.items():
+        if is_there:
+            raise InputError(fault)
+
+
+def _is_middleware(name: str) -> bool:
+    """Whether a middleware is installed: with a distribution of ROS 2, or from wheels, where it can be imported."""
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    return is_installed(name) or any(Path(prefix, _MIDDLEWARES, name).is_file() for prefix in prefixes)
 
 
 def is_installed(name: str) -> bool:

@@ -31,11 +31,11 @@ def played(play: Play) -> Answered | str:
     """What a node answers, or why it does not."""
     with tempfile.TemporaryFile() as words, tempfile.TemporaryDirectory() as logs:
         try:
-            require_ros()
             with own_domain() as domain:
                 os.environ.update(
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
+                require_ros()
                 with _started(play.node.command, words) as require_alive:
                     from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
 

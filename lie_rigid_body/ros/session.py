@@ -6,7 +6,6 @@ waits for the other callbacks that are ready. Nor does rclpy handle the signals:
 
 from __future__ import annotations
 
-import os
 import re
 import warnings
 from collections.abc import Iterator, Sequence
@@ -16,9 +15,13 @@ from threading import Thread
 from typing import Final
 
 import rclpy
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
@@ -27,12 +30,18 @@ _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
 LONGEST_NAME: Final = 200
 """Longest name of a node and longest namespace, characters: those of its services are longer, and may have 247."""
-LARGEST_DOMAIN: Final = 232
-"""Largest ROS domain for which DDS has ports."""
+LARGEST_DEPTH: Final = 2**31 - 1
+"""Most messages of a topic that can be kept."""
 LONGEST_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
 """Number of executor threads, so that services answer while some wait for long steps."""
+_REMEDIES: Final = {
+    r"log directory|\.log for writing": "name a folder that can be written as ROS_LOG_DIR",
+    "(?i)security": "mend the keys in ROS_SECURITY_KEYSTORE, or set ROS_SECURITY_ENABLE to false",
+    "peer": "name machines that are known as ROS_STATIC_PEERS",
+}
+"""What to do about a refusal of ROS, by words of it."""
 
 
 @contextmanager
@@ -49,11 +58,10 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
     InputError
         If ROS does not understand them.
     """
-    _require_domain(os.environ.get("ROS_DOMAIN_ID", ""))
     _require_short_name(arguments)
-    # what rcl logs of bad arguments is in the exception as well
-    set_logger_level(_RCL, LoggingSeverity.FATAL)
     with translated_errors(" ".join(arguments) or "to start"):
+        # what rcl logs of bad arguments is in the exception as well
+        set_logger_level(_RCL, LoggingSeverity.FATAL)
         rclpy.init(args=list(arguments), signal_handler_options=SignalHandlerOptions.NO)
     if get_logger_level(_RCL) == LoggingSeverity.FATAL:
         set_logger_level(_RCL, LoggingSeverity.UNSET)
@@ -70,12 +78,6 @@ def _require_short_name(arguments: Sequence[str]) -> None:
                 f"{argument}: this node would have a name of {len(rule[1])} characters: at most {LONGEST_NAME} leave "
                 "room for those of its services"
             )
-
-
-def _require_domain(text: str) -> None:
-    """Refuse a domain for which there are no ports: Fast DDS would end the process, with status 1."""
-    if text.isdecimal() and int(text[:9]) > LARGEST_DOMAIN:
-        raise InputError(f"ROS_DOMAIN_ID {text} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}")
 
 
 @contextmanager
@@ -124,6 +126,25 @@ def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
             node.get_logger().error(f"a callback failed: {error!r}")
 
 
+def offered(node: Node, kind: type, topic: str, quality: QoSProfile) -> Publisher:
+    """Publisher of a topic, whose quality of service the user may override by parameters.
+
+    Raises
+    ------
+    InputError
+        If ROS refuses the name or the quality.
+    """
+    options = QoSOverridingOptions.with_default_policies(callback=_possible)
+    with translated_errors(f"the topic {topic} as {node.resolve_topic_name(topic)}"):
+        return node.create_publisher(kind, topic, quality, qos_overriding_options=options)
+
+
+def _possible(quality: QoSProfile) -> SetParametersResult:
+    """Whether ROS would take a quality of service: of a wrong depth it warns, or tells no value."""
+    limits = f"depth {quality.depth} is outside [1, {LARGEST_DEPTH}]: give for example 10"
+    return SetParametersResult(successful=1 <= quality.depth <= LARGEST_DEPTH, reason=limits)
+
+
 def message_class(name: str) -> type:
     """The class of a message type, by its name in ROS."""
     package, _, kind = name.partition("/msg/")
@@ -146,12 +167,14 @@ def translated_errors(request: str) -> Iterator[None]:
     """
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # of what it cannot undo after the error
+            warnings.simplefilter("ignore")  # of what it cannot undo after the error, or of what is refused here
             yield
     except LieRigidBodyError:
         raise
     except Exception as error:
-        raise InputError(f"ROS refuses {request}: {_reason(error)}") from None
+        reason = _reason(error)
+        remedy = next((f": {remedy}" for words, remedy in _REMEDIES.items() if re.search(words, reason)), "")
+        raise InputError(f"ROS refuses {request}: {reason}{remedy}") from None
 
 
 def _reason(error: Exception) -> str:

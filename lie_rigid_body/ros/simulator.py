@@ -108,7 +108,8 @@ def _recording(node: SimulatorNode, path: str) -> Iterator[Recorder | None]:
         yield recorder
     if recorder.failure is not None:
         raise recorder.failure
-    _say(f"recorded {counted(bag.sample_count, 'sample')}; {console.how_to_certify(path)}")
+    certify = f"; {console.how_to_certify(path)}" if bag.sample_count else ""
+    _say(f"recorded {counted(bag.sample_count, 'sample')}{certify}")
 
 
 def _say(text: str) -> None:

@@ -116,12 +116,13 @@ class Estimate:
         frame : str
             Name of the world's frame.
         """
+        attitude = unit("estimate", self.attitude_xyzw)
         if self.covariance is None:
             layout = Layout(header(frame), [0.0] * POSE_NUMBERS, [range(3, POSE_NUMBERS)])
             return Messages(topic, self.t_ns, layout.encode(self.t_ns, self.attitude_xyzw)), POSE_STAMPED
         P = np.broadcast_to(rotation_block(self.covariance), (len(self), 3, 3))
         if self.covariance_axes == "body":
-            R = quaternion.to_matrix(unit("estimate", self.attitude_xyzw))
+            R = quaternion.to_matrix(attitude)
             P = R @ P @ np.swapaxes(R, -1, -2)
         places = [POSE_NUMBERS + 6 * (3 + row) + 3 + column for row in range(3) for column in range(3)]
         layout = Layout(header(frame), [0.0] * (POSE_NUMBERS + 36), [range(3, POSE_NUMBERS), places])

@@ -17,7 +17,7 @@ from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
-from lie_rigid_body.evaluation.arguments import numbers, quantity
+from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantity
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages
@@ -212,7 +212,7 @@ class Run(_NamedSensors, Shown):
             readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
             not.
         """
-        beside = list(self._beside(estimates or {}, scores or {}))
+        beside = list(self._beside({} if estimates is None else estimates, {} if scores is None else scores))
         declared, origin = self._declared()
         times = [0, *(segment.start_ns for segment in [*declared.values()][1:]), END_OF_TIME]
         bounds = [*pairwise(times)]
@@ -232,15 +232,19 @@ class Run(_NamedSensors, Shown):
     ) -> Iterator[tuple[Messages, str]]:
         """Messages of estimates and of scores, with their types."""
         frame = self.scenario.world_frame
+        for name, each in (("estimates", estimates), ("scores", scores)):
+            if not isinstance(each, Mapping):
+                raise InputError(f"{name}: {shown(each)} has no topics: give it by its topic, as {{'/estimate': ...}}")
         for topic, given in estimates.items():
-            if not re.fullmatch(r"(/[A-Za-z_]\w*)+", topic) or topic in OWN_TOPICS:
+            if not re.fullmatch(r"(/[A-Za-z_]\w*)+", str(topic)) or topic in OWN_TOPICS:
                 raise InputError(
                     f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
                 )
             estimate = self.stamped(Estimate.of(given))
             yield estimate.messages(topic, frame)
             if estimate.gyro_bias is not None:
-                yield vectors(f"{topic}{BIAS}", estimate.t_ns, estimate.gyro_bias, self.scenario.body_frame)
+                bias = numbers("gyro_bias", estimate.gyro_bias, 3)
+                yield vectors(f"{topic}{BIAS}", estimate.t_ns, bias, self.scenario.body_frame)
         for topic, score in scores.items():
             yield from messages_of_score(topic, score, frame)
 
@@ -395,7 +399,7 @@ class Run(_NamedSensors, Shown):
         Raises
         ------
         InputError
-            If the run does not tell it, or there is no such reading.
+            If the run does not tell it, there is no such reading, or a stamp is no integer.
         """
         imu = self.imu
         bias = np.empty((0, 3)) if imu is None or imu.gyro_bias is None else imu.gyro_bias
@@ -403,7 +407,7 @@ class Run(_NamedSensors, Shown):
         if imu is None or not told.size:
             raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
         told = told[np.argsort(imu.t_ns[told], kind="stable")]
-        times = np.asarray(t_ns, dtype=np.int64)
+        times = integer_stamps("t_ns", t_ns)
         return np.stack([np.interp(times, imu.t_ns[told], axis) for axis in bias[told].T], axis=-1)
 
     def stamped(self, estimate: Estimate) -> Estimate:

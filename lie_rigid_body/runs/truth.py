@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation import (
     VectorReadings,
     unavoidable_error,
 )
-from lie_rigid_body.evaluation.arguments import read_stamps, unit
+from lie_rigid_body.evaluation.arguments import integer_stamps, read_stamps, unit
 from lie_rigid_body.evaluation.consistency import covariance_fault
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.definitions import IMU
@@ -100,7 +100,7 @@ class ScenarioTruth(Truth):
 
     def at(self, stamps_ns: Integers) -> Array:
         """The exact solution, turned to the samples."""
-        stamps = np.asarray(stamps_ns)
+        stamps = integer_stamps("truth", stamps_ns)
         attitude = self._exact(stamps)
         for i, inside in self._segments_of(stamps):
             if i in self._corrections:

@@ -190,11 +190,13 @@ def sources(
     given = [(path, read_parameter_file(path, node_name, namespace)) for path in files_read(scenario, files)]
     # one for ROS may name the node: NODE:NAME:=VALUE
     assigned = {name.removeprefix(f"{node_name}:"): value for name, value in map(parse_assignment, assignments)}
+    if of_nodes := [name for name in assigned if _NODE_ONLY.fullmatch(name)]:
+        raise InputError(f"-p {of_nodes[0]}: every ROS 2 node has it, and no scenario: give it to sim after --ros-args")
     return [*given, (None, assigned)]
 
 
 def merge(given: Sequence[Source]) -> dict[str, object]:
-    """The parameters of all sources, later ones over earlier ones, without those that no scenario has."""
+    """The parameters of all sources, later ones over earlier ones, without those of files that no scenario has."""
     merged = {name: value for _, values in given for name, value in values.items()}
     return {name: value for name, value in merged.items() if not _NODE_ONLY.fullmatch(name)}
 

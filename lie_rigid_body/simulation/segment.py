@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers
+from lie_rigid_body.bounded_input import LONGEST_NUMBER
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.scenario import Scenario
@@ -161,7 +162,7 @@ def _scenario(parameters: str) -> Scenario:
 def _parsed(text: str) -> dict[str, Any]:
     """Parse a scenario message."""
     try:
-        content = json.loads(text, object_pairs_hook=_without_repeats)
+        content = json.loads(text, object_pairs_hook=_without_repeats, parse_int=_integer)
     except RecursionError:
         raise ValueError("it is nested too deeply") from None
     if not isinstance(content, dict):
@@ -169,6 +170,12 @@ def _parsed(text: str) -> dict[str, Any]:
     if missing := [name for name in ("first_sample", "start_ns") if name not in content]:
         raise ValueError(f"it has no {missing[0]}")
     return content
+
+
+def _integer(digits: str) -> int:
+    if len(digits) > LONGEST_NUMBER:  # Python reads none of more than 4300 digits
+        raise ValueError(f"it has a number of {len(digits)} characters, where {LONGEST_NUMBER} are read")
+    return int(digits)
 
 
 def _without_repeats(pairs: list[tuple[str, object]]) -> dict[str, object]:

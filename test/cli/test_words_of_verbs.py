@@ -51,6 +51,7 @@ PARAMETERS = {
     "epoch_ns:=-1": "epoch_ns: -1 is outside",
     "epoch_ns:=2147483647000000000": "epoch_ns: sample 999 would be stamped .* start earlier",
     "inertai:=[1.0, 2.0, 3.0]": "inertai: no such parameter: did you mean inertia?",
+    "use_sim_time:=true": "-p use_sim_time: every ROS 2 node has it, and no scenario: give it to sim after --ros-args",
     "rate=5": "'rate=5' is not NAME:=VALUE",
     "rate:=[1.0": "not readable as YAML",
 }

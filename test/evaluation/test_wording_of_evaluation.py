@@ -90,7 +90,15 @@ REFUSED: dict[str, list[Call]] = {
     r"limits: '1deg' is none: give for example Limits.parse\('1deg'": [lambda: score(STAMPS, TRUE, limits="1deg")],
     # stamps and attitudes
     "give a flat list of at least one": series([], np.empty((0, 4))),
-    "integer nanoseconds": series([0.0, 1.0], Q[:2]),
+    "integer nanoseconds": [
+        *series([0.0, 1.0], Q[:2]),
+        *series([[0], [1, 2]], Q[:2]),
+        *(
+            lambda truth=truth, stamps=stamps: truth.at(stamps)
+            for truth in (truth_of("slow_tumble"), SampledTruth([0, 1], Q[:2]))
+            for stamps in (None, "0", 0.5, True, [[0], [1, 2]], 10**30)
+        ),
+    ],
     "out of order in 1 places, first at sample 2, 2e-09 s": series([0, 5, 3], Q),
     "for 2 stamps": series([0, 5], Q),
     "1 of 2 quaternions are zero or overflow, the first is row 1": series([0, 1], [ONE, ZERO]),

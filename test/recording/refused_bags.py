@@ -87,6 +87,7 @@ refused = refusals(
             "no object": f"{NOT_OURS}it is no object$",
             "no key": f"{NOT_OURS}it has no {{key}}$",
             "nested": f"{NOT_OURS}it is nested too deeply",
+            "long integer": f"{NOT_OURS}it has a number of {{length}} characters, where {{most}} are read$",
         },
     }
 )

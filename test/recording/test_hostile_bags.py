@@ -22,7 +22,7 @@ from mcap.writer import CompressionType, Writer
 from refused_bags import refused
 from test_bag_reader import folder
 
-from lie_rigid_body.bounded_input import LARGEST_CHUNK
+from lie_rigid_body.bounded_input import LARGEST_CHUNK, LONGEST_NUMBER
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -188,6 +188,7 @@ def test_a_scenario_message_is_short_and_flat() -> None:
         ("[]", refused("no object")),
         ('{"first_sample": 0}', refused("no key", key="start_ns")),
         ("[" * LONGEST_TEXT, refused("nested")),
+        (f'{{"software": -{"7" * 5000}}}', refused("long integer", length=5001, most=LONGEST_NUMBER)),
     ):
         with error:
             Segment.from_json(text)

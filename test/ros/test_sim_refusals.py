@@ -50,6 +50,15 @@ CASES = {
     "own: unknown scenario": (["--scenario", "perpetual"], ["scenario 'perpetual'", "dzhanibekov"]),
     "own: unknown option": (["--fast"], ["--fast", "--help"]),
     "ros: unknown option": (["--ros-args", "--fast"], ["--fast"]),
+    "own: quality of service": (["-p", "qos_overrides./pose.publisher.depth:=5"], ["depth", "after --ros-args"]),
+    "own: simulated time": (["-p", "use_sim_time:=true"], ["use_sim_time", "after --ros-args"]),
+    **{
+        f"ros: depth {depth}": (
+            ["--ros-args", "-p", f"qos_overrides./pose.publisher.depth:={depth}"],
+            ["/pose", f"depth {depth} is outside [1, 2147483647]: give"],
+        )
+        for depth in (0, -1, 2**31, 2**63 - 1)
+    },
     "ros: bad remapping": (["--ros-args", "-r", "pose"], ["-r pose"]),
     "ros: pose on twist": (["--ros-args", "-r", "pose:=twist"], ["pose and twist", "/twist"]),
     "ros: two topics in one": (
@@ -83,8 +92,22 @@ FILES = {
 # Before rclpy is initialised, while it is, and while the node is made.
 IN_A_PROCESS_OF_ITS_OWN = [
     *("ros: params file not YAML", "ros: bad remapping", "ros: topic of another type"),
-    "ros: long node name",
+    *("ros: long node name", "ros: depth 0", "ros: depth -1"),
 ]
+ENVIRONMENTS = [
+    ({"ROS_DOMAIN_ID": "99999"}, "ROS_DOMAIN_ID 99999 is above 232"),
+    ({"RMW_IMPLEMENTATION": "rmw_nope"}, "RMW_IMPLEMENTATION 'rmw_nope' is not installed"),
+    ({"HOME": "", "ROS_LOG_DIR": ""}, "as ROS_LOG_DIR"),
+    ({"ROS_LOG_DIR": "/dev/null"}, "'/dev/null': 20: name a folder that can be written as ROS_LOG_DIR"),
+    ({"ROS_LOG_DIR": "/proc/1"}, ": name a folder that can be written as ROS_LOG_DIR"),
+    ({"ROS_STATIC_PEERS": "no..where"}, "no..where: name machines that are known as ROS_STATIC_PEERS"),
+    ({"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce"}, "ROS_SECURITY_KEYSTORE is empty"),
+    (
+        {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": "/no"},
+        "'/no/enclaves' does not exist.: mend the keys in ROS_SECURITY_KEYSTORE",
+    ),
+]
+"""Settings that ROS refuses: some by a status of its own, some by lines of its own, some without a reason."""
 
 
 @pytest.fixture(scope="module")
@@ -130,13 +153,14 @@ def test_process_ends_with_status_2(name: str, folder: Path) -> None:
     require_one_good_line(name, done.stdout, done.stderr)
 
 
-def test_a_domain_without_ports_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a process of its own, which Fast DDS would end."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", "99999")
-    done = subprocess.run(sim_command(), capture_output=True, text=True, timeout=DEADLINE, check=False)
+@pytest.mark.parametrize(("settings", "said"), ENVIRONMENTS)
+def test_an_environment_in_which_ros_does_not_start_is_refused(settings: dict[str, str], said: str) -> None:
+    """In a process of its own, which ROS would end."""
+    environment = {**os.environ, **settings}
+    done = subprocess.run(sim_command(), capture_output=True, text=True, timeout=DEADLINE, check=False, env=environment)
     assert done.returncode == 2
     [line] = done.stderr.splitlines()
-    assert "ROS_DOMAIN_ID 99999 is above 232" in line
+    assert said in line
 
 
 @pytest.mark.usefixtures("own_signals")

@@ -109,6 +109,28 @@ def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
     assert not (tmp_path / "x.mcap").exists()
 
 
+@pytest.mark.parametrize(
+    ("make", "error"),
+    [
+        (lambda q: [1], refused("no topics", name="estimates")),
+        (lambda q: q, refused("no topics", name="estimates")),
+        (lambda q: {3: q}, refused("topic", topic=3)),
+        (lambda q: {"/mine": q * np.nan}, refused("not finite", name="estimate", count=40, of=40)),
+        (lambda q: {"/mine": q * 0.0}, refused("zero", count=40, of=40)),
+        (
+            lambda q: {"/mine": Estimate(q, gyro_bias=q[:, :3] * np.nan)},
+            refused("not finite", name="gyro_bias", count=40, of=40),
+        ),
+    ],
+)
+def test_what_a_score_refuses_is_not_put_into_a_bag(make, error, run, attitude, tmp_path):
+    with error:
+        run.to_bag(tmp_path / "x.mcap", estimates=make(attitude))
+    assert not (tmp_path / "x.mcap").exists()
+    with refused("no topics", name="scores"):
+        run.to_bag(tmp_path / "x.mcap", scores=[1])
+
+
 def test_estimated_biases_have_their_score_from_a_bag_too(run, attitude, tmp_path, capsys):
     bias = run.gyro_bias_at(run.t_ns) + np.array([0.0, 0.02, 0.0])
     estimate, path, out = Estimate(attitude, run.t_ns, gyro_bias=bias), tmp_path / "run.mcap", tmp_path / "scored.mcap"

@@ -365,6 +365,7 @@ def test_scores_of_a_run(run):
         ({"seeds": [-1]}, refused("seed", value=-1)),
         ({"seeds": 5}, refused("seeds", value=5)),
         ({"seeds": []}, refused("no seeds")),
+        ({"inertia": {1.0, 2.0, 2.5}}, refused("no order", name="inertia")),
         ({"scenario": 5}, refused("no name", value=5)),
         ({"scenario": "a/file"}, refused("path as name", name="a/file")),
         ({"scenario": "file.yml"}, refused("path as name", name="file.yml")),
@@ -377,6 +378,17 @@ def test_what_makes_no_run_is_one_line(given, error):
         simulate(**{"scenario": "tumbling_cubesat", "duration": 1.0, **given})
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) <= LONGEST_LINE
+
+
+@pytest.mark.parametrize(
+    ("given", "kind"), [(None, "object"), ("0", "<U1"), (0.5, "float64"), ([[0], [1, 2]], "object")]
+)
+def test_times_of_other_types_are_one_line(run, given, kind):
+    with refused("integers", name="truth", kind=kind):
+        run.attitude().at(given)
+    with refused("integers", name="t_ns", kind=kind):
+        run.gyro_bias_at(given)
+    assert run.gyro_bias_at([]).shape == (0, 3)
 
 
 def test_the_error_of_an_estimated_bias(run):

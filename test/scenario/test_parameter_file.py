@@ -171,7 +171,15 @@ def test_an_assignment_may_name_the_node_as_for_ros() -> None:
 
 def test_what_every_node_has_is_left_to_nodes(write: Write) -> None:
     path = write("/**: {ros__parameters: {rate: 1.0, use_sim_time: true, qos_overrides: {/pose: {depth: 1}}}}")
-    assert gather(None, [path], ["start_type_description_service:=false"]) == {"rate": 1.0}
+    assert gather(None, [path], []) == {"rate": 1.0}
+
+
+@pytest.mark.parametrize(
+    "name", ["use_sim_time", "start_type_description_service", "qos_overrides./pose.publisher.depth"]
+)
+def test_an_assignment_of_what_every_node_has_is_refused(name: str) -> None:
+    with pytest.raises(InputError):
+        gather(None, [], [f"{name}:=1"])
 
 
 @pytest.mark.parametrize("text", [text for text, _ in REFUSED])

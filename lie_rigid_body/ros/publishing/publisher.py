@@ -13,7 +13,6 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.qos_overriding_options import QoSOverridingOptions
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
@@ -21,7 +20,7 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.parameters import NS
-from lie_rigid_body.ros.session import message_class, translated_errors
+from lie_rigid_body.ros.session import message_class, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
@@ -117,10 +116,7 @@ class SamplePublisher(Sink):
     def _add(self, topic: str, kind: type, quality: QoSProfile) -> None:
         """Create the publisher of a topic, unless there is one."""
         if topic not in self.publishers:
-            with translated_errors(f"the topic {topic} as {self._node.resolve_topic_name(topic)}"):
-                self.publishers[topic] = self._node.create_publisher(
-                    kind, topic, quality, qos_overriding_options=QoSOverridingOptions.with_default_policies()
-                )
+            self.publishers[topic] = offered(self._node, kind, topic, quality)
 
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""

@@ -14,7 +14,6 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Quaternion, Vector3
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -25,6 +24,7 @@ from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.ros.session import offered
 from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 
@@ -53,8 +53,7 @@ class Transforms(Sink):
         from tf2_msgs.msg import TFMessage
 
         qos = QoSProfile(depth=TRANSFORMS_KEPT, reliability=ReliabilityPolicy.RELIABLE)
-        options = QoSOverridingOptions.with_default_policies()
-        self._publisher = node.create_publisher(TFMessage, TF, qos, qos_overriding_options=options)
+        self._publisher = offered(node, TFMessage, TF, qos)
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the names of the frames."""

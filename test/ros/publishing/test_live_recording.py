@@ -58,6 +58,12 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
     assert simulator.said[-1].endswith(f" samples; certify them with: lie-rigid-body check '{bag}'")
 
 
+def test_a_bag_without_a_sample_is_not_said_to_be_certified(tmp_path: Path) -> None:
+    with SimulatorProcess("-p", "paused:=true", "-p", f"record_path:={tmp_path / 'none.mcap'}") as simulator:
+        assert simulator.end(signal.SIGTERM) == 0
+    assert simulator.said[-1] == "recorded 0 samples"
+
+
 def test_signal_while_one_sample_takes_hours_to_compute(tmp_path: Path) -> None:
     bag = tmp_path / "whole.mcap"
     arguments = ("-p", "rate:=1.0", "-p", "max_step:=1e-9", "-p", f"record_path:={bag}")
