@@ -162,9 +162,7 @@ def test_who_gives_one_file_of_a_split_bag_is_told_to_give_the_folder(
     assert capsys.readouterr().out.splitlines()[-1].endswith(f"recover all with: recover '{split}' -o FIXED")
     fixed.replace(part)
     assert check([str(part)]) == 2
-    line = capsys.readouterr().err
-    assert "_rigid_body/scenario: it is one file of a bag that was split: give the folder " in line
-    assert line.endswith("/my run\n")
+    assert capsys.readouterr().err.endswith("/my run\n")
 
 
 def test_a_killed_recording_is_recovered_and_certified(tmp_path: Path) -> None:

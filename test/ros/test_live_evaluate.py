@@ -179,7 +179,7 @@ def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     monkeypatch.setitem(sys.modules, "rclpy", None)
     assert main([]) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert "rclpy is not installed" in line
+    assert "rclpy" in line
 
 
 @pytest.mark.ros
