@@ -269,7 +269,7 @@ def test_a_broken_limit_is_drawn_where_it_is_wanted(run, tmp_path):
     picture = tmp_path / "errors.png"
     assert_attitude(late, run, max_rms_deg=90.0, plot=picture)
     assert not picture.exists()
-    with pytest.raises(AssertionError, match=r"The errors over time: .*errors\.png"):
+    with pytest.raises(AssertionError, match=picture.name):
         assert_attitude(late, run, max_rms_deg=0.01, plot=picture)
     assert picture.read_bytes().startswith(b"\x89PNG")
 
