@@ -104,7 +104,6 @@ def test_another_stamp_is_named(bag, tmp_path, by_ns, as_written):
     found = certify(Bag(tamper(bag, tmp_path / "b.mcap", lambda ms: late(change(ms)))))
     assert broken(found) & {"magnetometer stamps", "sensor stamps"}
     if abs(by_ns) <= 1000:
-        assert f"{MAG}: 1 stamps off the grid, reading 37 stamped " in found.messages[0]
         stamped, right = (int(word) for word in found.messages[0].split() if word.isdigit() and len(word) == 19)
         assert stamped - right == by_ns
         assert right != EPOCH + round(37e9 / 70.0)
@@ -115,25 +114,18 @@ def test_another_stamp_is_named(bag, tmp_path, by_ns, as_written):
 def test_a_changed_missing_doubled_or_swapped_reading_is_named(bag, tmp_path, topic, index):
     stamps = "magnetometer stamps" if topic == MAG else "IMU stamps"
 
-    def verdict(change) -> tuple[set[str], str]:
-        found = certify(Bag(tamper(bag, tmp_path / "b.mcap", on(topic, change))))
-        return broken(found), found.messages[0]
+    def broken_by(change) -> set[str]:
+        return broken(certify(Bag(tamper(bag, tmp_path / "b.mcap", on(topic, change)))))
 
     count = len([m for m in messages_of(bag) if m.topic == topic])
     index %= count
     changed = lambda x: np.concatenate([x[:3] * (1 + 1e-11), x[3:]])  # noqa: E731
-    names, said = verdict(at(index, lambda m: with_numbers(m, 12, changed)))
-    assert names == {{IMU: "accelerometer", BIAS: "accelerometer bias", MAG: "magnetometer"}[topic]}
-    names, said = verdict(lambda ms: [*ms[:index], *ms[index + 1 :]])
-    assert names == {stamps}
-    assert "gap, reading " in said
-    names, said = verdict(lambda ms: [*ms[: index + 1], *ms[index:]])
-    assert names == {stamps}
-    assert "duplicate of reading " in said
+    values = {IMU: "accelerometer", BIAS: "accelerometer bias", MAG: "magnetometer"}[topic]
+    assert broken_by(at(index, lambda m: with_numbers(m, 12, changed))) == {values}
+    assert broken_by(lambda ms: [*ms[:index], *ms[index + 1 :]]) == {stamps}
+    assert broken_by(lambda ms: [*ms[: index + 1], *ms[index:]]) == {stamps}
     if index == 37:
-        names, said = verdict(lambda ms: [*ms[:37], ms[38], ms[37], *ms[39:]])
-        assert names == {stamps}
-        assert f"{topic}: out of order, reading 38 stands before 37" in said
+        assert broken_by(lambda ms: [*ms[:37], ms[38], ms[37], *ms[39:]]) == {stamps}
 
 
 def test_the_right_reading_is_found_in_any_time_that_can_be_stamped():

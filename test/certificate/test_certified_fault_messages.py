@@ -106,8 +106,6 @@ def test_another_field_is_named(bag, tmp_path, field, index):
     found = verdict(bag, tmp_path, on(FAULTS, at(index, retold(**CHANGED[field]))))
     assert "faults" in broken(found)
     assert law(found).sample == index or field in ("begin", "never", "before")
-    assert f"{FAULTS}: 1 of which the scenario makes none, the first: message {index} (" in found.messages[-1]
-    assert "1 missing, the first: " in found.messages[-1]
 
 
 def count(bag: Path) -> int:
@@ -119,6 +117,7 @@ def test_a_missing_doubled_swapped_or_unreadable_message_is_named(bag, tmp_path,
     index %= count(bag)
     for change, said in (
         (without(index), "1 missing, the first: "),
+        (at(index, retold(sensor="sun_sensor")), f"1 of which the scenario makes none, the first: message {index} ("),
         (lambda ms: [*ms[: index + 1], *ms[index:]], f"1 twice, the first: message {index + 1} ("),
         (
             lambda ms: [*ms[: index - 1], ms[index], ms[index - 1], *ms[index + 1 :]],
@@ -138,11 +137,10 @@ def test_a_missing_doubled_swapped_or_unreadable_message_is_named(bag, tmp_path,
 def test_a_topic_that_was_taken_away_is_missed(bag, tmp_path):
     found = verdict(bag, tmp_path, lambda ms: [m for m in ms if m.topic != FAULTS])
     assert broken(found) == {"faults"}
-    assert "missing, the first: " in found.messages[0]
     late = recorded(0.1)
     found = verdict(bag, tmp_path, lambda ms: late([m for m in ms if m.topic != FAULTS]))
     assert found.passed, found.messages
-    assert "~/faults, which the scenario has: not in the bag" in found.not_certified
+    assert "faults" not in {law.name for law in found.whole}
 
 
 def test_the_last_ones_cut_off_are_missed(bag, tmp_path):

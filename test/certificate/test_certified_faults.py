@@ -126,7 +126,6 @@ def test_a_spike_that_is_smoothed_away_is_named(tmp_path):
     change = on(IMU, lambda ms: [with_numbers(m, 24, smoothed) if largest(m) > 20.0 else m for m in ms])
     found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
     assert broken(found) == {"gyro"}
-    assert "rad/s off what the scenario determines" in found.messages[0]
 
 
 def largest(message: Message) -> float:
@@ -210,7 +209,7 @@ def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     sooner = on(IMU, at(20, lambda m: m._replace(log_time=m.log_time - 1)))
     found = certify(Bag(tamper(path, tmp_path / "b.mcap", sooner)))
     assert broken(found) == {"log times"}
-    assert "1 messages are not logged" in found.messages[0]
+    assert [law.broken for law in found.whole if law.name == "log times"] == [1]
 
 
 @pytest.mark.parametrize(

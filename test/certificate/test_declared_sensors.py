@@ -35,7 +35,6 @@ def test_parameters_of_the_sensors_that_are_declared_otherwise_are_caught(bag, t
     found = certificate(bag, tmp_path, declared(**{name: value}))
     if law is None:  # as if another program had recorded an IMU beside the body
         assert found.sensors == (MAG,)
-        assert f"topic {IMU} (332 messages), a sensor that no scenario has" in found.not_certified
     else:
         assert law in broken(found)
 

@@ -106,7 +106,6 @@ def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
     simulate("tumbling_cubesat", duration=2.0, motion="closed_form", imu_rate=50.0, epoch_ns=EPOCH).to_bag(bias_free)
     told: Any = as_json("a", found)["certified"]
     assert told["to_the_bit"] is True
-    assert " equal to the bit" in as_table("a", found)
     last_bit = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(np.nextafter(x[:3], 9), x[3:]))))
     other = certify(Bag(tamper(path, tmp_path / "b.mcap", last_bit)))
     assert (other.passed, other.to_the_bit) == (True, False)

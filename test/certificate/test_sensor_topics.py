@@ -34,9 +34,7 @@ def test_topics_are_found_beside_the_poses_and_others_are_listed(bag, tmp_path):
     found = certify(Bag(rewritten(bag, tmp_path / "two.mcap", {}, twice)))
     assert found.passed, found.messages
     assert found.sensors == (IMU, BIAS, MAG)
-    said = "; ".join(found.not_certified)
-    assert "topic /robot/imu/mag (70 messages), which no scenario determines" in said
-    assert "topic /robot/imu/data (332 messages), which no scenario determines" in said
+    assert {text.split()[1] for text in found.not_certified if text.startswith("topic ")} == set(twice.values())
     elsewhere = {topic: f"/a{topic}" for topic in ("/pose", "/twist", "/lie_rigid_body/scenario", *TOPICS)}
     found = certify(Bag(rewritten(bag, tmp_path / "elsewhere.mcap", elsewhere, {MAG: "/b/imu/mag"})))
     assert found.sensors == ("/a/imu/data_raw", "/a/imu/bias", "/a/imu/mag")

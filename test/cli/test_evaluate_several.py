@@ -65,9 +65,7 @@ def test_a_limit_is_held_by_each(several, capsys):
     assert [each["passed"] for each in content["estimates"]] == [True, False]
     assert content["passed"] is False
     assert main([str(bag), *both, "--max-rms", "1.5deg"]) == 1
-    lines = capsys.readouterr().out
-    assert f"{rms(errors['/poor']):.4g}°" in lines
-    assert "/good is better than /poor" in " ".join(lines.split())
+    assert f"{rms(errors['/poor']):.4g}°" in capsys.readouterr().out
 
 
 def test_estimates_without_a_common_stamp_have_no_interval(several, capsys):

@@ -41,18 +41,6 @@ def test_a_disk_with_too_little_room(
     assert main(["out.mcap", "--duration", "4", "--quiet"]) == 0
 
 
-def test_a_file_gives_the_same_refusal_as_an_assignment_and_is_named(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (here / "flat.yaml").write_text("/**:\n  ros__parameters:\n    inertia: [1.0, 2.0, 3.1]\n")
-    (here / "good.yaml").write_text("/**:\n  ros__parameters:\n    rate: 10.0\n")
-    (here / "unknown.yaml").write_text("/**:\n  ros__parameters:\n    speed: 10.0\n")
-    given = ["out.mcap", "--duration", "10", "--params-file", "flat.yaml", "--params-file", "good.yaml"]
-    assert "error: flat.yaml: inertia: " in refusal(given, here, capsys)
-    assert "error: rate: " in refusal([*given, "-p", "rate:=0.0"], here, capsys)
-    assert "error: unknown.yaml: speed: " in refusal([*given, "--params-file", "unknown.yaml"], here, capsys)
-
-
 def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000)); "

@@ -85,6 +85,9 @@ RECORD = {
     "out.mcap --duration 1 --params-file .": "is a folder",
     "out.mcap --duration 1 --params-file bad.yaml": "bad.yaml, line 2, column 1: not readable as YAML",
     "out.mcap --duration 1 --params-file other.yaml": "no section for the node /lie_rigid_body, only for /talker",
+    "out.mcap --duration 1 --params-file flat.yaml": "error: flat.yaml: inertia: ",
+    "out.mcap --duration 1 --params-file flat.yaml -p rate:=0.0": "error: rate: ",
+    "out.mcap --duration 1 --params-file flat.yaml --params-file unknown.yaml": "error: unknown.yaml: speed: ",
     "none/out.mcap --duration 1": "folder none does not exist: make it",
     ". --duration 1": ". is a folder",
     "bad.yaml --duration 1": "bad.yaml exists and is kept: give another name, or --force",
@@ -144,6 +147,11 @@ REFUSED = {
     "evaluate bag.mcap --estimate /pose --report a.pdf": "only HTML is written",
     "evaluate absent.mcap --estimate /pose --plot picture.png": "exists and is kept",
     "evaluate absent.mcap --estimate /pose --report page.html": "exists and is kept",
+    "evaluate bag.mcap --estimate /pose --plot page.png --report page.html --force": "is the output page.png itself",
+    "evaluate absent.mcap --estimate /pose --out bag.mcap": "bag.mcap exists and is kept",
+    "evaluate bag.mcap --estimate /pose --out out.bag": "end in .mcap",
+    "evaluate bag.mcap --estimate /pose --out none/out.mcap": "folder none does not exist",
+    "evaluate --out out.mcap": "--out goes only with a bag",
     "evaluate bag.mcap --estimate /pose --topic pose:=/pose": "that is the estimate: name the topic of the truth",
     "evaluate run.mcap --estimate /pose --topic pose:=/poes": "there is no topic /poes: did you mean /pose",
     "evaluate run.mcap --estimate /pose --topic pose:=/imu/data_raw": "topic /imu/data_raw is of Imu, not PoseStamped",
@@ -155,6 +163,7 @@ REFUSED = {
     "explain --params-file absent.yaml": "does not exist",
     "explain dzhanibekov --scenario flat_plate": "two scenarios, dzhanibekov and --scenario flat_plate",
     "scenarios all": "unrecognized arguments: all; 'lie-rigid-body scenarios --help' explains the arguments",
+    "recover cut.mcap -o cut.mcap": "cut.mcap is the input cut.mcap itself, which would be lost: give another name",
     "recover cut.mcap -o page.html": "exists and is kept: give another name, or --force",
     "recover . -o fixed.mcap": "is not the folder of one bag: recover the MCAP files in it one by one",
     "recover nothing -o fixed.mcap": "is a folder without MCAP files",
@@ -170,10 +179,21 @@ IMU = "-p imu_rate:=100.0 -p sensor_grade:=mems -p gyro_turn_on_bias:=0.125"
 FAULTS = "-p magnetometer_rate:=10.0 -p magnetometer_stuck_interval:=5.0"
 SAID = {
     "check bag.mcap": (0, ["CERTIFIED: attitude within", " closed form ", " world momentum y ", "who wrote it"]),
-    "check run.mcap": (0, ["Every reading is what its scenario determines: /imu/data_raw, /imu/bias."]),
+    "check run.mcap": (
+        0,
+        [
+            "It is equal to the bit to what is computed here.",
+            "Every reading is what its scenario determines: /imu/data_raw, /imu/bias.",
+        ],
+    ),
     "check poor.mcap": (
         1,
-        ["NOT CERTIFIED - ", "BROKEN", "rad off the exact solution (limit 1e-07) at 48 "],
+        [
+            "NOT CERTIFIED - ",
+            "BROKEN",
+            "rad off the exact solution (limit 1e-07) at 48 ",
+            "note: the declared stepper errs by up to ",
+        ],
     ),
     "check bag.mcap run.mcap": (0, ["CERTIFIED: all 2 bags, attitude within"]),
     "check one": (0, ["CERTIFIED: 1 bag, attitude within"]),
@@ -224,7 +244,8 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     good = write_bag(folder / "bag.mcap", 50)
     write_bag(folder / "poor.mcap", 50, method="rkmk1")
     write_bag(folder / "other.mcap", 50, initial_body_rate=[1.0, 0.5, 2.0])
-    assert main(["record", str(folder / "run.mcap"), "--duration", "0.5", "-p", "imu_rate:=50.0", "--quiet"]) == 0
+    given = ["--duration", "0.5", "-p", "imu_rate:=50.0", "-p", "motion:=closed_form", "--quiet"]
+    assert main(["record", str(folder / "run.mcap"), *given]) == 0
     merged(folder / "two.mcap", a=good, b=good)
     for name in ("nothing", "one"):
         (folder / name).mkdir()
@@ -235,6 +256,9 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "text.mcap").write_text("not a bag\n" * 20)
     (folder / "page.html").write_text("precious")
     (folder / "picture.png").write_text("precious")
+    os.link(folder / "page.html", folder / "page.png")
+    (folder / "flat.yaml").write_text("/**: {ros__parameters: {inertia: [1.0, 2.0, 3.1]}}")
+    (folder / "unknown.yaml").write_text("/**: {ros__parameters: {speed: 10.0}}")
     (folder / "bad.yaml").write_text("/**: [1,\n")
     (folder / "other.yaml").write_text("talker: {ros__parameters: {rate: 1.0}}")
     os.mkfifo(folder / "fifo")

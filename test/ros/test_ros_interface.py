@@ -82,7 +82,6 @@ def test_every_parameter_is_described(peer: Peer, parameters: AsyncParameterClie
     fixed = {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
     fixed |= {"sensor_grade", "imu_orientation", "lockstep_topic", "lockstep_nodes", "lockstep_timeout"}
     assert {name for name in names if described[name].read_only} == fixed
-    assert "next ~/reset" in described["inertia"].additional_constraints
     assert "closed_form" in described["motion"].additional_constraints
     assert "rad/s" in described["initial_body_rate"].description
 

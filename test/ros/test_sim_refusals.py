@@ -170,7 +170,7 @@ def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.Capture
     os.close(theirs)
     assert main(["--ros-args", "--params-file", f"/dev/fd/{ours}"]) == 2
     os.close(ours)
-    assert f"/dev/fd/{ours} is a pipe" in capfd.readouterr().err
+    assert f"/dev/fd/{ours}" in capfd.readouterr().err
 
 
 def test_an_end_while_a_wait_begins_is_no_failed_callback(

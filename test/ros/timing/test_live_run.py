@@ -79,7 +79,7 @@ def test_failed_reset_is_answered_and_changes_nothing() -> None:
     sink = run(FakeTime({}, {20: call}), 100)
     assert len(sink.segments) == 1
     assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
-    with pytest.raises(InputError, match="no"):
+    with pytest.raises(InputError):
         call.outcome.result()
 
 
