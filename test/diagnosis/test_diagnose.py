@@ -245,7 +245,7 @@ def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pyt
     [
         ("hangs", "1", "1", "--timeout"),
         pytest.param("forks", "2", "1", "--timeout", marks=pytest.mark.slow),
-        ("dies", "1", "60", "status 3"),
+        pytest.param("dies", "1", "60", "status 3", marks=pytest.mark.slow),
     ],
 )
 def test_filter_that_hangs_or_dies_is_ended(

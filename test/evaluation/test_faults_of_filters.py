@@ -199,6 +199,7 @@ def test_a_late_stamp_beside_a_mounting_by_the_sensors_is_told_as_one():
     assert finding.code == "lagging" or finding.message.endswith("; this motion does not tell it from lag.")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenario", ["tossed_phone", "asymmetric_top"])
 @pytest.mark.parametrize("angle", [-np.pi / 2.0, np.pi / 2.0])
 @pytest.mark.parametrize("world", [[0.0, 0.0, 0.0, 1.0], NED])

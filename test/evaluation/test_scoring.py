@@ -54,6 +54,7 @@ def correlated(seed: int, memory: float) -> np.ndarray:
     return quaternion.exp(found * np.radians(0.5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.0, 0.95])
 def test_the_standard_error_of_the_lag_is_its_spread(memory):
     """Also of errors that last for a second, far above the time between samples."""

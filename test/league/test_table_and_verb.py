@@ -129,6 +129,7 @@ def test_a_filter_that_fails_is_lost_with_the_reason():
     assert early.total_deg == 180.0
 
 
+@pytest.mark.slow
 def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypatch, capsys):
     """ahrs solves the same problem of Wahba by other formulas, which round elsewhere."""
     monkeypatch.chdir(folder)

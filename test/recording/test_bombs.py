@@ -119,7 +119,7 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
     "a long JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 70_000), "70000 characters"),
     "an integer of 60 000 digits": (
         lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
-        "60001 digits",
+        "60001 characters",
     ),
     "an integer of 4000 digits": (lambda d, n: with_value(d, "epoch_ns", 10**4000), "epoch_ns"),
     "a rate of 1e308": (lambda d, n: with_value(d, "rate", 1e308), "rate"),

@@ -273,6 +273,7 @@ def test_every_length_of_a_table_at_its_largest_is_refused(tmp_path: Path) -> No
             assert Campaign.from_table(path).runs in range(1, 2**31)
 
 
+@pytest.mark.slow
 def test_ten_thousand_other_topics_are_read_in_one_pass(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Which of the texts are scenarios is asked of each topic: a chunk was read again for each of them."""
     text_message = b"\0\1\0\0" + sized(b"\0")

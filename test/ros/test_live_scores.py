@@ -30,6 +30,7 @@ def domain(isolated_ros: None) -> Iterator[int]:
         yield number
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_findings_come_go_and_are_replaced_while_a_filter_runs(domain: int) -> None:

@@ -242,6 +242,7 @@ def test_topics_are_reliable_and_stamped_by_default(peer: Peer) -> None:
         }
 
 
+@pytest.mark.slow
 def test_own_options_give_way_to_ros_arguments_and_later_files(peer: Peer, tmp_path: Path) -> None:
     file = tmp_path / "p.yaml"
     for_all, for_one = "rate: 20.0, body_frame: from_file", "rate: 21.0"

@@ -495,6 +495,7 @@ def live_of(heard: list[tuple[str, bytes]], batch: int = 5, duration_s: float | 
     return live
 
 
+@pytest.mark.slow
 def test_transforms_of_a_thousand_other_frames_hide_none(own, stamps, noisy):
     """Whoever else publishes on /tf, and before the estimate."""
     transforms = [(int(stamps[0]), IDENTITY, f"world {i}", f"body {i}") for i in range(1000)]

@@ -275,6 +275,7 @@ def test_time_paused_while_catching_up_stands_at_what_was_sent() -> None:
     assert run.sink.latest[-1] == 0
 
 
+@pytest.mark.slow
 @example([(100 * MS, 50 * MS)])  # late by just a period
 @given(st.lists(st.tuples(st.integers(0, 100 * MS), st.integers(0, 80 * MS)), max_size=8))
 @pytest.mark.parametrize(("rate", "factor"), [(100.0, 1.0), (100.0, 2.0), (5000.0, 1.0), (30.0, 0.5)])
