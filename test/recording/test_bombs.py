@@ -121,7 +121,7 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
         lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
         "60001 characters",
     ),
-    "an integer of 4000 digits": (lambda d, n: with_value(d, "epoch_ns", 10**4000), "epoch_ns"),
+    "an integer of 4000 digits": (lambda d, n: with_value(d, "epoch_ns", 10**4000), "4001 characters"),
     "a rate of 1e308": (lambda d, n: with_value(d, "rate", 1e308), "rate"),
     "a body rate of 1e308": (lambda d, n: with_value(d, "initial_body_rate", [1e308, -1e308, 1e308]), "body_rate"),
     "an inertia of 1e308": (lambda d, n: with_value(d, "inertia", [1e308, 1e308, 1e308]), "inertia"),
