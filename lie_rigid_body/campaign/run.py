@@ -21,7 +21,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Entry
 from lie_rigid_body.errors import BagError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
-from lie_rigid_body.evaluation.attitudes import attitude_error, error_vectors
+from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
@@ -268,38 +268,38 @@ def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
         "nees_mean": None if score.consistency is None else score.consistency.mean,
         "gyro_bias_rms_rad_s": None if score.gyro_bias_rad_s is None else score.gyro_bias_rad_s.rms,
     }
-    found = run.stamped(found)
-    places, known = _nearest(found.t_ns, run, CURVE)
-    total = np.degrees(attitude_error(found.attitude_xyzw[places], run.attitude().at(found.t_ns[places])).total)
+    found, truth = run.stamped(found), run.attitude()
+    places, known = _nearest(found.t_ns, run.t_ns, truth, CURVE)
+    total = np.degrees(attitude_error(found.attitude_xyzw[places], truth.at(found.t_ns[places])).total)
     curve = [value if is_known else None for value, is_known in zip(_short(total), known, strict=True)]
-    places, known = _nearest(found.t_ns, run, SERIES)
+    places, known = _nearest(found.t_ns, run.t_ns, truth, SERIES)
     if not (series and known.all()):
         return Judgement(scores, curve_deg=curve)
     return Judgement(
         scores,
         curve_deg=curve,
         axes=found.covariance_axes,
-        covariance=_attitude_series(found, run, places),
+        covariance=_attitude_series(found, truth, places),
         gyro_bias=_bias_series(found, run, places),
     )
 
 
-def _nearest(stamps_ns: Integers, run: Run, count: int) -> tuple[Integers, Any]:
+def _nearest(stamps_ns: Integers, t_ns: Integers, truth: Truth, count: int) -> tuple[Integers, Any]:
     """Indexes of the estimates at even times from first to last sample of a run, and whether each is at such a time."""
-    wanted = np.linspace(run.t_ns[0], run.t_ns[-1], count).astype(np.int64)
+    wanted = np.linspace(t_ns[0], t_ns[-1], count).astype(np.int64)
     after = np.clip(np.searchsorted(stamps_ns, wanted), 1, max(1, len(stamps_ns) - 1))
     before = after - 1
     after = np.minimum(after, len(stamps_ns) - 1)
     nearest = np.where(wanted - stamps_ns[before] <= stamps_ns[after] - wanted, before, after)
-    near = 2 * np.abs(stamps_ns[nearest] - wanted) <= (run.t_ns[-1] - run.t_ns[0]) // (count - 1)
-    return nearest, run.attitude().covers(stamps_ns[nearest]) & near
+    near = 2 * np.abs(stamps_ns[nearest] - wanted) <= (t_ns[-1] - t_ns[0]) // (count - 1)
+    return nearest, truth.covers(stamps_ns[nearest]) & near
 
 
-def _attitude_series(found: Estimate, run: Run, places: Integers) -> list[list[float]]:
+def _attitude_series(found: Estimate, truth: Truth, places: Integers) -> list[list[float]]:
     if found.covariance is None:
         return []
     attitudes = unit("estimate", found.attitude_xyzw[places])
-    errors = error_vectors(attitudes, run.attitude().at(found.t_ns[places]), found.covariance_axes)
+    errors = error_vectors(attitudes, truth.at(found.t_ns[places]), found.covariance_axes)
     return _rows(errors, rotation_block(found.covariance), len(found), places, attitudes)
 
 
