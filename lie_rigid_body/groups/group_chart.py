@@ -128,5 +128,5 @@ def _require_reach(ad: Array) -> None:
     if not turn <= LARGEST_CHART_TURN:
         raise InputError(
             f"a step turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step by a factor of "
-            f"{10.0 * turn / LARGEST_CHART_TURN:.1g} or more"
+            f"more than {turn / LARGEST_CHART_TURN:.3g}"
         )
