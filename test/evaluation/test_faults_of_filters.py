@@ -126,6 +126,7 @@ def wrong(fault: str, run: Recorded, way: str) -> tuple[np.ndarray, set[str]]:
     return change(FILTERS[way](run, run.gyro)), names
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scenario", "fault"),
     [
@@ -182,6 +183,7 @@ def test_two_conventions_are_not_named_where_one_cause_leaves_less(heading_deg):
     assert finding.code == "heading_offset"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("samples", [1, 2, 3])
 def test_a_lag_that_leaves_more_than_a_near_one_with_a_mounting_is_not_named(samples):
     run = recorded("tossed_phone", "mems")

@@ -55,6 +55,7 @@ def test_a_far_lag_is_that_of_each_quarter():
     assert not {"lagging", "leading"} & {finding.code for finding in part.findings}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cause", "lag_s"), [("ned_world", 0.04), ("inverted", -0.08), ("heading_offset", -0.08), ("body_mounting", 0.02)]
 )

@@ -133,6 +133,7 @@ def test_an_inverse_that_turns_as_about_mirrored_axes_for_a_while_is_no_more_tha
     assert [finding.code for finding in evaluate(few, inverse, SampledTruth(few, true)).findings] == ["inverted"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size_deg", [3.0, 30.0])
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_noise_feigns_no_turns(motion, size_deg):

@@ -299,6 +299,7 @@ def test_a_quaternion_whose_norm_underflows_breaks_laws_without_a_warning() -> N
     assert answers(replaced(POSE, 0, 76, longs(1), 2**20), drawn=True)["check 1"] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", sampled([float("nan"), float("inf"), -1e308, 1e308, 5e-324], every=3))
 @pytest.mark.parametrize(("topic", "fields"), [(POSE, 7), (TWIST, 6)])
 def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
