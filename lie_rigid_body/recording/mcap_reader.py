@@ -9,6 +9,7 @@ import struct
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -110,8 +111,9 @@ def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], ke
                 channels, found = {key: own for key, own in there.items() if key in keys}, Found()
                 if channels:
                     raw = file[begin:end]
-                    _, indexes, data = _records_of(raw)
-                    index = dict(_index(raw, place) for place in indexes)  # compared when the file was read first
+                    chunk, indexes = _chunk_of(raw)  # checksum and indexes were compared when the file was read first
+                    data = inflated(replace(chunk, uncompressed_crc=0)) if chunk else raw
+                    index = dict(_index(raw, place) for place in indexes)
                     index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
                     found = _by_track(data, index, channels)
                 yield end - begin, found
@@ -129,8 +131,8 @@ def _told(error: Exception, at: int) -> str:
     return ContradictionError.sentence.format(at=at, what=f"{type(error).__name__}: {error}".removesuffix(": "))
 
 
-def _records_of(raw: bytes) -> tuple[Chunk | None, list[Place], bytes]:
-    """Chunk, if it is one, places of the indexes behind it, and records with messages of a part of a file.
+def _chunk_of(raw: bytes) -> tuple[Chunk | None, list[Place]]:
+    """Chunk, if it is one, and places of the indexes behind it, of a part of a file.
 
     Parameters
     ----------
@@ -138,10 +140,9 @@ def _records_of(raw: bytes) -> tuple[Chunk | None, list[Place], bytes]:
         A chunk with the indexes behind it, or messages that stand in no chunk.
     """
     if raw[0] != Opcode.CHUNK:
-        return None, [], raw
+        return None, []
     first, *indexes = records(raw)
-    chunk: Chunk = parsed(Opcode.CHUNK, raw[first.begin : first.end])
-    return chunk, indexes, inflated(chunk)
+    return parsed(Opcode.CHUNK, raw[first.begin : first.end]), indexes
 
 
 def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
@@ -151,7 +152,13 @@ def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
     begin = place.begin + _INDEX_HEAD.size
     require(begin + size <= place.end, f"the index of channel {channel} is longer than its record")
     rows = np.frombuffer(raw[begin : begin + size], "<u8").reshape(-1, 2)
-    return channel, rows[np.argsort(rows[:, 1], kind="stable")]
+    return channel, _in_order(rows)
+
+
+def _in_order(rows: Rows) -> Rows:
+    """Rows of an index in the order of their messages, in which recorders write them."""
+    starts = rows[:, 1]
+    return rows if (starts[1:] >= starts[:-1]).all() else rows[np.argsort(starts, kind="stable")]
 
 
 class _FileReader:
@@ -273,7 +280,8 @@ class _FileReader:
 
     def _take_messages(self, begin: int, raw: bytes) -> Found:
         """Take messages in a chunk or in none; return those that are wanted."""
-        chunk, places, data = _records_of(raw)
+        chunk, places = _chunk_of(raw)
+        data = inflated(chunk) if chunk else raw
         indexes = dict[int, tuple[int, Rows]]()
         for place in places:
             self.at = begin + place.start
@@ -338,7 +346,7 @@ def _by_track(data: bytes, index: Mapping[int, Rows], channels: Mapping[TrackKey
     found = Found()
     for key, own in channels.items():
         rows = np.concatenate([index.get(channel, _NO_ROWS) for channel in own])
-        times, starts = np.ascontiguousarray(rows[np.argsort(rows[:, 1], kind="stable")].T).view(np.int64)
+        times, starts = np.ascontiguousarray(_in_order(rows).T).view(np.int64)
         lengths = windows(data, 8)[starts + 1].view("<i8")[:, 0]
         found[key] = RawMessages.of(data, starts + HEAD.itemsize, starts + RECORD_HEAD.size + lengths, times)
     return found
