@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import random
-import shlex
 import signal
 import subprocess
 import tempfile
@@ -15,7 +14,7 @@ from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.runs.programs import Answered, Play
+from lie_rigid_body.runs.programs import Answered, Play, words
 from lie_rigid_body.system import lock
 from lie_rigid_body.wording import printable
 
@@ -29,20 +28,20 @@ _LONGEST_WORDS: Final = 100
 
 def played(play: Play) -> Answered | str:
     """What a node answers, or why it does not."""
-    with tempfile.TemporaryFile() as words, tempfile.TemporaryDirectory() as logs:
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryDirectory() as logs:
         try:
             with own_domain() as domain:
                 os.environ.update(
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
                 require_ros()
-                with _started(play.node.command, words) as require_alive:
+                with _started(play.node.command, output) as require_alive:
                     from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
 
                     try:
                         return answers_to(play, require_alive)
                     except LieRigidBodyError as error:
-                        return f"{error}{_last_words(words)}"
+                        return f"{error}{_last_words(output)}"
         except LieRigidBodyError as error:
             return str(error)
 
@@ -71,10 +70,10 @@ def own_domain() -> Iterator[int]:
 
 
 @contextmanager
-def _started(command: str, words: BinaryIO) -> Iterator[Callable[[], None]]:
+def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
     """Keep a node running; what is given raises an error once it has ended."""
     try:
-        process = subprocess.Popen(shlex.split(command), stdin=subprocess.DEVNULL, stdout=words, stderr=words)
+        process = subprocess.Popen(words(command), stdin=subprocess.DEVNULL, stdout=output, stderr=output)
     except OSError as error:
         raise LieRigidBodyError(
             f"cannot be started: {error.strerror}: give a program, such as 'ros2 run PACKAGE NODE'"

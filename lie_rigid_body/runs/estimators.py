@@ -18,7 +18,7 @@ import numpy as np
 
 from lie_rigid_body.errors import InputError, said
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import STARTING_S, FilterError, Interpreter, told
+from lie_rigid_body.runs.processes import STARTING_S, FilterError, Interpreter, time_limit, told
 from lie_rigid_body.runs.programs import CommandEstimator
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -31,8 +31,6 @@ Job = Callable[[Estimator], T]
 
 MENDED: Final = "mend it"
 """Remedy at the end of an error line about an estimator that cannot be imported."""
-LONGEST_TIMEOUT_S: Final = 1e6
-"""Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
 _GRACE_S: Final = 2.0
 """Time that a program has beyond its own limit, s: its estimator ends it, and says more."""
 
@@ -120,21 +118,6 @@ def each_alone(estimate: Estimator, jobs: Sequence[Job[T]]) -> Iterator[T | Filt
             yield job(estimate)
         except FilterError as error:
             yield error
-
-
-def time_limit(timeout: float) -> float:
-    """Read a limit of the time of one run of a filter, s, above 0 and at most `LONGEST_TIMEOUT_S`.
-
-    Raises
-    ------
-    InputError
-        If it is anything else.
-    """
-    if not 0.0 < timeout <= LONGEST_TIMEOUT_S:
-        raise InputError(
-            f"timeout: {shown(timeout)} is not above 0 and at most {LONGEST_TIMEOUT_S:g}: give a time in seconds"
-        )
-    return timeout
 
 
 class Workers:

@@ -17,9 +17,12 @@ from threading import Thread, Timer
 from typing import Any, BinaryIO, Final
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError, said
+from lie_rigid_body.evaluation.arguments import quantity
 
 STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
+LONGEST_TIMEOUT_S: Final = 1e6
+"""Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.processes import serve; serve()"
 _PACKAGE: Final = f"{Path(__file__).resolve().parents[1]}{os.sep}"
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
@@ -43,6 +46,20 @@ def told(error: BaseException) -> str:
     if isinstance(error, LieRigidBodyError):
         return f"the filter failed, {line}{error}" if line else str(error)
     return f"the filter failed, {line}{said(error)}: mend that first"
+
+
+def time_limit(timeout: object) -> float:
+    """Read a limit of the time of one run of a filter, s, above 0 and at most `LONGEST_TIMEOUT_S`.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    limit_s = quantity("timeout", timeout, "seconds", "60")
+    if limit_s > LONGEST_TIMEOUT_S:
+        raise InputError(f"timeout: {limit_s:g} s is more than {LONGEST_TIMEOUT_S:g}: give less")
+    return limit_s
 
 
 class Interpreter:

@@ -26,7 +26,7 @@ from lie_rigid_body.messages.encoding import ReadingEncoder
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import Interpreter, kill_all
+from lie_rigid_body.runs.processes import Interpreter, kill_all, time_limit
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -76,7 +76,7 @@ class CommandEstimator:
     Raises
     ------
     InputError
-        If the command has no program, or a quotation without an end.
+        If the command has no program, or a quotation without an end, or if the time is no limit.
     """
 
     command: str
@@ -87,6 +87,7 @@ class CommandEstimator:
             raise InputError(
                 f"{self._name}: give a program as in a shell, quotations closed, such as './my_filter --rate 100'"
             )
+        time_limit(self.timeout_s)
 
     def require_program(self, place: str = "") -> None:
         """Refuse a program that is not there, in a line that begins with the place where it is given.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,7 @@ from lie_rigid_body.cli import league
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.league import CASES, playing
 from lie_rigid_body.runs.programs import HEADER, CommandEstimator
-from lie_rigid_body.testing import command_estimator
+from lie_rigid_body.testing import command_estimator, node_estimator
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
 AT_REST = [0.0, 0.0, 0.0, 1.0]
@@ -117,6 +118,13 @@ def test_a_program_that_hangs_is_ended_with_what_it_started(run, tmp_path):
 def test_what_is_no_program_is_refused(run, command):
     with pytest.raises(InputError):
         CommandEstimator(command)(run)
+
+
+@pytest.mark.parametrize("timeout", ["60", None, True, math.nan, 0.0, -1.0, math.inf, 1e7])
+@pytest.mark.parametrize("make", [command_estimator, node_estimator])
+def test_what_is_no_time_is_refused(make, timeout):
+    with pytest.raises(InputError):
+        make("cat", timeout)
 
 
 def test_what_cannot_be_started_is_told_by_its_kind(run, tmp_path, monkeypatch):
