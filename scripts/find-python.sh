@@ -19,8 +19,10 @@ case $kind in
 esac
 
 probe='
-import platform, sys
+import os, platform, sys
 kind = sys.argv[1]
+# The one below an activated environment, which may be the very one that is made anew.
+python = os.path.realpath(getattr(sys, "_base_executable", None) or sys.executable)
 fits = sys.version_info >= (3, 10) and sys.implementation.name == "cpython"
 if kind == "live":
     libc, version = platform.libc_ver()
@@ -38,9 +40,9 @@ if not fits:
 try:
     import ensurepip, venv
 except ImportError:
-    print(sys.executable)
+    print(python)
     sys.exit(4)
-print(sys.executable)
+print(python)
 '
 without_venv=
 

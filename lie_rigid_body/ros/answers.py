@@ -99,9 +99,10 @@ class Answers:
             for topic in (self.topic, *(publisher.topic_name for publisher in self._publishers.values()))
         }
         hearers = {topic: _names(infos) for topic, infos in asked.items()}
-        filters = _names(published) & hearers[self._imu]
+        answering = [info for info in published if _names([info]) <= hearers[self._imu]]
+        filters = _names(answering)
         parts = filters.union(self._nodes)
-        missing = [*self._missing(filters, len(published), hearers), *self._unmatched(parts, asked)]
+        missing = [*self._missing(len(answering), len(published), hearers), *self._unmatched(parts, asked)]
         present = {topic: parts & names for topic, names in hearers.items()}
         if (present, missing) != (self._parts, self.missing):
             if missing and missing != self.missing:
@@ -145,9 +146,9 @@ class Answers:
                         seconds, nanoseconds = struct.unpack_from(f"{byte_order(payload, 0)}iI", payload, offset)
                         self.hear(seconds * NS + nanoseconds, payload)
 
-    def _missing(self, filters: Collection[str], published: int, hearers: Mapping[str, set[str]]) -> Iterator[str]:
-        if len(filters) != 1:
-            yield f"one node that publishes {self.topic} and hears {self._imu}, of which there are {len(filters)}"
+    def _missing(self, answering: int, published: int, hearers: Mapping[str, set[str]]) -> Iterator[str]:
+        if answering != 1:  # two nodes may have one name
+            yield f"one node that publishes {self.topic} and hears {self._imu}, of which there are {answering}"
         elif self._subscription is None or self._subscription.get_publisher_count() < published:
             yield f"a match of {self.topic}"
         for name in self._nodes:

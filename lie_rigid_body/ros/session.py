@@ -66,7 +66,9 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
     if get_logger_level(_RCL) == LoggingSeverity.FATAL:
         set_logger_level(_RCL, LoggingSeverity.UNSET)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "failed to send response", RuntimeWarning)  # its client has gone away
+            yield
     finally:
         rclpy.try_shutdown()
 

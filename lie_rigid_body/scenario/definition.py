@@ -183,6 +183,11 @@ class Scenario:
         bound = min(by_energy, by_momentum)
         return bound if math.isfinite(bound) else math.sqrt(twice_energy) / math.sqrt(smallest)  # quotients overflow
 
+    @property
+    def slowest_rate(self) -> float:
+        """Lowest rate of the truth and of the sensors, samples per second."""
+        return min([self.rate, *(sensor.rate for sensor in self.sensors.on.values())])
+
     def steps_per_sample(self, rate: float | None = None) -> int:
         """Steps of the moving chart from one sample to the next; 1 of the closed form.
 
@@ -242,15 +247,14 @@ class Scenario:
 
     def _require_possible_steps(self, fastest: float) -> None:
         """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""
-        slowest = min([self.rate, *(sensor.rate for sensor in self.sensors.on.values())])
-        step = min(self._longest_step(fastest), 1.0 / slowest)
+        step = min(self._longest_step(fastest), 1.0 / self.slowest_rate)
         if fastest * step > LARGEST_TURN_PER_STEP:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
                 f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
             )
-        steps = self.steps_per_sample(slowest)
+        steps = self.steps_per_sample(self.slowest_rate)
         if steps > MOST_STEPS:
             raise ParameterError(
                 "initial_body_rate",

@@ -54,6 +54,16 @@ def test_a_python_beside_the_path_is_found(tmp_path: Path, home: str) -> None:
     assert Path(found.stdout.strip()).is_file()
 
 
+def test_below_an_activated_environment_its_own_python_is_found(tmp_path: Path) -> None:
+    """An environment that is made anew is thrown away before, and its Python with it."""
+    made = (BASE_PYTHON, "-m", "venv", "--without-pip", str(tmp_path / "venv"))
+    subprocess.run(made, check=True, timeout=60)
+    found = find_python("headless", PATH=f"{tmp_path / 'venv' / 'bin'}:{os.environ['PATH']}")
+    assert found.returncode == 0
+    assert Path(found.stdout.strip()).samefile(BASE_PYTHON)
+    assert str(tmp_path) not in found.stdout
+
+
 def test_none_means_none() -> None:
     assert find_python("live", PYTHON_ROS="none").returncode == 3
 

@@ -215,6 +215,8 @@ def test_who_only_listens_is_no_filter_and_who_is_awaited_is_named(domain: int) 
         peer.spin_until(lambda: said("waits for one node that publishes /imu/data", "/judge"), "a word")
         with example(domain):
             peer.spin_until(lambda: said("waits for subscriptions of /judge"), "a word about the judge")
+            with example(domain):
+                peer.spin_until(lambda: said("waits for one node", "there are 2"), "a word about both")
             assert not any(heard)
             with evaluator(domain, "judge", estimate="/imu/data"):
                 peer.spin_until(lambda: all(len(messages) > 100 for messages in heard), "readings")

@@ -34,6 +34,7 @@ BAD_PARAMETERS = {
     "unknown method": (["-p", "method:=rk5"], ["method", "rkmk4"]),
     "unknown name": (["-p", "metod:=rkmk4"], ["metod", "did you mean method"]),
     "step too long": (["-p", "method:=rkmk4", "-p", "max_step:=5.0", "-p", "rate:=0.1"], ["max_step", "more than 1"]),
+    "steps without end": (["-p", "rate:=0.01", "-p", "max_step:=1e-9"], ["max_step", "1e+11"]),
     "epoch at the end of time": (["-p", "epoch_ns:=2147483647000000001"], ["epoch_ns", "outside"]),
     "no folder for the bag": (["-p", "record_path:=/no/such/folder/a.mcap"], ["record_path", "/no/such/folder"]),
     "bag exists": (["-p", "record_path:={folder}/existing.mcap"], ["record_path", "exists and is kept"]),

@@ -25,12 +25,31 @@ from lie_rigid_body.simulation import Segment, Simulation
 
 STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
+MOST_STEPS: Final = 1_000_000
+"""Largest number of steps of the moving chart between two samples, about half a second of work: calls wait for it."""
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
 """Lateness from which a run that is woken too seldom sends more at once, ns: else it would fall behind for ever."""
 LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
+
+
+def require_few_steps(scenario: Scenario) -> Scenario:
+    """Refuse a scenario whose samples take so long that calls have to wait for their answers.
+
+    Raises
+    ------
+    ParameterError
+    """
+    steps = scenario.steps_per_sample(scenario.slowest_rate)
+    if steps > MOST_STEPS:
+        raise ParameterError(
+            "max_step",
+            f"{scenario.max_step:g} s takes {steps:.3g} steps between samples, more than {MOST_STEPS} of a live node: "
+            "give a longer step, higher rates or a slower body, or use closed_form",
+        )
+    return scenario
 
 
 class RunState(IntEnum):
@@ -188,7 +207,8 @@ class LiveRun:
             "initial_attitude_xyzw": state.attitude_xyzw.tolist(),
             "initial_body_rate": state.body_rate.tolist(),
         }
-        return self.reset(Scenario.from_parameters(given).resampled(epoch_ns=present.epoch_ns))
+        scenario = require_few_steps(Scenario.from_parameters(given))
+        return self.reset(scenario.resampled(epoch_ns=present.epoch_ns))
 
     def pause(self) -> int:
         """Stop simulated time; return where it stands, ns. A step request under way is abandoned."""

@@ -71,9 +71,9 @@ class Lockstep:
             if self._waited_ns > self._timeout_ns:
                 missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
                 others = f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns"
-                came = others if self._others else "none came: see whether its node still runs"
-                why = f"{came}; a filter on a timer cannot be used in lock-step"
-                raise LieRigidBodyError(f"{self._topic}: {missed}; {why}")
+                came = others if self._others else "none came"
+                remedy = "let the filter answer each reading that it can pair, the first as well, and not by a timer"
+                raise LieRigidBodyError(f"{self._topic}: {missed}; {came}: {remedy}")
         self._asked_ns = steady_ns
         return self.is_waiting
 

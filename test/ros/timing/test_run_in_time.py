@@ -14,6 +14,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.ros.timing.live_run import SHORTEST_WAIT_NS, RunState
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_NS, STALL_NS
 from lie_rigid_body.ros.timing.requests import ControlError, StepRequest
@@ -137,6 +138,17 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
     count = len(run.sink.stamps)
     assert run.sink.stamps == truth(count)
     assert (count == LARGEST_BATCH) == (why != "resumed")
+
+
+def test_a_body_whose_samples_take_seconds_is_refused() -> None:
+    """No call is answered while a sample is computed."""
+    run = ScriptedRun(motion="moving_chart")
+    start = run.scenario.start()
+    fast = State(start.attitude_xyzw, 1e10 * start.body_rate)
+    [refused, _] = run.play((NS, lambda: run.live.reset_to(fast)), (2 * NS, nothing))
+    assert isinstance(refused, ParameterError)
+    assert refused.name == "max_step"
+    assert run.sink.stamps == truth(201)
 
 
 def test_the_end_breaks_off_steps() -> None:
