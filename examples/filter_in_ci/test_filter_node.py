@@ -31,7 +31,7 @@ PARAMETERS = {
 }
 SIMULATOR = [sys.executable, "-m", "lie_rigid_body", "sim", "--scenario", "tumbling_cubesat"]
 SIMULATOR += [word for name, value in PARAMETERS.items() for word in ("-p", f"{name}:={value}")]
-EVALUATOR = [sys.executable, "-m", "lie_rigid_body", "evaluate", "--json", "--duration", "20"]
+EVALUATOR = [sys.executable, "-m", "lie_rigid_body", "evaluate", "--json", "--duration", "20", "--wait", "30"]
 EVALUATOR += ["--max-rms", "1deg", "--ros-args", "-r", f"estimate:={ESTIMATE}"]
 
 

@@ -222,7 +222,7 @@ class LiveEstimate:
         motion, truth = self._true(track.stamps_ns, [poses.track()] if by_poses else [], start_ns)
         notes = (*motion.notes_on(track), *self._notes())
         read = RecordedEstimate(track, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
-        due_ns = truth.last_ns if kept.due_ns is None else kept.due_ns
+        due_ns = truth.last_ns if kept.due_ns is None or most is not None else kept.due_ns
         score = read.score(self._limits, self._covariance_axes, due_ns, bounded=most is None)
         if self.tally.count and (kept.stride > 1 or most is not None):
             score = score.of_all(self.tally, kept.count + read.left_out, due_ns)

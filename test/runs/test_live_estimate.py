@@ -364,6 +364,12 @@ def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
         live.score()
 
 
+def test_a_score_on_the_way_has_no_gap_up_to_the_end_that_was_asked_for(own, stamps, noisy, tmp_path):
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
+    live = followed(bag, POSE_STAMPED, duration_s=60.0)
+    assert [f.code for most in (100, None) for f in live.score(most)[1].findings] == ["gaps"]
+
+
 @pytest.mark.parametrize("duration_s", [None, 4.0])
 def test_poses_ahead_of_a_slow_filter_are_no_gap(duration_s, own, stamps, noisy, tmp_path):
     """The truth is there before the filter has its answer: not what is on its way is missing, but what never comes."""
