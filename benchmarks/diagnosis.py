@@ -208,7 +208,11 @@ BODY_AXES: Final = Repair("put", "gyro on the body's axes", 0, _on_body_axes, ""
 
 
 def named(number: int, mistake: int) -> tuple[int, int, str, str]:
-    """What is named of a mistake in a filter, without probes: ``named``, ``other`` or ``nothing``, and what."""
+    """What is named of a mistake in a filter, without probes: ``named``, ``other`` or ``nothing``, and what.
+
+    Of two mistakes one may have no effect, as one of the gyro in a filter that does not use it. Then the other alone,
+    whose repair leaves less than the floor, is all that there is to name.
+    """
     put = MISTAKES[mistake]
     watched = Watched(estimator(number), put)
     if watched.is_right():
@@ -217,7 +221,11 @@ def named(number: int, mistake: int) -> tuple[int, int, str, str]:
     found = watched.search.choice()
     if not found:
         return number, mistake, "nothing", f"{watched.search.runs} runs"
-    told = any(sorted(trial.codes) == sorted(put.codes) for trial in found)
+    told = any(
+        sorted(trial.codes) == sorted(put.codes)
+        or (set(trial.codes) < set(put.codes) and trial.error <= watched.search.floor)
+        for trial in found
+    )
     what = f"{' + '.join(found[0].codes)}, {np.degrees(found[0].error):.2g}°, {watched.search.runs} runs"
     return number, mistake, "named" if told else "other", what
 
