@@ -55,6 +55,8 @@ _CHECKSUMS: Final[Mapping[int, tuple[int, int, str]]] = {
     Opcode.FOOTER: (RECORD_HEAD.size + 16, RECORD_HEAD.size + 16, "summary"),
 }
 """Records with a checksum: the number of their own bytes under it, its place, and what it covers."""
+_FOOTER: Final = struct.Struct("<QQI")
+"""Content of the footer. It has no bytes behind: a reader that seeks finds it at this distance from the end."""
 _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _NO_ROWS: Final = np.empty((0, 2), dtype="<u8")
@@ -240,6 +242,8 @@ class _FileReader:
             case Metadata():
                 self._contents.metadata[record.name] = record.metadata
             case Footer():
+                size = len(raw) - RECORD_HEAD.size
+                require(size == _FOOTER.size, f"its footer has {size} bytes, not {_FOOTER.size}")
                 self._check.finish(record)
                 self._finish()
         return {}

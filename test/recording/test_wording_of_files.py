@@ -200,6 +200,11 @@ RECORDS: dict[str, tuple[Change, int, str]] = {
         Opcode.FOOTER,
         "the offsets of its summary are not those of its groups",
     ),
+    "the footer, size": (  # of which readers take the last 29 bytes, and this one took the first
+        lambda records: records.append((Opcode.FOOTER, records.pop()[1] + record(Opcode.FOOTER, bytes(20)))),
+        Opcode.FOOTER,
+        "its footer has 49 bytes, not 20",
+    ),
     "the footer, summary": (
         flipped(Opcode.FOOTER, 0),
         Opcode.FOOTER,
