@@ -15,6 +15,7 @@ from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.report.drawing import FRAME, svg
 from lie_rigid_body.simulation import Segment
+from lie_rigid_body.wording import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure
@@ -136,12 +137,13 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
     allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
+    heading = escape(printable(title))
     lines = [
         "<!DOCTYPE html>",
-        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>',
+        f'<html lang="en"><head><meta charset="utf-8"><title>{heading}</title>',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f'<meta http-equiv="Content-Security-Policy" content="{policy}"><style>{_STYLE}</style></head>',
-        f"<body><h1>{escape(title)}</h1>",
+        f"<body><h1>{heading}</h1>",
         *parts,
         f"<p>Made by lie_rigid_body {__version__}.</p>",
         *(f"<script>{script}</script>" for script in scripts),

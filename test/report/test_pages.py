@@ -331,3 +331,8 @@ def test_the_worst_law_of_a_line_went_farthest(
 ) -> None:
     for ordered in (residuals, dict(reversed(residuals.items()))):
         assert Line(("run 1",), False, 1e-15, ordered).worst == worst
+
+
+def test_a_title_has_no_control_characters() -> None:
+    page = html_page.document("/estimate\x1b[31m\x9b\u202e", [])
+    assert not any(character in page.decode() for character in "\x1b\x9b\u202e")
