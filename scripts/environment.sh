@@ -59,22 +59,24 @@ esac
 mkdir -p .cache
 if command -v flock >/dev/null; then
     exec 9>.cache/environment.lock
-    flock 9
+    flock -n 9 || {
+        echo "Waiting for another make, which sets up an environment" >&2
+        flock 9
+    }
 fi
 
 base="$root $python"
 wanted="$base $(cat setup.py setup.cfg pyproject.toml scripts/environment.sh $constraints | cksum) $extras"
+made=
 if [ -f $folder/complete ] && $folder/bin/python -I -c '' 2>/dev/null; then
     made=$(cat $folder/complete)
     # With more extras than are wanted it will do: the node's come first.
     case $made in "$wanted"*) echo "$root/$folder"; exit 0 ;; esac
-    # Made elsewhere or with another Python: its programs name the wrong interpreter.
-    [ "${made#"$base "}" != "$made" ] || rm -rf $folder
-else
-    rm -rf $folder
 fi
 
 echo "Setting up $folder with $python (once; it takes about a minute, as pip tells below)" >&2
+# Not made to its end, elsewhere, or with another Python: its programs name the wrong interpreter.
+[ "${made#"$base "}" != "$made" ] || rm -rf $folder
 rm -f $folder/complete
 [ -d $folder ] || "$python" -m venv $folder >&2
 # What pip fetches and builds is told line by line; of what is there already it would tell hundreds of lines.

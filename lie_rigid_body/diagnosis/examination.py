@@ -128,7 +128,9 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
             raise
         interrupted = True
     mistakes, unrepaired = tuple(_mistakes(search, errors)), plain(search.trials)
-    if search.is_cut and not interrupted:
+    if interrupted:
+        remarks = [*remarks, "It was interrupted: a repair that was not tried yet may do better."]
+    elif search.is_cut:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
     if errors and not mistakes and unrepaired.error > search.floor:
         remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]

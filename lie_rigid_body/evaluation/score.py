@@ -283,7 +283,8 @@ def findings(score: Score) -> list[str]:
     """Findings under their codes, wrapped; if there is none, a line that says so, with a warning of large errors."""
     found = [line for finding in score.findings for line in wrapped(finding.message, f"{finding.code}: ")]
     large = score.total_deg.median > LARGEST_SETTLED_DEG
-    return found or [f"no findings{': no mistake that is known explains errors as large' if large else ''}"]
+    reads = ": no known mistake in the estimate explains errors as large: diagnose looks for those in what a filter reads"
+    return found or [f"no findings{reads if large else ''}"]
 
 
 def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
