@@ -14,6 +14,7 @@ PHRASES = {
     "recorder's log times": "log times: a recorder's",
     "no checksum": "parts without a checksum: {count}",
     "attachments": "{count} attachments",
+    "stray": "topic {topic} ({count} messages), which no scenario determines",
     "another version": "the scenario is of '{software}'",
     "scenarios again": "scenario messages that repeat another one: {count}",
     "scenarios without a sample": "scenarios without a sample: {count}",
