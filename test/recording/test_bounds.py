@@ -184,7 +184,7 @@ def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_ar
         path = tmp_path / "x.mcap"
         path.write_bytes(content)
         assert check([str(path)]) == 2
-        assert "more than is read" in capsys.readouterr().err
+        assert capsys.readouterr().err.count("\n") == 1
         assert recover([str(path), "-o", str(tmp_path / f"fixed{opcode}.mcap")]) == 0
         assert (tmp_path / f"fixed{opcode}.mcap").stat().st_size < 20 * len(HONEST)
         capsys.readouterr()

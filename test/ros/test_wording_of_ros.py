@@ -23,10 +23,11 @@ from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.requests import Mailbox, StepRequest
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
-    from lie_rigid_body.ros.control.parameters import NodeParameters
+    from lie_rigid_body.ros.control.parameters import NodeParameters, descriptor
     from lie_rigid_body.ros.control.services import StandardServices, offer_triggers
     from lie_rigid_body.ros.node import SimulatorNode
 
@@ -113,6 +114,11 @@ def triggered(service: str) -> str:
 def changed(name: str, kind: int) -> None:
     """A change of a parameter that cannot be."""
     NodeParameters._read(SimpleNamespace(), SimpleNamespace(name=name, value=SimpleNamespace(type=kind)))  # type: ignore[arg-type]
+
+
+def constraints(name: str) -> str:
+    """What ``ros2 param describe`` tells of a parameter beside its description."""
+    return str(descriptor(BY_NAME[name]).additional_constraints)
 
 
 def unanswered(others: int) -> None:
@@ -304,6 +310,10 @@ def test_a_refusal_of_a_standard_service_in_one_line(act: Any, said: str) -> Non
             lambda: farewell("/top", Punctuality(2, 1, 0, 3 * 10**6)),
             "/top ends: 2 samples sent, 1 of them late, by up to 3 ms",
         ),
+        (lambda: constraints("real_time_factor"), "a change takes effect at once"),
+        (lambda: constraints("imu_rate"), "a change takes effect at the next ~/reset"),
+        (lambda: constraints("marker_rate"), "fixed at the start"),
+        (lambda: constraints("inertia"), "3 or 6 finite numbers; a change takes effect at the next ~/reset"),
         (lambda: logged("a.mcap is lost"), "a.mcap is lost; publishing goes on"),
         (lambda: why_launch_ends(launching.shut_down_if_failed, -6), "it-3 failed"),
         (lambda: why_launch_ends(launching.end_with_status, 0), "the evaluation is complete"),
