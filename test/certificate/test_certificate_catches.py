@@ -118,7 +118,7 @@ def test_all_rotated_by_a_hundred_millionth(bag, tmp_path):
     assert "closed form" in broken(found)
 
 
-def fault_of(found: Certificate) -> tuple[str, str, int]:
+def fault_of(found: Certificate) -> tuple[str, str, int | None]:
     """Topic, kind and sample of what is wrong with the stamps of a bag of one segment."""
     law = found.segments[0].law("stamps")
     return law.message.partition(":")[0], law.unit, law.sample

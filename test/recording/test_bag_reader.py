@@ -103,8 +103,8 @@ def test_a_topic_with_two_channels_is_one(make_bag: MakeBag, tmp_path: Path) -> 
     np.testing.assert_array_equal(found.poses.values[:, 3:], own_bag.poses.values[:, 3:])
     np.testing.assert_array_equal(found.twists.stamps_ns, own_bag.twists.stamps_ns)
     assert len(channels) > 3
-    [other] = found.others
-    assert other.startswith("topic /pose (as std_msgs/msg/Empty, 1 messages)")
+    [stray] = found.others
+    assert stray.startswith("topic /pose (as std_msgs/msg/Empty, 1 messages)")
 
 
 def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:

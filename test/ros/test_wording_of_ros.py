@@ -103,9 +103,10 @@ def put(
 
 def triggered(service: str) -> str:
     """What a service of the node answers."""
-    run, handlers = live(paused=True), {}
-    setattr(run, "step", lambda count: SimpleNamespace(wait=lambda: None))  # noqa: B010 - of a method
-    node = SimpleNamespace(create_service=lambda kind, name, handle, **given: handlers.update({name: handle}))
+    run: Any = live(paused=True)
+    handlers: dict[str, Any] = {}
+    run.step = lambda count: SimpleNamespace(wait=lambda: None)
+    node: Any = SimpleNamespace(create_service=lambda kind, name, handle, **given: handlers.update({name: handle}))
     offer_triggers(node, run, lambda: SCENARIO)
     response: Any = handlers[f"~/{service}"](None, SimpleNamespace(success=False))
     return str(response.message)
@@ -113,7 +114,8 @@ def triggered(service: str) -> str:
 
 def changed(name: str, kind: int) -> None:
     """A change of a parameter that cannot be."""
-    NodeParameters._read(SimpleNamespace(), SimpleNamespace(name=name, value=SimpleNamespace(type=kind)))  # type: ignore[arg-type]
+    node: Any = SimpleNamespace()
+    NodeParameters._read(node, SimpleNamespace(name=name, value=SimpleNamespace(type=kind)))
 
 
 def constraints(name: str) -> str:
@@ -145,7 +147,7 @@ def logged(failure: str) -> str:
 def why_launch_ends(handle: Callable[[Any, Any], object], status: int) -> object:
     """The reason that launch, which PyPI does not have, is given when a part has ended."""
     stand_in = SimpleNamespace(Shutdown=lambda reason: reason)
-    with patch.dict(sys.modules, {"launch": stand_in, "launch.actions": stand_in}):  # type: ignore[dict-item]
+    with patch.dict(sys.modules, {"launch": stand_in, "launch.actions": stand_in}):
         return handle(SimpleNamespace(process_name="it-3", returncode=status), SimpleNamespace(is_shutdown=False))
 
 

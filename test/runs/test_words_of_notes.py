@@ -40,7 +40,7 @@ def track(kind: str, frame: str = "world", child: str = "", covariance: np.ndarr
 
 POSES = track(POSE_STAMPED)
 TAKEN = "they are taken for the same. Is it the right "
-NOTES = {
+NOTES: dict[str, tuple[AttitudeTrack | None, AttitudeTrack]] = {
     "The truth is that of the scenario alone, from 1 s on; the estimate begins 1 s after that.": (None, POSES),
     f"The frame of the estimate is 'odom', that of the truth 'world': {TAKEN}topic?": (
         POSES,
