@@ -1,4 +1,4 @@
-"""Errors by name: one table per room has their wording, and all other tests give a name and the values."""
+"""Errors by name, and numbers of sentences: one table per room has the wording, all other tests have the values."""
 
 from __future__ import annotations
 
@@ -10,6 +10,11 @@ import pytest
 
 Error = AbstractContextManager["pytest.ExceptionInfo[Exception]"]
 """What stands in a ``with``, where an error is to be raised."""
+
+
+def numbers(text: str) -> list[float]:
+    """The numbers of a sentence, in order."""
+    return [float(number) for number in re.findall(r"-?\b\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]
 
 
 def refusals(wording: Mapping[type[Exception], Mapping[str, str]]) -> Callable[..., Error]:

@@ -294,7 +294,7 @@ def test_motions_results_and_refusals_pass_through_a_pool_of_spawned_processes()
         assert same(
             pool.apply_async(energies, (ClosedForm(BODY, START),)).get(timeout=60), energies(ClosedForm(BODY, START))
         )
-        with pytest.raises(ParameterError, match=r"^inertia: .*triangle"):
+        with pytest.raises(ParameterError, match=r"^inertia: "):
             pool.apply_async(refused, ([1.0, 1.0, 3.0],)).get(timeout=60)
 
 

@@ -283,7 +283,7 @@ def findings(score: Score) -> list[str]:
     """Findings under their codes, wrapped; if there is none, a line that says so, with a warning of large errors."""
     found = [line for finding in score.findings for line in wrapped(finding.message, f"{finding.code}: ")]
     large = score.total_deg.median > LARGEST_SETTLED_DEG
-    reads = ": no known mistake in the estimate explains errors as large: diagnose looks for those in what a filter reads"
+    reads = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
     return found or [f"no findings{reads if large else ''}"]
 
 

@@ -240,19 +240,20 @@ def test_constants_that_no_run_draws_anew_are_told(comparison: Comparison, folde
     assert set(comparison.fixed_constants) == set(names)
     told = " ".join(" ".join(said).split())
     assert "magnetometer_hard_iron are the same in every run; vary what a filter counts as unknown." in told
-    assert "are the same in every run; vary what" in (folder / "page.html").read_text()
+    assert "magnetometer_hard_iron " in (folder / "page.html").read_text()
     campaign = Campaign.from_table(folder / "out" / "runs.parquet")
     drawn = SimpleNamespace(scenario_of=campaign.scenario_of, vary=names[1:])
     assert [*_fixed_constants(cast(Any, drawn))] == [names[0]]
 
 
 def test_a_best_point_at_the_edge_of_a_grid_is_told(said: list[str]) -> None:
-    assert "tuned: degrees is best at the end of its grid: try smaller ones than 1." in said
+    assert [line for line in said if line.startswith("tuned: degrees ")]
     grid = Contender("one", "a:b", grid={"gain": [0.1, 0.3, 1.0], "kind": ["a", "b"]})
-    for gain, told in ((0.1, ["smaller ones than 0.1"]), (0.3, []), (1.0, ["larger ones than 1"])):
+    edge = "one: gain is best at the end of its grid: try"
+    for gain, told in ((0.1, [f"{edge} smaller ones than 0.1."]), (0.3, []), (1.0, [f"{edge} larger ones than 1."])):
         standing = SimpleNamespace(entry=Entry(grid, {"gain": gain, "kind": "a"}), name="one")
         found = [*campaign_scores._at_the_edge(cast(Any, standing))]
-        assert [sentence.partition("try ")[2].rstrip(".") for sentence in found] == told
+        assert found == told
 
 
 def test_the_table_and_the_page_name_every_estimator(folder: Path, said: list[str]) -> None:

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from phrases import refused, telling
 
-from lie_rigid_body import BagError
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Simulation
+from said import numbers
 
 
 def recording(*parts: tuple[str, int, Samples], log_delay: int = 0, stamped: bool = True) -> Recording:
@@ -127,7 +128,7 @@ def test_a_single_sample():
 def test_coarse_samples_say_that_neighbours_were_not_compared():
     found = certify(run({"motion": "closed_form", "rate": 0.01}, 50))
     assert found.passed
-    assert "rad between samples" in found.segments[0].notes[0]
+    assert telling(found, "coarse")
 
 
 @pytest.mark.parametrize("rate", [[1e6, 1.0, 1e-6], [0.4, 0.6, -0.3]])
@@ -155,7 +156,7 @@ def test_last_sample_before_a_reset_is_not_missed_silently():
     shorter = Samples(samples.stamps_ns[:-1], samples.states[:-1])
     simulation.reset(Scenario.from_parameters({}))
     found = certify(recording((text, start, shorter), part(simulation, 30)))
-    assert found.messages == ("segment 1: pose: gap, sample 49 is missing; twist: gap, sample 49 is missing",)
+    assert [numbers(message) for message in found.messages] == [[1, 49, 49]]
 
 
 def test_a_reset_between_two_samples_leaves_no_trace():
@@ -185,7 +186,8 @@ def test_a_recorder_that_came_late_and_left_between_topics_is_accepted_and_noted
     assert found.passed, found.messages
     assert "53" in found.segments[0].notes[0]
     holed = replace(late, poses=whole.poses[np.r_[50:100, 101:200]])
-    assert certify(holed).messages == ("pose: gap, sample 100 is missing",)
+    law = certify(holed).segments[0].law("stamps")
+    assert (law.unit, law.sample, law.broken) == ("gap", 100, 1)
 
 
 def test_a_recorder_that_came_late_still_needs_every_sample_before_a_reset():
@@ -195,7 +197,8 @@ def test_a_recorder_that_came_late_still_needs_every_sample_before_a_reset():
     whole = recording(*parts, part(simulation, 30), log_delay=123_456)
     assert certify(whole).passed
     holed = replace(whole, poses=whole.poses[np.r_[0:49, 50:80]])
-    assert certify(holed).messages == ("segment 1: pose: gap, sample 49 is missing",)
+    law = certify(holed).segments[0].law("stamps")
+    assert (law.unit, law.sample, law.broken) == ("gap", 49, 1)
 
 
 def test_bare_twists_are_paired_by_log_time_or_by_order():
@@ -204,7 +207,7 @@ def test_bare_twists_are_paired_by_log_time_or_by_order():
     own, foreign = recording(piece, stamped=False), recording(piece, stamped=False, log_delay=123_457)
     assert certify(own).passed
     assert certify(foreign).passed
-    with pytest.raises(BagError, match="49 twists without stamps cannot be paired with 50 poses"):
+    with refused("unpaired", twists=49, poses=50):
         certify(replace(foreign, twists=foreign.twists[0:49]))
 
 
@@ -216,7 +219,7 @@ def test_samples_before_the_first_declaration_are_refused():
         '"first_sample": 0', '"first_sample": 5'
     )
     early = recording((declared, start, Simulation(Scenario.from_parameters({})).take(10)))
-    with pytest.raises(BagError, match="before the first scenario message"):
+    with refused("too early"):
         certify(early)
 
 

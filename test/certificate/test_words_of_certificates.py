@@ -1,9 +1,13 @@
-"""What certificates say: one sentence for each thing that may be wrong with a bag, or that is not certified of it."""
+"""What certificates say: one sentence for each thing that may be wrong with a bag, or that is not certified of it.
+
+What other tests of this folder ask for is in `phrases`.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from phrases import PHRASES
 from sensor_bags import AT, BIAS, IMU, MAG, certificate, recorded
 from tampering import Change, Message, at, declared, flipped, on, with_numbers
 from test_certified_clocks import moved
@@ -36,7 +40,6 @@ SAID: dict[str, tuple[Change, str]] = {
     "first sample": (declared(first_sample=5), "with sample 5, which its epoch_ns and rate stamp "),
     "stamp": (moved(1), "/imu/mag: 1 stamps off the grid, reading 37 stamped "),
     "late recorder": (recorded(0.1), "the recording begins at sample 6, 0.1001 s after the segment's start"),
-    "before it": (recorded(0.1), "what came before its first sample"),
     "lost messages": (
         lambda ms: recorded(0.1)(on("/pose", lambda own: [*own[:30], *own[35:]])(ms)),
         "messages missing: 5 (samples on one topic only: 5)",
@@ -44,6 +47,12 @@ SAID: dict[str, tuple[Change, str]] = {
     "frame": (
         on(MAG, at(AT, lambda m: m._replace(data=m.data.replace(b"imu_link", b"imu_lunk")))),
         "/imu/mag: frame or covariances are not as declared, at reading 37, 0.528571429 s after the start",
+    ),
+    "gap of a sample": (on("/pose", lambda ms: [*ms[:AT], *ms[AT + 1 :]]), "pose: gap, sample 37 is missing"),
+    "double of a sample": (on("/pose", lambda ms: [*ms[: AT + 1], *ms[AT:]]), "pose: duplicate of sample 37"),
+    "disorder of samples": (
+        on("/twist", lambda ms: [*ms[:AT], ms[AT + 1], ms[AT], *ms[AT + 2 :]]),
+        "twist: out of order, sample 38 stands before 37",
     ),
     "gap": (on(MAG, lambda ms: [*ms[:AT], *ms[AT + 1 :]]), "/imu/mag: gap, reading 37 is missing"),
     "gaps": (on(MAG, lambda ms: [*ms[:AT], *ms[AT + 4 :]]), "/imu/mag: gap, 4 readings from 37 to 40 are missing"),
@@ -58,7 +67,7 @@ SAID: dict[str, tuple[Change, str]] = {
     ),
     "foreign": (
         lambda ms: on(IMU, at(AT, scaled))(declared(software="lie_rigid_body 0.0.9")(ms)),
-        "readings of sensors: the scenario is of 'lie_rigid_body 0.0.9', this is lie_rigid_body",
+        f"readings of sensors: {PHRASES['another version'].format(software='lie_rigid_body 0.0.9')}, this is ",
     ),
     "a topic away": (
         lambda ms: recorded(0.1)([m for m in ms if m.topic != BIAS]),

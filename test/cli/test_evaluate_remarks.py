@@ -11,6 +11,7 @@ from estimates import beside, messages
 from evaluating import HOW, IMU, ODOMETRY, POSE, P, scored
 
 from lie_rigid_body.lie import quaternion
+from said import numbers
 
 
 def test_a_finding_is_told_with_what_to_do(own, stamps, noisy, tmp_path, capsys):
@@ -46,9 +47,7 @@ def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_pa
     content = scored(capsys, bag, "--estimate", "/estimate", "--max-rms", "1deg")
     assert content["samples"] == 249
     [note] = content["notes"]
-    assert note.startswith(
-        "1 of 250 estimates are left out, whose stamps leap from those beside them, the first to 21474836"
-    )
+    assert numbers(note) == [1, 250, FAR / 1e9]
 
 
 def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run, stamps, noisy, tmp_path, capsys):
@@ -56,9 +55,7 @@ def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run,
     bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
     content = scored(capsys, bag, "--estimate", "/estimate")
     [note] = content["notes"]
-    assert note.startswith(
-        "124 of 275 estimates were stamped before one that had come, the first 0 s, and are left out"
-    )
+    assert numbers(note) == [124, 275, 0]
     kept = np.r_[100:125, 125:250]
     expected = run.score(noisy[kept], stamps[kept], covariance=P).to_dict()
     assert content["total_deg"] == pytest.approx(expected["total_deg"])
@@ -66,38 +63,26 @@ def test_what_is_stamped_before_an_earlier_one_is_left_out_and_counted(own, run,
 
 
 @pytest.mark.parametrize(
-    ("kind", "names", "note"),
+    ("kind", "names", "told"),
     [
-        (POSE, {"world": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
-        (
-            POSE,
-            {"world": "o" * 300},
-            "The frame of the estimate is 'ooooooooooooooooooooooo...oooooooooooooooooooooooo', that",
-        ),
-        (IMU, {"sensor": "odom"}, "The frame of the estimate is 'odom', that of the truth 'world'"),
-        (ODOMETRY, {"body": "lidar"}, "The body of the estimate is 'lidar', that of the truth 'base_link'"),
+        (POSE, {"world": "odom"}, ["odom", "world"]),
+        (POSE, {"world": "o" * 300}, [f"{23 * 'o'}...{24 * 'o'}", "world"]),
+        (IMU, {"sensor": "odom"}, ["odom", "world"]),
+        (ODOMETRY, {"body": "lidar"}, ["lidar", "base_link"]),
     ],
 )
-def test_other_frames_are_named(kind, names, note, own, stamps, noisy, tmp_path, capsys):
+def test_other_frames_are_named(kind, names, told, own, stamps, noisy, tmp_path, capsys):
     bag = beside(own, tmp_path / "named.mcap", (kind, messages(P, **names)[kind], "/estimate", stamps, noisy))
-    [told] = scored(capsys, bag, "--estimate", "/estimate")["notes"]
-    assert told.startswith(note)
+    [note] = scored(capsys, bag, "--estimate", "/estimate")["notes"]
+    assert re.findall("'([^']+)'", note) == told
 
 
-@pytest.mark.parametrize(
-    ("covariance", "note"),
-    [
-        (np.zeros((3, 3)), None),
-        (np.diag([-1.0, 0.0, 0.0]), None),
-        (np.diag([0.0, 0.0, 1e-4]), "There is no NEES: covariance: 0 on its diagonal: give positive variances"),
-    ],
-)
-def test_covariances_that_cannot_be_used(covariance, note, own, stamps, noisy, tmp_path, capsys):
+@pytest.mark.parametrize(("diagonal", "notes"), [([0.0, 0.0, 0.0], 0), ([-1.0, 0.0, 0.0], 0), ([0.0, 0.0, 1e-4], 1)])
+def test_covariances_that_cannot_be_used(diagonal, notes, own, stamps, noisy, tmp_path, capsys):
     kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
-    bag = beside(own, tmp_path / "c.mcap", (kind, messages(covariance)[kind], "/estimate", stamps, noisy))
+    bag = beside(own, tmp_path / "c.mcap", (kind, messages(np.diag(diagonal))[kind], "/estimate", stamps, noisy))
     content = scored(capsys, bag, "--estimate", "/estimate")
-    assert content["nees"] is None
-    assert [told.startswith(note) for told in content["notes"]] == ([True] if note else [])
+    assert (content["nees"], len(content["notes"])) == (None, notes)
 
 
 def test_a_covariance_about_the_bodys_axes_is_recognised_and_can_be_said(own, run, stamps, tmp_path, capsys):
@@ -108,6 +93,7 @@ def test_a_covariance_about_the_bodys_axes_is_recognised_and_can_be_said(own, ru
     bag = beside(own, tmp_path / "body.mcap", (IMU, how, "/estimate", stamps, estimate))
     found = scored(capsys, bag, "--estimate", "/estimate")["nees"]
     assert found["verdict"] == "overconfident"
-    assert re.search(r"about the body's axes it would be [23]\.\d+: .* give covariance_axes body", found["remark"])
+    assert 2.0 <= numbers(found["remark"])[0] < 4.0
+    assert found["remark"].endswith(" covariance_axes body")
     said = scored(capsys, bag, "--estimate", "/estimate", "--covariance-axes", "body")["nees"]
     assert (said["verdict"], said["remark"]) == ("consistent", "")

@@ -12,6 +12,7 @@ import pytest
 from lie_rigid_body.cli.explain import main
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import scenario_files
+from said import numbers
 
 SEPARATRIX = ["-p", "inertia:=[3.0, 4.0, 6.0]", "-p", "initial_body_rate:=[-2.0, 3.0, 1.0]"]
 LAST_FLIP_GONE = [*SEPARATRIX, "-p", "initial_body_rate:=[2.0, 3.0, 1.0]"]
@@ -113,7 +114,8 @@ def test_unusual_motions_are_explained(arguments: list[str], capsys: pytest.Capt
 
 def test_a_changed_scenario_loses_its_name(capsys: pytest.CaptureFixture[str]) -> None:
     changed = text(capsys, ["--scenario", "dzhanibekov", "-p", "initial_body_rate:=[1.0, 0.0, 0.1]"])
-    assert changed.startswith("inertia [1, 2, 3] kg m², initial body rate [1, 0, 0.1] rad/s\n")
+    assert numbers(changed.splitlines()[0]) == [1.0, 2.0, 3.0, 1.0, 0.0, 0.1]
+    assert "dzhanibekov" not in changed
 
 
 def test_a_parameter_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

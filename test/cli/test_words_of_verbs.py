@@ -12,10 +12,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 from test_check import write_bag
 from test_check_many import merged
 
 from lie_rigid_body.__main__ import main
+from lie_rigid_body.console import status_of
 
 PARAMETERS = {
     "inertia:=[1.0, -2.0, 3.0]": "inertia: .*-2",
@@ -97,6 +99,8 @@ RECORD = {
 }
 """Arguments of ``record``."""
 
+TOO_LONG = "2e9 -p motion:=closed_form -p rate:=1e6"
+"""Duration, s, and rate for which no disk has room."""
 REFUSED = {
     **{f"record out.mcap --duration 10 -p {shlex.quote(given)}": said for given, said in PARAMETERS.items()},
     **{f"record {given}": said for given, said in RECORD.items()},
@@ -171,6 +175,11 @@ REFUSED = {
     "recover text.mcap -o fixed.mcap": "does not begin as an MCAP file",
     "recover empty.mcap -o fixed.mcap": "does not begin as an MCAP file",
     "recover head.mcap -o fixed.mcap": "holds no whole message",
+    "recover walk -o nothing --force": "exists and is kept: give the name of a new folder",
+    "recover walk -o fixed.mcap --force": "is to be one: give a name that does not end in .mcap",
+    "recover walk -o walk/fixed --force": "is in the broken folder itself",
+    "recover walk -o none/fixed --force": "cannot be created: No such file or directory",
+    f"record out.mcap --duration {TOO_LONG}": r"\d+ samples need about .* and .* are free there: ",
 }
 """Commands, and what is said of each."""
 
@@ -232,6 +241,18 @@ SAID = {
         ["Sensors, of the grade mems", "gyro_turn_on_bias 0.125", "accelerometer_misalignment [0.005, -0.005, 0.005]"],
     ),
     f"explain {FAULTS}": (0, ["magnetometer_stuck_interval 5"]),
+    "record recorded.mcap --duration 0.5": (
+        0,
+        ["50 samples, stamps 0.000000000 to 0.490000000 s, in ", "certify them with: lie-rigid-body check "],
+    ),
+    "recover cut.mcap -o rescued.mcap": (
+        0,
+        ["cut.mcap breaks off in the record at byte ", "which gave 0 messages", "certify them with: lie-rigid-body "],
+    ),
+    "recover between.mcap -o whole.mcap": (0, ["between.mcap breaks off behind a whole record"]),
+    "recover walk -o rescued": (0, [" messages on 3 topics, stamps 0.000000000 to ", "walk_1.mcap breaks off "]),
+    "recover walk/walk_1.mcap -o part.mcap": (0, ["recover all with: recover walk -o FIXED"]),
+    "evaluate bag.mcap --estimate /pose --truth run.mcap --out scored.mcap": (0, ["wrote scored.mcap"]),
     "scenarios": (0, ["inertia 0.6 0.8 1 kg m², 100 samples/s, moving_chart"]),
 }
 """Commands, each with its status and parts of what it prints, of which white space counts as one space."""
@@ -252,6 +273,14 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
     os.link(good, folder / "one" / "bag.mcap")
     (folder / "cut.mcap").write_bytes(good.read_bytes()[:-100])
     (folder / "head.mcap").write_bytes(good.read_bytes()[:60])
+    with good.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    chunk = summary.chunk_indexes[0]
+    (folder / "between.mcap").write_bytes(good.read_bytes()[: chunk.chunk_start_offset + chunk.chunk_length])
+    (folder / "walk").mkdir()
+    for name, of in (("walk_0.mcap", "bag.mcap"), ("walk_1.mcap", "between.mcap")):
+        os.link(folder / of, folder / "walk" / name)
     (folder / "empty.mcap").touch()
     (folder / "text.mcap").write_text("not a bag\n" * 20)
     (folder / "page.html").write_text("precious")
@@ -300,3 +329,18 @@ def test_what_is_found_is_said(
     said = " ".join(out.split())
     assert [part for part in words if part.strip() not in said] == []
     assert err == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("yaml.nodes", "the Python library yaml is not installed: pip install PyYAML"),
+        ("lie_rigid_body.nowhere", "install the requirements of the package again"),
+    ],
+)
+def test_what_python_lacks_is_said(name: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    def lacking() -> int:
+        raise ModuleNotFoundError(f"No module named {name}", name=name)
+
+    assert status_of("verb", lacking) == 2
+    assert said in capsys.readouterr().err

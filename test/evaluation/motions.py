@@ -19,6 +19,12 @@ PERIOD_NS = 20_000_000
 STAMPS = np.arange(1501) * PERIOD_NS
 
 
+UNTOLD = "this motion does not tell it from "
+"""Words of a finding beside which another cause is as likely."""
+PLACES = "its x, y, z are "
+"""Words of a mounting that only changes places and signs of the axes."""
+
+
 def truth_of(motion: str) -> ExactTruth:
     return ExactTruth(lambda t_ns: MOTIONS[motion].at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
 

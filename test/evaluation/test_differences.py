@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import MOST_SAMPLES, blocks_of, of_run, of_runs
+from said import numbers
 from sampled import sampled
 
 
@@ -41,8 +42,7 @@ def test_a_difference_is_found_with_its_size():
     draws = np.random.default_rng(5)
     found = of_run(1.2 * correlated(draws, 2 * MOST_SAMPLES, 0.9), correlated(draws, 2 * MOST_SAMPLES, 0.9))
     assert found.is_sure
-    assert found.low < 0.2 * np.sqrt(3.0) < found.high
-    assert found.sentence("a", "b").startswith("b is better than a by")
+    assert 0.0 < found.low < 0.2 * np.sqrt(3.0) < found.high
 
 
 def test_blocks_are_longer_the_longer_a_process_remembers():
@@ -65,10 +65,10 @@ def test_runs_in_which_either_failed_are_left_out():
     assert (found.runs, found.left_out) == (96, 4)
     assert found.better == int(np.sum((first < second)[both]))
     assert found.low < -0.3 < found.high
-    assert f"in {found.better} of 96 runs" in found.sentence("a", "b")
-    same = of_runs(second, second + draws.normal(0.0, 0.2, 100))
-    assert "no difference that 99 runs could show" in same.sentence("a", "b")
-    assert "too few common runs (3)" in of_runs(np.ones(3), np.zeros(3)).sentence("a", "b")
+    assert numbers(found.sentence("a", "b"))[-2:] == [found.better, 96]
+    same, few = of_runs(second, second + draws.normal(0.0, 0.2, 100)), of_runs(np.ones(3), np.zeros(3))
+    assert [(each.is_sure, each.runs) for each in (same, few)] == [(False, 99), (False, 3)]
+    assert few.low == -np.inf
 
 
 @pytest.mark.parametrize("of", [of_run, of_runs])
@@ -98,11 +98,12 @@ def test_lists_are_read_and_odd_shapes_refused(of):
     first, second = draws.gamma(4.0, 1.0, (2, 50))
     assert of(first.tolist(), second.tolist()) == of(first, second)
     for given in ((first, second[1:]), (first.reshape(5, 10), second.reshape(5, 10)), (1.0, 2.0), (first, "a")):
-        with pytest.raises(InputError, match=r"(first|second): "):
+        with pytest.raises(InputError, match=r"^(first|second): "):
             of(*given)
 
 
 def test_errors_of_one_run_are_numbers():
     for value in (np.nan, np.inf):
-        with pytest.raises(InputError, match="1 of 20 rows are not finite, the first is row 3"):
+        with pytest.raises(InputError) as refusal:
             of_run(np.ones(20), np.where(np.arange(20) == 3, value, 1.0))
+        assert numbers(str(refusal.value)) == [1, 20, 3]

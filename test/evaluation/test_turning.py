@@ -15,6 +15,7 @@ from lie_rigid_body.evaluation.attitudes import places
 from lie_rigid_body.evaluation.remarks import AXES, DEGREE, Turns
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
+from said import numbers
 
 FEW = STAMPS[:500]
 SWAPPED = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -81,7 +82,7 @@ def test_the_turns_of_an_estimate_are_in_its_score():
 
 @pytest.mark.parametrize(
     ("first", "last", "told"),
-    [(100, 500, "0.8 s to 3.992 s"), (400, 500, "3.2 s to 3.992 s"), (150, 250, "1.2 s to 1.992 s")],
+    [(100, 500, [0.8, 3.992]), (400, 500, [3.2, 3.992]), (150, 250, [1.2, 1.992])],
 )
 def test_an_estimate_that_stands_still_for_a_while_is_told_when(first, last, told):
     q = attitude("slow_tumble")[:500]
@@ -90,7 +91,7 @@ def test_an_estimate_that_stands_still_for_a_while_is_told_when(first, last, tol
     stamps = np.arange(500) * 8_000_000
     [finding] = evaluate(stamps, q[where], SampledTruth(stamps, q)).findings
     assert finding.code == "stuck"
-    assert f"turns by 0° from {told} after its first stamp, the body by " in finding.message
+    assert numbers(finding.message)[:3] == [0.0, *told]
 
 
 def test_an_estimate_that_waits_at_first_is_not_stuck():
@@ -162,6 +163,6 @@ def test_a_body_of_other_axes_is_told_by_their_names():
             for name, row in zip("xyz", UNCHANGED, strict=True)
         }
         np.testing.assert_array_equal([unit[name] for name in names], axes)
-        assert "but for 1°" in told
+        assert numbers(told) == [1.0]
     assert places(quaternion.exp([0.0, 0.0, np.radians(1.0)])) == ""
     assert places(quaternion.exp([0.0, 0.0, np.radians(80.0)])) == ""

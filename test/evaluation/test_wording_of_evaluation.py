@@ -1,4 +1,7 @@
-"""What the room `evaluation` says when it refuses: the value, the limit and the remedy, in one short line."""
+"""What the room `evaluation` says when it refuses: the value, the limit and the remedy, in one short line.
+
+And its sentences about limits and differences.
+"""
 
 from __future__ import annotations
 
@@ -25,6 +28,10 @@ from lie_rigid_body.evaluation import (
     unavoidable_error,
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
+from lie_rigid_body.evaluation.attitudes import AttitudeError
+from lie_rigid_body.evaluation.differences import Difference
+from lie_rigid_body.evaluation.limits import Tally
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import LONGEST_LINE
 
 WRONG: Any = 3
@@ -101,7 +108,9 @@ REFUSED: dict[str, list[Call]] = {
     ],
     "out of order in 1 places, first at sample 2, 2e-09 s": series([0, 5, 3], Q),
     "for 2 stamps": series([0, 5], Q),
-    "1 of 2 quaternions are zero or overflow, the first is row 1": series([0, 1], [ONE, ZERO]),
+    "1 of 2 quaternions are zero or overflow, the first is row 1.* or fill in the orientation": series(
+        [0, 1], [ONE, ZERO]
+    ),
     "1 of 2 rows are not finite, the first is row 1": [
         *series([0, 1], [ONE, [0, 0, np.nan, 0]]),
         lambda: attitude_error([ONE, [np.nan, 0, 0, 1]], ONE),
@@ -203,3 +212,50 @@ def test_it_is_refused_in_one_line(said: str) -> None:
             call()
         assert "\n" not in str(caught.value)
         assert len(str(caught.value)) <= LONGEST_LINE
+
+
+def broken(limits: Limits, t_s: list[float], total_deg: float, given: int = 0, due_s: float = 0.0) -> str:
+    """What a limit that is broken says of errors of one size."""
+    tally, total = Tally(limits), np.full(len(t_s), np.radians(total_deg))
+    tally.add(np.round(1e9 * np.array(t_s)).astype(np.int64), AttitudeError(total, total, total))
+    [told] = tally.broken(given, round(1e9 * due_s))
+    return told
+
+
+def difference(low: float, high: float, better: int = 1, runs: int = 1) -> str:
+    return Difference(0.5 * (low + high), low, high, better, runs).sentence("a", "b")
+
+
+def about_other_axes() -> str:
+    """The remark on a covariance of errors on the world's axes that is given as one on the body's."""
+    errors = np.random.default_rng(1).normal(size=(4000, 3)) * [1e-3, 1e-2, 1e-1]
+    truth = np.tile(quaternion.exp([0.0, np.pi / 2.0, 0.0]), (4000, 1))
+    estimate = quaternion.multiply(quaternion.exp(errors), truth)
+    return attitude_nees(estimate, truth, np.diag([1e-6, 1e-4, 1e-2]), "body").remark
+
+
+LITTLE = "were compared: limits hold for at least half of them"
+SAID: dict[str, Callable[[], str]] = {
+    "the error is 2° rms, above the limit of 1°": lambda: broken(Limits(1.0), [0.0], 2.0),
+    "the error is 3° at 2 s, above the limit of 1° after 1 s": lambda: broken(
+        Limits(max_after=((1.0, 1.0),)), [0.0, 2.0], 3.0
+    ),
+    "the estimate ends at 2 s, before the limit after 9 s begins": lambda: broken(
+        Limits(max_after=((9.0, 1.0),)), [0.0, 2.0], 3.0
+    ),
+    f"only 2 of 90 estimates {LITTLE}": lambda: broken(Limits(9.0), [0.0, 2.0], 3.0, given=90),
+    f"only 2 of 60 s since the first estimate {LITTLE}": lambda: broken(Limits(9.0), [0.0, 2.0], 3.0, due_s=60.0),
+    "a is better than b by 2° ± 0.5°": lambda: difference(-2.5, -1.5),
+    "b is better than a by 2° ± 0.5°, in 6 of 9 runs": lambda: difference(1.5, 2.5, 3, 9),
+    "a and b: no difference that 9 runs could show (-1° to +1°)": lambda: difference(-1.0, 1.0, 4, 9),
+    "a and b: too few common runs (3) to tell a difference": lambda: Difference(0.0, -np.inf, np.inf, 1, 3).sentence(
+        "a", "b"
+    ),
+    "if the covariance is about them, give covariance_axes world": lambda: about_other_axes().partition(": ")[2],
+}
+"""Sentences about limits, differences and covariances, each with what says it."""
+
+
+@pytest.mark.parametrize("sentence", SAID)
+def test_what_is_found_is_said(sentence: str) -> None:
+    assert SAID[sentence]() == sentence

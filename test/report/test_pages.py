@@ -156,7 +156,7 @@ def test_a_page_is_kept_and_refused_before_the_work(
     monkeypatch.setitem(sys.modules, "plotly", None)
     capsys.readouterr()
     told = refused(capsys, bag, "--report", tmp_path / "a.html")
-    assert "--report needs plotly: pip install 'lie-rigid-body[report]'" in told
+    assert "pip install 'lie-rigid-body[report]'" in told
 
 
 def test_the_name_of_a_file_need_not_be_unicode() -> None:

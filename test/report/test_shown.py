@@ -68,12 +68,12 @@ class Texts(HTMLParser):
 def test_a_notebook_shows_a_sentence_and_tables(run: Any) -> None:
     score = off_by(run, 5.0, Limits(1.0))
     texts = Texts(score._repr_html_()).texts
-    assert texts[0].startswith("BROKEN: the error is")
+    assert texts[0].startswith("BROKEN: ")
     assert f"{score.total_deg.rms:.4g}" in texts
     assert score.findings
     assert all(f"{finding.code}: {finding.message}" in texts for finding in score.findings)
     certificate = Texts(run.certificate()._repr_html_()).texts
-    assert certificate[0].startswith("CERTIFIED: attitude within")
+    assert certificate[0].startswith("CERTIFIED: ")
     assert {"kinetic energy", "gyro, rad/s"} <= {*certificate}
     shown = Texts(run._repr_html_()).texts
     assert {"truth", "imu", "magnetometer", "attitude_sensor", str(len(run.t_ns)), str(len(run.imu.t_ns))} <= {*shown}

@@ -17,6 +17,8 @@ from types import TracebackType
 DEADLINE = 120.0
 """s: far beyond what a loaded machine takes; only a failure waits as long."""
 LAST_LINE = "Ctrl-C ends it."
+CATCHING_UP = "late, catching up"
+"""Words of the log about what is the machine's."""
 CLIENT = Path(__file__).with_name("stream_client.py")
 RAW_CLIENT = Path(__file__).with_name("raw_client.py")
 
@@ -43,7 +45,7 @@ def assignments(**values: object) -> list[str]:
 
 def without_lateness(complained: Iterable[str]) -> list[str]:
     """Lines of stderr but for those of being late, which is the machine's."""
-    return [line for line in complained if "catching up" not in line]
+    return [line for line in complained if CATCHING_UP not in line]
 
 
 class SimulatorProcess:

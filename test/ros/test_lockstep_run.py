@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import signal
 import subprocess
 import sys
@@ -25,6 +24,7 @@ from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.ros.sim import main
 from ros_domains import own_domain
+from said import numbers
 
 if find_spec("rclpy"):
     from geometry_msgs.msg import PoseStamped, TwistStamped
@@ -106,7 +106,7 @@ def score(
         evaluator(domain, "judge", "--json", "--series", "--duration", duration, estimate="/imu/data") as judge,
     ):
         if disturbed:
-            eventually(lambda: any("lock-step with" in line for line in sim.complained), "all three")
+            eventually(lambda: any("/judge" in line for line in sim.complained), "all three")
             with halted_now_and_then(sim.process, filtering.process, judge.process) as halts:
                 assert judge.wait() == 0, judge.complained
             assert len(halts) > 10
@@ -172,7 +172,8 @@ def test_a_filter_on_a_timer_ends_it_with_status_2_the_stamp_and_what_came(domai
         assert sim.wait() == 2
         assert len(timed.readings) == 1
     [line] = [line for line in sim.complained if "error" in line]
-    assert re.search(r"/imu/data: no answer to 1000000000 ns in 1 s; \d+ others came, the last of 0 ns", line)
+    missed_ns, _, others, last_ns, *_ = numbers(line.partition(" /imu/data: ")[2] or line.partition("/imu/data: ")[2])
+    assert (missed_ns, others > 0, last_ns) == (1e9, True, 0)
     assert certify(Bag(bag)).passed  # it was finished
 
 
@@ -189,8 +190,8 @@ def test_a_topic_of_another_type_is_told_in_one_line(domain: int) -> None:
     [
         ({"lockstep_topic": "imu data"}, "lockstep_topic"),
         ({"lockstep_nodes": "[a b]"}, "lockstep_nodes"),
-        ({"lockstep_nodes": "judge"}, "lockstep_nodes: 'judge' is not a list of strings: give for example"),
-        ({"lockstep_timeout": 0.0}, "lockstep_timeout: 0 is outside"),
+        ({"lockstep_nodes": "judge"}, "lockstep_nodes: 'judge'"),
+        ({"lockstep_timeout": 0.0}, "lockstep_timeout: 0"),
         ({"imu_rate": 0.0}, "lockstep_topic: imu/data can answer no reading without an IMU: give imu_rate"),
     ],
 )

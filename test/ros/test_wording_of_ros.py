@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from importlib import import_module
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
@@ -14,14 +16,22 @@ from lie_rigid_body import LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.ros.listen import main as listen
+from lie_rigid_body.ros.publishing.announcement import farewell
 from lie_rigid_body.ros.timing.live_run import LiveRun
+from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.requests import Mailbox, StepRequest
+from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
-    from lie_rigid_body.ros.control.services import StandardServices
+    from lie_rigid_body.ros.control.parameters import NodeParameters, descriptor
+    from lie_rigid_body.ros.control.services import StandardServices, offer_triggers
+    from lie_rigid_body.ros.node import SimulatorNode
 
+NS = 10**9
 SCENARIO = Scenario.from_parameters({"motion": "closed_form"})
 ENDED = SimpleNamespace(process_name="it-3", returncode=-6)
 
@@ -91,6 +101,56 @@ def put(
     standard("set_entity_state", entity="top", state=wanted)
 
 
+def triggered(service: str) -> str:
+    """What a service of the node answers."""
+    run: Any = live(paused=True)
+    handlers: dict[str, Any] = {}
+    run.step = lambda count: SimpleNamespace(wait=lambda: None)
+    node: Any = SimpleNamespace(create_service=lambda kind, name, handle, **given: handlers.update({name: handle}))
+    offer_triggers(node, run, lambda: SCENARIO)
+    response: Any = handlers[f"~/{service}"](None, SimpleNamespace(success=False))
+    return str(response.message)
+
+
+def changed(name: str, kind: int) -> None:
+    """A change of a parameter that cannot be."""
+    node: Any = SimpleNamespace()
+    NodeParameters._read(node, SimpleNamespace(name=name, value=SimpleNamespace(type=kind)))
+
+
+def constraints(name: str) -> str:
+    """What ``ros2 param describe`` tells of a parameter beside its description."""
+    return str(descriptor(BY_NAME[name]).additional_constraints)
+
+
+def unanswered(others: int) -> None:
+    """A filter that is silent, though so many other messages of it come."""
+    lockstep = Lockstep("/imu/data", lambda: ("imu",), NS)
+    lockstep.begin_segment(["imu"])
+    lockstep.holds(0)
+    lockstep.sent([("imu", NS)])
+    for stamp in range(others):
+        lockstep.hear(stamp)
+    for steady in range(0, 3 * NS, LOOK_NS):
+        lockstep.holds(steady)
+
+
+def logged(failure: str) -> str:
+    """What the node's log says when its recording has failed."""
+    told: list[str] = []
+    log, diagnostics = SimpleNamespace(error=told.append), SimpleNamespace(report_failure=lambda reason: None)
+    node: Any = SimpleNamespace(get_logger=lambda: log, _diagnostics=diagnostics)
+    SimulatorNode.report_failure(node, failure)
+    return "".join(told)
+
+
+def why_launch_ends(handle: Callable[[Any, Any], object], status: int) -> object:
+    """The reason that launch, which PyPI does not have, is given when a part has ended."""
+    stand_in = SimpleNamespace(Shutdown=lambda reason: reason)
+    with patch.dict(sys.modules, {"launch": stand_in, "launch.actions": stand_in}):
+        return handle(SimpleNamespace(process_name="it-3", returncode=status), SimpleNamespace(is_shutdown=False))
+
+
 def without(package: str) -> None:
     with patch.dict(sys.modules, {package: None}):
         require_ros()
@@ -142,6 +202,16 @@ def without(package: str) -> None:
             lambda: launching.fail_unless_shut_down(ENDED, SimpleNamespace(is_shutdown=False)),
             "it-3 ended with status -6: the rest is ended as well",
         ),
+        (
+            lambda: unanswered(3),
+            "/imu/data: no answer to 1000000000 ns in 1 s; 3 others came, the last of 2 ns: let the filter "
+            "answer each reading that it can pair, the first as well, and not by a timer",
+        ),
+        (
+            lambda: unanswered(0),
+            "/imu/data: no answer to 1000000000 ns in 1 s; none came: let the filter "
+            "answer each reading that it can pair, the first as well, and not by a timer",
+        ),
     ],
 )
 def test_a_refusal_in_one_line(act: Any, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -156,6 +226,14 @@ def test_a_refusal_in_one_line(act: Any, said: str, monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize(
     ("act", "said"),
     [
+        (
+            lambda: changed("rate", 42),
+            "rate: type 42 is none of rcl_interfaces/ParameterType: give 0 to 9",
+        ),
+        (
+            lambda: changed("stamped_twist", 1),
+            "stamped_twist: fixed at the start, as a topic keeps its type: start the node anew with it",
+        ),
         (
             lambda: standard("reset_simulation", scope=4),
             "scope 4 leaves out the state, which is all that a reset changes: give SCOPE_STATE (2) or SCOPE_ALL (255)",
@@ -219,3 +297,48 @@ def test_a_refusal_of_a_standard_service_in_one_line(act: Any, said: str) -> Non
     with pytest.raises(LieRigidBodyError) as caught:
         act()
     assert str(caught.value) == said
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ("tell", "said"),
+    [
+        (lambda: triggered("pause"), "time stands still at -1 ns"),
+        (lambda: triggered("resume"), "time goes on"),
+        (lambda: triggered("step"), "sent the sample stamped 0 ns"),
+        (lambda: triggered("reset"), "the sample stamped 0 ns begins the motion anew"),
+        (lambda: farewell("/top", Punctuality()), "/top ends: 0 samples sent, none of them late"),
+        (
+            lambda: farewell("/top", Punctuality(2, 1, 0, 3 * 10**6)),
+            "/top ends: 2 samples sent, 1 of them late, by up to 3 ms",
+        ),
+        (lambda: constraints("real_time_factor"), "a change takes effect at once"),
+        (lambda: constraints("imu_rate"), "a change takes effect at the next ~/reset"),
+        (lambda: constraints("marker_rate"), "fixed at the start"),
+        (lambda: constraints("inertia"), "3 or 6 finite numbers; a change takes effect at the next ~/reset"),
+        (lambda: logged("a.mcap is lost"), "a.mcap is lost; publishing goes on"),
+        (lambda: why_launch_ends(launching.shut_down_if_failed, -6), "it-3 failed"),
+        (lambda: why_launch_ends(launching.end_with_status, 0), "the evaluation is complete"),
+    ],
+)
+def test_an_answer_in_one_line(tell: Callable[[], str], said: str) -> None:
+    assert tell() == said
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("--reset /nobody", "no service /nobody in domain "),
+        ("--scenario /nobody", "nothing on /nobody in domain "),
+        ("--get rate --node /nobody", "no node /nobody in domain "),
+    ],
+)
+def test_whom_nobody_answers_is_told_in_one_line(
+    asked: str, said: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(import_module("lie_rigid_body.ros.client"), "LONGEST_SILENCE", 0.1)
+    assert listen(asked.split()) == 2
+    [line] = capfd.readouterr().err.splitlines()
+    assert said in line
+    assert line.endswith(": is the node running?")

@@ -56,6 +56,7 @@ refused = refusals(
             "live duration": "is not a time from 1e-9 to 1e10 seconds: give for example 60",
             # programs
             "prints": "prints more than {most} bytes",
+            "not started": "cannot be started: it is {fault}: give the path",
             "hangs": "within {seconds} s",
         },
         LieRigidBodyError: {"two bodies": "is of the frames world, b"},

@@ -132,7 +132,7 @@ def test_what_cannot_be_started_is_told_by_its_kind(run, tmp_path, monkeypatch):
     Path("a_file").touch()
     Path("a_folder").mkdir()
     for command, fault in [("a_folder", "a folder"), ("./a_folder", "a folder"), ("./a_file", "not executable")]:
-        with pytest.raises(InputError, match=f"cannot be started: it is {fault}: give the path"):
+        with refused("not started", fault=fault):
             CommandEstimator(command)(run)
 
 

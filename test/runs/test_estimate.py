@@ -37,8 +37,8 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     assert score.to_dict(series=True) == parts.to_dict(series=True)
     assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
     assert score.to_dict()["gyro_bias_rad_s"]["rms"] == score.gyro_bias_rad_s.rms
-    assert "off by 0.01732 rad/s rms" in str(score)
-    assert "off by 0.01732 rad/s rms" in page("title", None, score).decode()
+    assert "0.01732 rad/s" in str(score)
+    assert "0.01732 rad/s" in page("title", None, score).decode()
     later = run.score(estimate, after_s=1.0, diagnosed=False)
     assert later.samples == np.count_nonzero(run.t_ns - run.t_ns[0] >= 10**9)
 
@@ -153,4 +153,4 @@ def test_biases_whose_truth_is_not_known_are_told_in_a_note(run, attitude, tmp_p
     still.to_bag(bag, estimates={"/mine": Estimate(attitude, run.t_ns, gyro_bias=attitude[:, :3])})
     read = recorded_estimate(bag, "/mine")
     assert read.gyro_bias is None
-    assert "no score" in read.notes[-1]
+    assert "/mine" in read.notes[-1]

@@ -16,6 +16,7 @@ import pytest
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs import Estimate
 from lie_rigid_body.runs.processes import FilterError, Interpreter, told
+from said import numbers
 
 LIMIT_S = 60.0
 WITH_PROC = pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /proc")
@@ -48,8 +49,9 @@ def test_reply_is_what_the_function_returns_or_raises():
             other.ask(partial(os._exit, 3), LIMIT_S)
         assert not other.is_running
         assert other.ask(os.getpid, LIMIT_S) != first
-        with pytest.raises(TimeoutError, match=r"within 0\.5 s"):
+        with pytest.raises(TimeoutError) as late:
             other.ask(partial(time.sleep, 600.0), 0.5)
+        assert numbers(str(late.value)) == [0.5]
         with pytest.raises(InputError, match="of the package"):
             other.ask(partial(_raise, "of the package"), LIMIT_S)
     finally:
@@ -67,10 +69,10 @@ def test_place_of_an_error_is_a_line_of_the_user_or_none():
         except Exception as error:
             return told(error)
 
-    assert failed(_raise, "of the package").startswith("the filter failed, test_processes.py line ")
-    assert failed(Estimate, "nothing").startswith("the filter failed, test_processes.py line ")
+    assert " test_processes.py line " in failed(_raise, "of the package")
+    assert " test_processes.py line " in failed(Estimate, "nothing")
     assert told(FilterError("of the package")) == "of the package"
-    with pytest.raises(ValueError, match="quotation") as caught:
+    with pytest.raises(ValueError) as caught:
         shlex.split('"')
     assert "line" not in told(caught.value.with_traceback(caught.tb.tb_next))
 
@@ -81,7 +83,7 @@ def test_place_of_an_error_in_an_installed_filter_is_its_first_line(tmp_path, mo
     (folder / "installed_filter.py").write_text("import json\n\ndef estimate(run):\n    return json.loads(run)\n")
     monkeypatch.syspath_prepend(folder)
     estimate = importlib.import_module("installed_filter").estimate
-    with pytest.raises(ValueError, match="column 1") as caught:
+    with pytest.raises(ValueError) as caught:
         estimate("no JSON")
     assert told(caught.value.with_traceback(caught.tb.tb_next)).startswith(
         "the filter failed, installed_filter.py line 4"

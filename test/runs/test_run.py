@@ -409,6 +409,6 @@ def test_the_error_of_an_estimated_bias(run):
 
 @pytest.mark.parametrize("seeds", [None, [1, 2]])
 def test_noise_of_a_sensor_that_is_off_is_a_warning(seeds):
-    with pytest.warns(UserWarning, match="gyro_noise_density has no effect, as imu_rate is 0") as found:
+    with pytest.warns(UserWarning, match="^gyro_noise_density ") as found:
         simulate(SCENARIO, duration=0.1, seeds=seeds, gyro_noise_density=1e-3)
     assert [warning.filename for warning in found] == [__file__]

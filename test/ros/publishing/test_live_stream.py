@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from simulator_process import SimulatorProcess, eventually, finish_client, start_client, without_lateness
+from simulator_process import CATCHING_UP, SimulatorProcess, eventually, finish_client, start_client, without_lateness
 
 from lie_rigid_body import ClosedForm
 from lie_rigid_body.cli.check import main as check
@@ -176,4 +176,4 @@ def test_check_accepts_the_bag(runs: dict[str, Run], name: str, capsys: pytest.C
 
 def test_stall_is_caught_up(runs: dict[str, Run]) -> None:
     """The node noticed a stall that came while the client was receiving; that no stamp is missing is tested above."""
-    assert any("late, catching up" in line for line in runs["stalled"].complained)
+    assert any(CATCHING_UP in line for line in runs["stalled"].complained)

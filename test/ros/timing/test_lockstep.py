@@ -18,6 +18,7 @@ from lie_rigid_body.ros.timing.lockstep import Lockstep
 from lie_rigid_body.ros.timing.requests import Call
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from said import numbers
 
 BENCH = {"motion": "closed_form", "rate": 100.0, "imu_rate": 100.0, "magnetometer_rate": 100.0}
 
@@ -185,9 +186,7 @@ def test_a_filter_that_gives_no_answer_ends_the_run_with_the_stamp_and_what_came
         run.time.answers.append((7 * NS, partial(run.lockstep.hear, 5 + number)))
     with pytest.raises(LieRigidBodyError) as failure:
         run.live.run()
-    assert str(NS + 7 * 10_000_000) in str(failure.value)
-    came = "3 others came, the last of 7 ns" if others else "none came"
-    assert came in str(failure.value)
+    assert numbers(str(failure.value)) == [NS + 7 * 10_000_000, 2, *([3, 7] if others else [])]
     assert len(run.filter.stamps) == 8
     assert 2 * NS <= run.time.now - 5 * NS < 2.5 * NS
 
@@ -206,8 +205,9 @@ def test_paused_time_is_left_out_of_the_timeout() -> None:
         return waited(seconds)
 
     run.time.wait = wait  # type: ignore[method-assign]
-    with pytest.raises(LieRigidBodyError, match=str(NS + 7 * 10_000_000)):
+    with pytest.raises(LieRigidBodyError) as failure:
         run.live.run()
+    assert NS + 7 * 10_000_000 in numbers(str(failure.value))
     assert 1001.7 * NS <= run.time.now - 5 * NS < 1003 * NS
 
 
