@@ -8,7 +8,8 @@
 - Between neighbours the flow is summed in doubles, ``FLOW`` roundings in each of its substeps, and carries the
   roundings of the rate that it starts from.
 
-A limit is never looser than ``ATTITUDE_CAP`` or ``ENERGY_CAP``: what errs more is no ground truth.
+No limit of a state is looser than ``ATTITUDE_CAP`` or ``ENERGY_CAP``, and what a stepper errs between neighbours is not
+either: what errs more is no ground truth. The roundings of that comparison itself have no such cap.
 """
 
 from __future__ import annotations
@@ -156,17 +157,19 @@ class Tolerance:
         return np.asarray(np.minimum(turned, ATTITUDE_CAP) / span)
 
     def attitude_step(self, spans: Array) -> Array:
-        """Limit of the angle of a sample to the flow over spans, s, from the one before, capped, rad, shape (N,)."""
+        """Limit of the angle of a sample to the flow over spans, s, from the one before, rad, shape (N,)."""
         turns = self.fastest * spans
-        limit = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + self.drift.attitude_step(spans)
-        carried = turns * (self._rate_reading(turns) + self.drift.rate_step(spans))
-        return np.asarray(np.minimum((limit + carried) * self._growth(turns), ATTITUDE_CAP))
+        rounded = 2.0 * READING + FLOW * turns / TURN_PER_SUBSTEP + turns * self._rate_reading(turns)
+        stepped = self.drift.attitude_step(spans) + turns * self.drift.rate_step(spans)
+        growth = self._growth(turns)
+        return np.asarray(np.minimum(rounded * growth, np.pi) + np.minimum(stepped * growth, ATTITUDE_CAP))
 
     def rate_step(self, spans: Array) -> Array:
-        """Limit of |ω_sample − ω_flow|/Ω over spans, s, capped, shape (N,)."""
+        """Limit of |ω_sample − ω_flow|/Ω over spans, s, shape (N,)."""
         turns = self.fastest * spans
-        limit = (self._rate_reading(turns) + self.drift.rate_step(spans)) * self._growth(turns)
-        return np.asarray(np.minimum(limit, ATTITUDE_CAP))
+        growth = self._growth(turns)
+        stepped = np.minimum(self.drift.rate_step(spans) * growth, ATTITUDE_CAP)
+        return np.asarray(np.minimum(self._rate_reading(turns) * growth, 2.0) + stepped)  # both rates are at most Ω
 
     def _growth(self, turns: Array) -> Array:
         """Largest factor by which an error grows over turns, rad: exp(turn), and at most that of any two states."""

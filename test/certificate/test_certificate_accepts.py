@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from phrases import refused, telling
@@ -137,6 +138,16 @@ def test_limits_that_overflow_are_their_caps(rate):
     found = certify(run({"motion": "closed_form", "inertia": [1e-300, 1.0, 1.0], "initial_body_rate": rate}, 10))
     assert found.passed
     assert all(np.isfinite(law.limit) for law in found.segments[0].laws)
+
+
+def test_a_slender_rod_that_is_turned_in_its_frame():
+    """Its products of inertia lose nine digits of the rate about its axis, so that neighbours tell less."""
+    rod = Rotation.from_rotvec([0.4, 1.1, -0.7]).as_matrix()
+    tensor = rod @ np.diag([1e-9, 1.0, 1.0]) @ rod.T
+    inertia = [tensor[i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
+    for motion in ("closed_form", "moving_chart"):
+        found = certify(run({"motion": motion, "inertia": inertia, "initial_body_rate": [-0.02, 4e-5, 0.0]}, 100))
+        assert found.passed, found.messages
 
 
 def test_resets_begin_segments_also_at_another_rate():
