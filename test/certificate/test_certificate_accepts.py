@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from phrases import refused, telling
+from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.motion import METHODS
