@@ -181,7 +181,11 @@ class Scenario:
         by_energy = math.sqrt(twice_energy / smallest)
         by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
         bound = min(by_energy, by_momentum)
-        return bound if math.isfinite(bound) else math.sqrt(twice_energy) / math.sqrt(smallest)  # quotients overflow
+        if 0.0 < bound < math.inf or not start.body_rate.any():
+            return bound
+        size = float(so3.norm(start.body_rate))  # quotients overflow, or the energy underflows
+        unit = State(start.attitude_xyzw, start.body_rate / size)
+        return size * math.sqrt(2.0 * float(body.kinetic_energy(unit))) / math.sqrt(smallest)
 
     @property
     def slowest_rate(self) -> float:
