@@ -261,6 +261,9 @@ def explanation(error: Exception) -> str:
         return missing_library(error)
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
+    frames = traceback.extract_tb(error.__traceback__)
+    if frames and frames[-1].name == "<module>":  # of a library that fails as it is imported, as by an odd variable
+        return f"{frames[-1].filename} cannot be imported ({error}): mend the environment, or install it again"
     what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
 

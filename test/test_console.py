@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
@@ -271,6 +272,17 @@ def test_no_exception_is_a_broken_law(error: BaseException, said: str, capsys: p
     assert line.startswith("verb: error: ")
     assert len(line) <= LONGEST_LINE
     assert re.search(said, line)
+
+
+def test_a_library_that_fails_as_it_is_imported_is_no_bug(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As numpy.f2py does where SOURCE_DATE_EPOCH is no number."""
+    (tmp_path / "odd_library.py").write_text("int('x')\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert console.status_of("verb", lambda: bool(import_module("odd_library"))) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert "odd_library.py cannot be imported" in line
 
 
 def fail(error: BaseException) -> NoReturn:

@@ -26,7 +26,7 @@ from lie_rigid_body.simulation import Segment, Simulation
 STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
 MOST_STEPS: Final = 1_000_000
-"""Largest number of steps of the moving chart between two samples, half a second of compiled work: calls wait for it."""
+"""Largest number of steps of the moving chart between two samples, half a second of compiled work; calls wait."""
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
