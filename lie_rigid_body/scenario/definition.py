@@ -282,7 +282,7 @@ def _require_normal(body: RigidBody, start: State) -> None:
             "give moments between 1e-300 and 1e300 kg m²",
         )
     energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
-    if start.body_rate.any() and not (_is_normal(energy) and _is_normal(momentum)):
+    if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",
             f"{_listed(start.body_rate)} rad/s gives an energy of {energy:g} J and a momentum of {momentum:g} kg m²/s, "

@@ -140,6 +140,12 @@ def test_limits_that_overflow_are_their_caps(rate):
     assert all(np.isfinite(law.limit) for law in found.segments[0].laws)
 
 
+@pytest.mark.parametrize(("size", "rate"), [(1e-279, 3e-26), (1.0, 1e-200)])
+def test_a_body_whose_energy_underflows(size, rate):
+    given = {"inertia": [size, 2.0 * size, 2.5 * size], "initial_body_rate": [rate, 0.01 * rate, -1e-12 * rate]}
+    assert certify(run({"motion": "closed_form", **given}, 10)).passed
+
+
 def test_a_slender_rod_that_is_turned_in_its_frame():
     """Its products of inertia lose nine digits of the rate about its axis, so that neighbours tell less."""
     rod = Rotation.from_rotvec([0.4, 1.1, -0.7]).as_matrix()
