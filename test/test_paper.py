@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -89,6 +91,12 @@ def test_an_equation_leads_to_code_that_names_it_and_to_its_section_and_tests(eq
     # what is corrected has its numbers
     assert set(re.findall(r"\bE\d+\b", status)) <= set(ERRATA)
     assert "E" in status or status.startswith("as printed")
+
+
+def test_every_name_of_the_table_is_reached_from_the_package_alone():
+    names = sorted({name for row in ROWS.values() for name, _ in LINK.findall(row[1])})
+    program = "import operator, sys, lie_rigid_body; operator.attrgetter(*sys.argv[1:])(lie_rigid_body)"
+    subprocess.run([sys.executable, "-c", program, *names], check=True)
 
 
 def test_every_erratum_is_reached_from_the_table_and_every_link_of_the_page_ends_somewhere():

@@ -1,7 +1,7 @@
 """The paper on any matrix Lie group: Chasles, algebra, Lagrangian, Hamiltonian, conserved quantities, moving chart.
 
 The paper is A. Lucas, *Lagrangian mechanics on Lie groups: a pedagogical approach*, arXiv 1111.1275. In its order:
-`chasles`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `hamiltonian`; and of
+`displacement`; `metric` and `lagrangian`; `symmetries` and `invariants`; `double_cover`; `hamiltonian`; and of
 the appendices `group_chart`, `algebra`, `matrix_lie_group` and `classical_groups`. The motion is integrated in
 `group_moving_chart`. The table of docs/paper.md leads from each equation to its function.
 
@@ -9,10 +9,14 @@ No executable needs this room. It uses rotations, the second moment of a body an
 imports it.
 """
 
+import re
+from typing import NoReturn
+
 from lie_rigid_body.groups import double_cover
-from lie_rigid_body.groups.chasles import Displacement, chasles
+from lie_rigid_body.groups.arguments import MADE_BY
 from lie_rigid_body.groups.classical_groups import SO, SU, U1
 from lie_rigid_body.groups.coadjoint import coadjoint_action, invariant_form, killing_form
+from lie_rigid_body.groups.displacement import Displacement, chasles
 from lie_rigid_body.groups.group_chart import ChartReach, chart_metric, chart_reach
 from lie_rigid_body.groups.group_moving_chart import GROUP_METHODS, GroupMovingChart, GroupState
 from lie_rigid_body.groups.hamiltonian import (
@@ -91,3 +95,10 @@ __all__ = [
     "steady_rotation",
     "unitary_casimirs",
 ]
+
+
+def __getattr__(name: str) -> NoReturn:
+    """The way to make a group that has no name here, in place of ``cannot import name``."""
+    if re.fullmatch(r"(S?[EOU]|[GS]L|U?Sp|Spin)\d*", name):
+        raise ImportError(f"there is no {name}: make it by {MADE_BY}, as SE(3) in docs/reference/python.md")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -343,6 +343,8 @@ def _refuse_open(algebra: MatrixLieAlgebra) -> None:
     allowed = SPAN_TOLERANCE * np.outer(size, size)
     if np.all(off <= allowed):
         return
+    if np.all(frobenius(T - np.swapaxes(T.conj(), 1, 2)) <= SPAN_TOLERANCE * size):
+        raise InputError("the generators are Hermitian, and elements are exp(xᵃTᵃ) without an i: give −i/2 times them")
     a, b = np.unravel_index(np.argmax(np.where(off > allowed, off, 0.0)), off.shape)
     raise InputError(
         f"[T{a}, T{b}] leaves the span by {off[a, b]:.3g} (limit {allowed[a, b]:.3g}), "

@@ -8,9 +8,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
 INVARIANCE_TOLERANCE: Final = 1e-9
@@ -20,7 +22,7 @@ REGULARITY_LIMIT: Final = 1e-9
 """Smallest singular value of a form, relative to the largest, from which on it counts as regular."""
 
 
-def coadjoint_action(group: MatrixLieGroup, rate: Array, momentum: Array) -> Array:
+def coadjoint_action(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Array:
     """The coadjoint action ad*_ω p, with components ωᶜ f[c,a,d] p_d: ⟨ad*_ω p, η⟩ = ⟨p, [ω, η]⟩ for every η.
 
     On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p, which is eq. (21) and, as ṗ of body components, eq. (35b); on
@@ -31,17 +33,18 @@ def coadjoint_action(group: MatrixLieGroup, rate: Array, momentum: Array) -> Arr
     ----------
     group : MatrixLieGroup
         Of dimension d.
-    rate : ndarray, shape (..., d)
+    rate : array_like, shape (..., d)
         ω, 1/s, or any algebra element.
-    momentum : ndarray, shape (..., d)
+    momentum : array_like, shape (..., d)
         p, kg m²/s; leading axes broadcast with those of the rate.
 
     Returns
     -------
     ndarray, shape (..., d)
     """
-    turning = np.tensordot(rate, group.structure_constants, axes=1)
-    return np.asarray((turning @ momentum[..., np.newaxis])[..., 0])
+    w, p = of_kind(group, MatrixLieGroup).as_components(rate, "rates"), group.as_components(momentum, "momenta")
+    turning = np.tensordot(w, group.structure_constants, axes=1)
+    return np.asarray((turning @ p[..., np.newaxis])[..., 0])
 
 
 def coadjoint_directions(group: MatrixLieGroup, momentum: Array) -> Array:
@@ -74,7 +77,7 @@ def killing_form(group: MatrixLieGroup) -> Array:
     -------
     ndarray, shape (d, d)
     """
-    f = group.structure_constants
+    f = of_kind(group, MatrixLieGroup).structure_constants
     return np.asarray(np.einsum("acd,bdc->ab", f, f))
 
 
@@ -98,7 +101,7 @@ def invariant_form(group: MatrixLieGroup) -> Array:
     InputError
         If neither will do, as on groups of rigid motions.
     """
-    if _is_invariant(group, group.trace_metric):
+    if _is_invariant(of_kind(group, MatrixLieGroup), group.trace_metric):
         return group.trace_metric
     flat = group.generators.reshape(group.dimension, -1)
     turned = np.swapaxes(group.generators, 1, 2).reshape(group.dimension, -1)
@@ -106,7 +109,7 @@ def invariant_form(group: MatrixLieGroup) -> Array:
     if not _is_regular(form, np.sqrt(np.diag(group.trace_metric))):
         raise InputError(
             f"{group.name} has no regular invariant form, as tr(TᵃTᵇ) is singular: give a semisimple or compact group, "
-            "or take quadratic_casimirs"
+            "or take quadratic_casimirs or steady_rotation"
         )
     return form
 

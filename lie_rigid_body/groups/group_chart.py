@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.elements import multiple_until
 from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
@@ -58,7 +59,7 @@ def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     -------
     ChartReach
     """
-    X, ad = group.hat(direction), group.ad(direction)
+    X, ad = of_kind(group, MatrixLieGroup).hat(direction), group.ad(direction)
     eigenvalues = np.linalg.eigvals(ad)
     imaginary = np.abs(eigenvalues.real) <= _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
     turn = np.where(imaginary, np.abs(eigenvalues.imag), 0.0).max(axis=-1)
@@ -82,7 +83,7 @@ def chart_metric(lagrangian: Lagrangian, coordinates: ArrayLike) -> Array:
     ndarray, shape (..., d, d)
         Exactly symmetric, kg m². Singular where the chart ends; see `chart_reach`.
     """
-    to_rate = lagrangian.group.dexp(-lagrangian.group.as_components(coordinates, "coordinates"))
+    to_rate = of_kind(lagrangian, Lagrangian).group.dexp(-lagrangian.group.as_components(coordinates, "coordinates"))
     return symmetrised(np.swapaxes(to_rate, -1, -2) @ lagrangian.metric @ to_rate)
 
 

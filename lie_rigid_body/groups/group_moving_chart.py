@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.group_chart import GroupChart
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -85,7 +86,7 @@ class GroupMovingChart:
         max_step: float = DEFAULT_MAX_STEP,
     ) -> None:
         require_stepper(method, max_step, GROUP_METHODS)
-        self._element, rate = _require_start(lagrangian.group, start)
+        self._element, rate = _require_start(of_kind(lagrangian, Lagrangian).group, start)
         self._momentum = lagrangian.momenta(rate)
         self._lagrangian = lagrangian
         self._chart = GroupChart(lagrangian)

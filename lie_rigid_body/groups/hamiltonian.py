@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -65,7 +66,7 @@ class Hamiltonian:
     __slots__ = ("group", "inverse_metric")
 
     def __init__(self, group: MatrixLieGroup, inverse_metric: ArrayLike) -> None:
-        self.group = group
+        self.group = of_kind(group, MatrixLieGroup)
         self.inverse_metric: Array = require_metric(inverse_metric, group.dimension)
         self.inverse_metric.setflags(write=False)
 
@@ -132,7 +133,7 @@ def legendre_transform(lagrangian: Lagrangian) -> Hamiltonian:
     -------
     Hamiltonian
     """
-    return Hamiltonian(lagrangian.group, lagrangian.inverse_metric)
+    return Hamiltonian(of_kind(lagrangian, Lagrangian).group, lagrangian.inverse_metric)
 
 
 def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
@@ -146,7 +147,7 @@ def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
     -------
     Lagrangian
     """
-    return Lagrangian(hamiltonian.group, symmetrised(np.linalg.inv(hamiltonian.inverse_metric)))
+    return Lagrangian(of_kind(hamiltonian, Hamiltonian).group, symmetrised(np.linalg.inv(hamiltonian.inverse_metric)))
 
 
 def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
@@ -162,7 +163,7 @@ def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     ndarray, shape (..., d, d)
         Antisymmetric; its rank is the dimension of the coadjoint orbit of p.
     """
-    return coadjoint_directions(group, group.as_components(momentum, "momenta"))
+    return coadjoint_directions(group, of_kind(group, MatrixLieGroup).as_components(momentum, "momenta"))
 
 
 def lie_poisson_bracket(
@@ -181,6 +182,6 @@ def lie_poisson_bracket(
     -------
     ndarray, shape (...)
     """
-    p = group.as_components(momentum, "momenta")
+    p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     first, second = (group.as_components(v, "gradients") for v in (first_gradient, second_gradient))
     return np.asarray(np.sum(first * coadjoint_action(group, second, p), axis=-1))

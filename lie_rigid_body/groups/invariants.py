@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -48,7 +49,7 @@ def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
     InputError
         If the group has no regular invariant form.
     """
-    p = group.as_components(momentum, "momenta")
+    p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     return np.asarray(group.hat(p @ np.linalg.inv(invariant_form(group))))
 
 
@@ -70,7 +71,7 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
     ndarray, shape (k, d, d)
         A basis of them, of Frobenius norm 1; a function of their span, by `canonical_basis`.
     """
-    f, symmetric = group.structure_constants, _symmetric_basis(group.dimension)
+    f, symmetric = of_kind(group, MatrixLieGroup).structure_constants, _symmetric_basis(group.dimension)
     # d/dt p·Cp along ad*_{Tᵃ} p has the coefficients f[a,b,c] Cᵇᵈ of p_c p_d, symmetrised
     change = np.einsum("abc,kbd->kacd", f, symmetric)
     conditions = (change + np.swapaxes(change, -1, -2)).reshape(len(symmetric), -1)
@@ -101,7 +102,7 @@ def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     InputError
         If the group, or a factor of it, is given by generators.
     """
-    p = group.as_components(momentum, "momenta")
+    p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     if group.factors:
         parts = np.split(p, np.cumsum([factor.dimension for factor in group.factors])[:-1], axis=-1)
         return np.concatenate([casimirs(*pair) for pair in zip(group.factors, parts, strict=True)], axis=-1)

@@ -29,6 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
@@ -61,7 +63,7 @@ class Lagrangian:
     __slots__ = ("group", "inverse_metric", "metric")
 
     def __init__(self, group: MatrixLieGroup, metric: ArrayLike) -> None:
-        self.group = group
+        self.group = of_kind(group, MatrixLieGroup)
         self.metric: Array = require_metric(metric, group.dimension)
         self.inverse_metric: Array = symmetrised(np.linalg.inv(self.metric))
         for array in (self.metric, self.inverse_metric):
@@ -192,6 +194,8 @@ class Lagrangian:
             If an element is off the group, or neighbours are too far apart.
         """
         A = self.group.as_matrices(path)
+        if A.ndim < 3:
+            raise ParameterError("path", f"shape {A.shape} is one element: stack two or more, at equal intervals")
         chords = self.group.log(self.group.inverse(A[..., :-1, :, :]) @ A[..., 1:, :, :])
         return np.asarray(self.value(chords / step).sum(axis=-1) * step)
 
@@ -215,7 +219,7 @@ def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
     InputError
         If A is off the group.
     """
-    group = lagrangian.group
+    group = of_kind(lagrangian, Lagrangian).group
     to_body = group.Ad(group.inverse(element))
     return symmetrised(np.swapaxes(to_body, -1, -2) @ lagrangian.metric @ to_body)
 
@@ -236,7 +240,7 @@ def connection_coefficients(lagrangian: Lagrangian) -> Array:
     -------
     ndarray, shape (d, d, d)
     """
-    bracket = lagrangian.group.structure_constants @ lagrangian.metric  # ⟨[Tᵃ, Tᵇ], Tᶜ⟩
+    bracket = of_kind(lagrangian, Lagrangian).group.structure_constants @ lagrangian.metric  # ⟨[Tᵃ, Tᵇ], Tᶜ⟩
     lowered = 0.5 * (bracket - np.einsum("bca->abc", bracket) + np.einsum("cab->abc", bracket))
     return np.asarray(lowered @ lagrangian.inverse_metric)
 

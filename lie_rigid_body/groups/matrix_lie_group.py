@@ -19,11 +19,12 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
+from lie_rigid_body.groups.arguments import MADE_BY, of_kind
 from lie_rigid_body.groups.elements import Elements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.generated import GeneratedElements
 from lie_rigid_body.mechanics.array_input import as_numbers, require_finite
-from lie_rigid_body.wording import shortened
+from lie_rigid_body.wording import shortened, shown
 
 ELEMENT_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from fulfilling a group's equations that counts as round-off."""
@@ -55,6 +56,19 @@ class MatrixLieGroup(MatrixLieAlgebra):
     trace_metric: Array
     elements: Elements
     factors: tuple[MatrixLieGroup, ...] = ()
+
+    def __new__(
+        cls,
+        generators: Matrix,
+        name: str = "",
+        trace_metric: Array | None = None,
+        elements: Elements | None = None,
+        factors: tuple[MatrixLieGroup, ...] = (),
+    ) -> MatrixLieGroup:
+        """The group before its fields are set, refused where all that is given are matrices."""
+        if elements is None:
+            raise InputError(f"MatrixLieGroup({shown(generators)}) has no elements: make a group by {MADE_BY}")
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -231,4 +245,4 @@ class MatrixLieGroup(MatrixLieAlgebra):
         They are distributed by the Haar measure for SO(n), SU(n), U(1) and their products. For a group from generators
         they are exponentials of standard normal coordinates.
         """
-        return self.elements.random(rng, shape)
+        return self.elements.random(of_kind(rng, np.random.Generator), shape)

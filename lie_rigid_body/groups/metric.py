@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.groups.arguments import of_kind, refuse_whole
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array, symmetric_matrix, symmetrised
-from lie_rigid_body.mechanics.mass_moments import MassMoments
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, as_numbers, real_array, symmetric_matrix, symmetrised
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
 
 _GENERATOR_ROUND_OFF: Final = 1e-12
@@ -47,8 +47,7 @@ def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: Array
     InputError
         If K is not positive semidefinite, a generator not antisymmetric, A₀ not orthogonal, or sizes differ.
     """
-    if isinstance(second_moment, MassMoments):
-        raise ParameterError("second moment", "mass, centre and second moment were given: give its second_moment")
+    refuse_whole("second moment", second_moment, "second_moment")
     K = second_moment_matrix(second_moment)
     T = _antisymmetric_generators(generators, len(K))
     if attitude is not None:
@@ -82,7 +81,7 @@ def metric_derivative(group: MatrixLieGroup, metric: ArrayLike) -> Array:
     InputError
         If M is not symmetric positive definite of size d.
     """
-    change = group.structure_constants @ require_metric(metric, group.dimension)
+    change = of_kind(group, MatrixLieGroup).structure_constants @ require_metric(metric, group.dimension)
     return -change - np.swapaxes(change, 1, 2)
 
 
@@ -106,6 +105,7 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
     InputError
         If M is of the wrong size, not finite, not symmetric or not positive definite.
     """
+    refuse_whole("metric", metric, "inertia")
     m = symmetric_matrix("metric", real_array("metric", metric, f"({dimension}, {dimension})"))
     eigenvalues = np.linalg.eigvalsh(m)
     if not eigenvalues[0] > ROUND_OFF * eigenvalues[-1]:
@@ -118,6 +118,13 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
 
 
 def _antisymmetric_generators(generators: ArrayLike, n: int) -> Array:
+    refuse_whole("generators", generators, "generators")
+    if np.iscomplexobj(as_numbers("generators", generators)):
+        raise ParameterError(
+            "generators",
+            "complex numbers: rotations of a body have real antisymmetric generators, as those of SO(n); for another "
+            "group give Lagrangian a positive definite matrix",
+        )
     T = real_array("generators", generators, f"(d, {n}, {n})")
     gap = np.abs(T + T.swapaxes(-1, -2)).max(axis=(-1, -2))
     worst = int(np.argmax(gap))

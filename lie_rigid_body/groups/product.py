@@ -13,6 +13,7 @@ from lie_rigid_body.groups.algebra import frobenius
 from lie_rigid_body.groups.elements import Elements
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.wording import shown
 
 
 def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
@@ -32,7 +33,10 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
         raise InputError("product() of 0 groups (limit 1): give at least one group")
     for given in groups:
         if not isinstance(given, MatrixLieGroup):
-            raise InputError(f"product() of {given!r}, which is no MatrixLieGroup: give groups, as SO(3) or SU(2)")
+            raise InputError(
+                f"product() of {shown(given)}, which is no MatrixLieGroup: give groups as arguments of their own, "
+                "as product(SO(3), SU(2))"
+            )
     dtype = np.result_type(*(group.generators.dtype for group in groups))
     T = np.zeros((sum(g.dimension for g in groups), sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
     metric = np.zeros((len(T), len(T)))

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
@@ -96,7 +97,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     InputError
         If the group has no regular invariant form.
     """
-    lower = np.linalg.cholesky(lagrangian.metric)
+    lower = np.linalg.cholesky(of_kind(lagrangian, Lagrangian).metric)
     # with ω = C⁻ᵀy and M = CCᵀ, the pencil Mω = λgω is the symmetric (Cᵀg⁻¹C) y = λy
     values, vectors = np.linalg.eigh(lower.T @ np.linalg.solve(invariant_form(lagrangian.group), lower))
     axes = np.linalg.solve(lower.T, vectors[:, np.argsort(values, kind="stable")]).T
@@ -134,7 +135,7 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     V. I. Arnold, *Mathematical Methods of Classical Mechanics*, appendix 2; J. E. Marsden, T. S. Ratiu, *Introduction
     to Mechanics and Symmetry*, on the energy–Casimir method.
     """
-    w = lagrangian.group.as_components(rate, "rates").copy()
+    w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates").copy()
     resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
     tangent, algebra = _orbit(directions)
@@ -159,7 +160,7 @@ def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
     ndarray, shape (..., d, d)
         1/s.
     """
-    turning = np.tensordot(rate, lagrangian.group.structure_constants, axes=1)
+    turning = np.tensordot(rate, of_kind(lagrangian, Lagrangian).group.structure_constants, axes=1)
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
     return np.asarray(directions @ lagrangian.inverse_metric + turning)
 

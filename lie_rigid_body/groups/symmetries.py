@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 
@@ -44,7 +45,7 @@ def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayL
     InputError
         If A is off the group.
     """
-    p = group.as_components(momentum, "momenta")
+    p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     to_body = group.Ad(group.inverse(element))
     return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
 
@@ -76,7 +77,7 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     InputError
         If M is not symmetric positive definite of size d.
     """
-    m, f = require_metric(metric, group.dimension), group.structure_constants
+    m, f = require_metric(metric, of_kind(group, MatrixLieGroup).dimension), group.structure_constants
     # generators scaled to unit inertia: in a badly scaled basis small entries of the condition would pass for round-off
     size = np.sqrt(np.diag(m))
     m, f = m / np.outer(size, size), f * size / np.multiply.outer(size, size)[:, :, None]

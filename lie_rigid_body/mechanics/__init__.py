@@ -1,5 +1,6 @@
 """The rigid body: mass distribution, inertia, state, conserved quantities and kinds of tops."""
 
+from lie_rigid_body.mechanics import top
 from lie_rigid_body.mechanics.mass_distribution import moments_of_density, moments_of_points, moments_on_grid
 from lie_rigid_body.mechanics.mass_moments import MassMoments
 from lie_rigid_body.mechanics.rigid_body import RigidBody
@@ -29,4 +30,5 @@ __all__ = [
     "rotated_second_moment",
     "second_moment_about",
     "second_moment_from_inertia",
+    "top",
 ]

@@ -10,7 +10,7 @@ import pytest
 from group_bodies import affine_line
 from sample_groups import sl2, so4_split
 
-from lie_rigid_body import LieRigidBodyError
+from lie_rigid_body import LieRigidBodyError, RigidBody
 from lie_rigid_body.groups import (
     SO,
     SU,
@@ -22,6 +22,9 @@ from lie_rigid_body.groups import (
     casimirs,
     chasles,
     double_cover,
+    inverse_legendre_transform,
+    killing_form,
+    legendre_transform,
     manakov_integrals,
     mass_matrix,
     pfaffian,
@@ -56,7 +59,7 @@ def noisy_line() -> list[np.ndarray]:
     [
         (
             lambda: mass_matrix(box(mass=2.0, edges=[0.3, 0.2, 0.1]), SO(3).generators),  # type: ignore[arg-type]
-            "second moment: mass, centre and second moment were given: give its second_moment",
+            "second moment: a MassMoments was given: give its second_moment",
         ),
         (
             lambda: GroupMovingChart(TOP, 7),  # type: ignore[arg-type]
@@ -93,7 +96,37 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: product(3),  # type: ignore[arg-type]
-            "product() of 3, which is no MatrixLieGroup: give groups, as SO(3) or SU(2)",
+            "product() of 3, which is no MatrixLieGroup: give groups as arguments of their own, as "
+            "product(SO(3), SU(2))",
+        ),
+        (
+            lambda: killing_form(TOP),  # type: ignore[arg-type]
+            "Lagrangian(...) is no MatrixLieGroup: give a group, as SO(3) or lagrangian.group",
+        ),
+        (
+            lambda: legendre_transform(SO(3)),  # type: ignore[arg-type]
+            "<SO(3): dimension 3, 3×3 matrices> is no Lagrangian: give Lagrangian(group, metric)",
+        ),
+        (
+            lambda: inverse_legendre_transform(TOP),  # type: ignore[arg-type]
+            "Lagrangian(...) is no Hamiltonian: give legendre_transform(lagrangian)",
+        ),
+        (
+            lambda: SO(3).random(1),  # type: ignore[arg-type]
+            "1 is no Generator: give numpy.random.default_rng(seed)",
+        ),
+        (
+            lambda: Lagrangian(SO(3), RigidBody([0.6, 0.8, 1.0])),  # type: ignore[arg-type]
+            "metric: a RigidBody was given: give its inertia",
+        ),
+        (
+            lambda: TOP.action(np.eye(3), 0.1),
+            "path: shape (3, 3) is one element: stack two or more, at equal intervals",
+        ),
+        (
+            lambda: MatrixLieGroup([[[1.0]]]),  # type: ignore[call-arg, arg-type]
+            "MatrixLieGroup([[[1.0]]]) has no elements: make a group by SO(n), SU(n), U1(), product(group, …) or "
+            "MatrixLieGroup.from_generators(matrices)",
         ),
         (
             lambda: SO(3).project(np.diag([1.0, 0.0, 0.0])),
@@ -159,6 +192,10 @@ def noisy_line() -> list[np.ndarray]:
             "[T0, T2] leaves the span by 1 (limit 1e-09), one of 1 commutators that do: add the matrices that it needs",
         ),
         (
+            lambda: from_generators(2j * SU(2).generators),
+            "the generators are Hermitian, and elements are exp(xᵃTᵃ) without an i: give −i/2 times them",
+        ),
+        (
             lambda: from_generators(SO(3).generators).log(np.diag([-1.0, -1.0, 1.0])),
             "no principal logarithm: a matrix is singular, far from normal, or has an eigenvalue on the "
             "negative real axis (within 1e-13 rad); give an element closer to the identity",
@@ -188,6 +225,11 @@ def noisy_line() -> list[np.ndarray]:
             "antisymmetric generators, as those of SO(n)",
         ),
         (
+            lambda: mass_matrix(np.eye(2), SU(2).generators),
+            "generators: complex numbers: rotations of a body have real antisymmetric generators, as those of SO(n); "
+            "for another group give Lagrangian a positive definite matrix",
+        ),
+        (
             lambda: pfaffian(np.eye(2)),
             "P: P + Pᵀ reaches 2, the limit is 1.42e-14: give an antisymmetric matrix",
         ),
@@ -211,7 +253,7 @@ def noisy_line() -> list[np.ndarray]:
         (
             lambda: steady_axes(Lagrangian(affine_line(), np.eye(2))),
             "G has no regular invariant form, as tr(TᵃTᵇ) is singular: give a semisimple or compact group, or "
-            "take quadratic_casimirs",
+            "take quadratic_casimirs or steady_rotation",
         ),
         (
             lambda: steady_rotation(TOP, [1.0, 1.0, 0.0]),
@@ -284,3 +326,12 @@ def test_a_refusal_in_one_line(build, said):
     with pytest.raises(LieRigidBodyError) as caught:
         build()
     assert re.fullmatch(re.escape(said).replace(r"\*", r"\S*"), str(caught.value))
+
+
+def test_a_group_that_has_no_name_in_one_line():
+    with pytest.raises(ImportError) as caught:
+        exec("from lie_rigid_body.groups import SE3")
+    assert str(caught.value) == (
+        "there is no SE3: make it by SO(n), SU(n), U1(), product(group, …) or "
+        "MatrixLieGroup.from_generators(matrices), as SE(3) in docs/reference/python.md"
+    )
