@@ -25,6 +25,7 @@ BROKEN: Final = 1
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
 
+_PACKAGE: Final = f"{Path(__file__).parent}{os.sep}"
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
 _OUT_OF_MEMORY: Final = (
@@ -261,9 +262,9 @@ def explanation(error: Exception) -> str:
         return missing_library(error)
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
-    frames = traceback.extract_tb(error.__traceback__)
-    if frames and frames[-1].name == "<module>":  # of a library that fails as it is imported, as by an odd variable
-        return f"{frames[-1].filename} cannot be imported ({error}): mend the environment, or install it again"
+    imported = [f.filename for f in traceback.extract_tb(error.__traceback__) if f.name == "<module>"]
+    if imported and not imported[-1].startswith(_PACKAGE):  # a library that fails so, as by an odd variable
+        return f"{imported[-1]} cannot be imported ({error}): mend the environment, or install it again"
     what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
 

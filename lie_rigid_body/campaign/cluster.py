@@ -22,6 +22,7 @@ from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.output_file import write_file
+from lie_rigid_body.runs.processes import safe_path
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 
@@ -190,12 +191,14 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             yield connected
         return
     others = active_children()
-    resource_tracker.ensure_running()  # before the mark, and in a thread that may get the signal that it unblocks
+    with safe_path():  # before the mark, and in a thread that may get the signal that it unblocks
+        resource_tracker.ensure_running()
     # neither half of a cluster nor one that closes may be interrupted
     with (
         Interruption.current().noted() as interruption,
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own,
         _marked(own),
+        safe_path(),
     ):
         try:
             with (

@@ -31,6 +31,7 @@ from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.report.thinned import ResidualsOverTime, thinned_segments
+from lie_rigid_body.runs.processes import safe_path
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import listed
 
@@ -187,7 +188,8 @@ def _by_processes(
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(min(most, len(bags)), multiprocessing.get_context(), _begin)
     try:
-        futures = [pool.submit(one, bag) for bag in bags]
+        with safe_path():
+            futures = [pool.submit(one, bag) for bag in bags]  # all processes begin here
         with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
             for _ in console.progress(as_completed(futures), total=len(bags), unit=" bags"):
                 pass

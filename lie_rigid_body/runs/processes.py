@@ -9,8 +9,8 @@ import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread, Timer
@@ -23,10 +23,32 @@ STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
 LONGEST_TIMEOUT_S: Final = 1e6
 """Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
+_SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
+"""Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.processes import serve; serve()"
 _PACKAGE: Final = f"{Path(__file__).resolve().parents[1]}{os.sep}"
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 """Folder of the standard library, in which installed packages have one of their own."""
+
+
+@contextmanager
+def safe_path() -> Iterator[None]:
+    """Context whose Python processes import nothing from their working folder, which may be somebody else's.
+
+    Python 3.10 does not heed that.
+    """
+    name, value = _SAFE_PATH
+    before = os.environ.setdefault(name, value)
+    try:
+        yield
+    finally:
+        if before == value:
+            os.environ.pop(name, None)
+
+
+def _environment_of_user() -> dict[str, str]:
+    """Environment without what `safe_path` put there, for a process in which a user's code runs."""
+    return {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
 
 
 class FilterError(InputError):
@@ -92,6 +114,7 @@ class Interpreter:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
+            env=_environment_of_user(),
             start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
         )
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import http.client
+import os
 import socket
 import ssl
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import nullcontext, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
@@ -19,6 +23,7 @@ if TYPE_CHECKING:
 
 pytestmark = NEEDS_DASK
 WORKERS = 2
+DEADLINE = 300.0
 
 
 class Own(NamedTuple):
@@ -117,3 +122,22 @@ def test_no_page_is_served(own: Own) -> None:
                 answers.add(connection.getresponse().status)
             connection.close()
     assert answers == {404}
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Python 3.10 imports from its working folder")
+def test_its_processes_import_nothing_of_the_working_folder(tmp_path: Path) -> None:
+    """It may be a folder that somebody else fills."""
+    (tmp_path / "campaign.yaml").write_text("{runs: 1, seed: 1, duration: 0.1}", encoding="utf-8")
+    for name in ("signal", "socket", "pickle", "threading", "multiprocessing"):
+        (tmp_path / f"{name}.py").write_text("open('imported', 'w')", encoding="utf-8")
+    verb = [
+        "import sys; sys.path[:] = filter(None, sys.path); from lie_rigid_body.__main__ import main; sys.exit(main())",
+        "campaign",
+    ]
+    command = [sys.executable, "-c", *verb, "campaign.yaml", "--out", "out", "--workers", "1"]
+    plain = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"}
+    done = subprocess.run(
+        command, cwd=tmp_path, env=plain, capture_output=True, text=True, timeout=DEADLINE, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert not (tmp_path / "imported").exists()
