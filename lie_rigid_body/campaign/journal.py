@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from array import array
 from collections.abc import Iterator, Mapping
@@ -128,7 +129,7 @@ class Journal(AbstractContextManager["Journal"]):
             Judgement.read(judgement)
         return (
             0 <= row.run < len(self._places)
-            and (not row.certified or row.attitude_accuracy_rad >= 0.0)
+            and (not row.certified or 0.0 <= row.attitude_accuracy_rad < math.inf)
             and row.bag in (None, bag_name(row.run))
             and len(row.judgements) == len(self._campaign.entries)
         )
@@ -297,3 +298,6 @@ def _require_own(folder: Path) -> None:
         )
     if folder.is_dir() and not (folder / JOURNAL).exists() and any(folder.iterdir()):
         raise InputError(f"{folder} holds other files and no campaign: give a new folder, or an empty one")
+    for path in (*folder.glob("*"), *(folder / BAGS).glob("*")):
+        if path.is_symlink():  # what is written to it would replace a file elsewhere
+            raise InputError(f"{path} is a link: a campaign writes files of its own alone: move it away")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -57,6 +58,16 @@ def _saved(figure: Figure, **how: Any) -> bytes:
         warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
         figure.savefig(out, **how)
     return out.getvalue()
+
+
+@contextmanager
+def _own_style() -> Iterator[None]:
+    """Context in which figures are drawn in Matplotlib's own style, whatever a ``matplotlibrc`` of some folder says."""
+    import matplotlib
+
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        yield
 
 
 def require_outputs(
@@ -115,7 +126,9 @@ def answer(
     passed : bool, optional
         Whether no law and no limit is broken, and no mistake is named.
     """
-    made = {path: make() for path, make in files.items() if path is not None}
+    wanted = {path: make for path, make in files.items() if path is not None}
+    with _own_style() if wanted and find_spec("matplotlib") else nullcontext():
+        made = {path: make() for path, make in wanted.items()}
     if content and given.json:
         lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,23 @@ def test_a_folder_of_something_else_is_left_alone(
     assert {path.name for path in tmp_path.iterdir()} == {"precious", "campaign.yaml"}
     assert main([str(written(tmp_path, CAMPAIGN.replace("seed: 7", "seed: 8"))), "--out", str(out)]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 2
+
+
+@pytest.mark.parametrize("name", ["bags/000001.mcap", "bags", "runs.parquet", "runs.jsonl"])
+def test_nothing_is_written_through_a_link(
+    name: str, out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A folder that somebody else has sent would replace a file of whoever resumes its campaign."""
+    begun, target = tmp_path / "begun", tmp_path / "precious"
+    shutil.copytree(out, begun)
+    (begun / name).rename(target)
+    (begun / name).symlink_to(target)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert main([str(written(tmp_path)), "--out", str(begun)]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert str(begun / name) in line
+    before[tmp_path / "campaign.yaml"] = (tmp_path / "campaign.yaml").read_bytes()
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
 @pytest.mark.parametrize("taken", ["bags", ""])

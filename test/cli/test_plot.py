@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import matplotlib
 import numpy as np
 import pytest
 from test_check import write_bag
@@ -43,6 +44,15 @@ def test_a_picture_is_written_and_kept(bag, tmp_path, capsys):
     refused(capsys, ["absent.mcap", "-o", str(out)])
     assert out.read_bytes() == picture
     assert main([str(bag), "-o", str(out), "--force"]) == 0
+
+
+def test_a_matplotlibrc_changes_no_picture(bag, tmp_path, monkeypatch):
+    own, odd = tmp_path / "own.png", tmp_path / "odd.png"
+    assert main([str(bag), "-o", str(own)]) == 0
+    with matplotlib.rc_context({"text.usetex": True, "font.size": 30.0, "savefig.bbox": "tight"}):
+        assert main([str(bag), "-o", str(odd)]) == 0
+        assert matplotlib.rcParams["font.size"] == 30.0
+    assert odd.read_bytes() == own.read_bytes()
 
 
 def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, capsys):
