@@ -159,9 +159,9 @@ def factor(value: float) -> Repair:
     )
 
 
-def silent(sensor: str) -> Repair:
-    """Change that makes the readings of one sensor vanish beside those that a filter uses; no repair of a mistake."""
-    return Repair("", "", 0, partial(_multiplied, (sensor,), 1e-12 * np.eye(3)), "", "")
+def scaled(sensor: str, by: float) -> Repair:
+    """Change that multiplies the readings of one sensor; no repair of a mistake."""
+    return Repair("", "", 0, partial(_multiplied, (sensor,), by * np.eye(3)), "", "")
 
 
 def drift(sensor: str) -> Repair:

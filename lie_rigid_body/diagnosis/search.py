@@ -24,7 +24,7 @@ from lie_rigid_body.diagnosis.repairs import (
     drift,
     exact_repairs,
     of_output,
-    silent,
+    scaled,
 )
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of
@@ -52,6 +52,8 @@ BEAM: Final = 8
 """Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
 UNCHANGED: Final = 1e-6
 """Change of the error, rad, below which a repair has no effect."""
+SILENT: Final = 1e-12
+"""Factor by which the readings of a sensor vanish beside those that a filter uses."""
 FINEST_FACTOR: Final = 1e-6
 """Accuracy to which a factor is fitted."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
@@ -287,20 +289,31 @@ class Search:
         return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
-        """Whether each sensor that a repair rescales lessens the error of a gyro drift that only this sensor corrects.
+        """Whether each sensor that a repair rescales is heard, and the filter does not normalise it.
 
-        A repair that makes a sensor nearly silent also mends a wrong correction, but it leaves the error of the drift,
-        or enlarges it. The error must fall by more than the floor: errors up to the floor, which any repair may leave,
-        can lessen it by chance.
+        A repair that makes a sensor nearly silent also mends a wrong correction. But it leaves the error of a
+        drift of the gyro that only this sensor corrects, or enlarges it. A repair that makes a sensor huge also
+        drowns a constant that the filter adds to it. But if the filter normalises it, no unit is wrong, and
+        half of the factor does as well. Both changes of the error have to be more than the floor, as smaller
+        errors change by chance. The second has to be more than twice what the repair leaves, too: half of the
+        factor leaves twice of such a constant.
         """
-        scaled = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
-        return all(self.silence_costs(sensor, trial.repairs) > self.floor for sensor in scaled)
+        sensors = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
+        return all(
+            self.silence_costs(sensor, trial.repairs) > self.floor
+            and abs(self.silence_costs(sensor, trial.repairs, 0.5)) > max(self.floor, NEAR * trial.error)
+            for sensor in sensors
+        )
 
-    def silence_costs(self, sensor: str, repairs: Repairs) -> float:
-        """Increase of the error, rad, by a silent sensor while the gyro drifts as only this sensor tells."""
+    def silence_costs(self, sensor: str, repairs: Repairs, share: float = SILENT) -> float:
+        """Increase of the error, rad, by a silent sensor, or by a share of its readings, while the gyro drifts.
+
+        The drift is one that only this sensor tells.
+        """
         drifting = (drift(sensor), *repairs)
-        (used,), (silenced,) = self.tried([(drifting, self.short), ((*drifting, silent(sensor)), self.short)])
-        return silenced.error - used.error
+        weakened = (*drifting, scaled(sensor, share))
+        (used,), (less,) = self.tried([(drifting, self.short), (weakened, self.short)])
+        return less.error - used.error
 
     def fully(
         self,

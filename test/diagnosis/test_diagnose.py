@@ -307,6 +307,24 @@ def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter(
 
 
 @pytest.mark.parametrize(
+    ("code", "given", "offset"),
+    [
+        ("magnetometer_units", "field", [5e-6, -3e-6, 2e-6]),
+        ("accelerometer_units", "force", [0.5, -0.3, 0.2]),
+    ],
+)
+def test_repair_that_drowns_a_constant_names_no_units_where_the_filter_normalises(
+    code: str, given: str, offset: list[float]
+) -> None:
+    """A wrong hard iron, or a wrong bias, is nothing beside readings that are multiplied by much."""
+    search, trials = repairs_by_units(
+        lambda run: textbook.triad(textbook.changed(run, **{given: lambda vectors: vectors + offset})), code
+    )
+    assert trials
+    assert not any(search._uses_what_it_scales(trial) for trial in trials)
+
+
+@pytest.mark.parametrize(
     ("code", "units", "repair"),
     [
         ("magnetometer_units", (1.0, 1e6), "× 1e-06"),
