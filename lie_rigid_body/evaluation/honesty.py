@@ -25,6 +25,7 @@ from lie_rigid_body.evaluation.arguments import numbers
 from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import listed
 
 LEVEL: Final = 0.05
 """Probability that an honest covariance is called something else."""
@@ -106,6 +107,14 @@ class Honesty:
         )
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
+
+    @property
+    def covered(self) -> str:
+        """Shares of errors inside the ellipsoids, in one sentence."""
+        named, found = (
+            listed([f"{100.0 * share:.3g}" for share in shares]) for shares in (self.coverage, self.coverage.values())
+        )
+        return f"Inside of its {named} % ellipsoids are {found} % of the errors"
 
 
 _REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] = {

@@ -246,6 +246,8 @@ class Run(_NamedSensors, Shown):
                 bias = numbers("gyro_bias", estimate.gyro_bias, 3)
                 yield vectors(f"{topic}{BIAS}", estimate.t_ns, bias, self.scenario.body_frame)
         for topic, score in scores.items():
+            if topic not in estimates or not isinstance(score, Score):
+                raise InputError(f"scores: {shown(topic)}: give the Score of an estimate by the topic of that estimate")
             yield from messages_of_score(topic, score, frame)
 
     def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
