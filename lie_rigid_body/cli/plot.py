@@ -46,4 +46,4 @@ def main(given: argparse.Namespace) -> int:
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
-    return answer(given, {out: lambda: png(draw(pieces))})
+    return answer(given, {out: lambda: png(lambda: draw(pieces))})

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
+import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -37,17 +39,19 @@ _SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap"}
 
 
 @np.errstate(all="ignore")  # recorded numbers may be anything
-def png(figure: Figure) -> bytes:
-    """PNG of a figure of Matplotlib."""
-    return _saved(figure, format="png")
+def png(draw: Callable[[], Figure]) -> bytes:
+    """PNG of the figure that a function draws with Matplotlib."""
+    with _own_style():
+        return _saved(draw(), format="png")
 
 
-def svg(figure: Figure) -> str:
-    """SVG element of a figure of Matplotlib: the same bytes for the same figure, and text that a browser can search."""
-    import matplotlib
+def svg(draw: Callable[[], Figure]) -> str:
+    """SVG element of the figure that a function draws with Matplotlib: of equal figures the same bytes.
 
-    with matplotlib.rc_context({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"}):
-        text = _saved(figure, format="svg", metadata={"Date": None}).decode()
+    A browser can search its text.
+    """
+    with _own_style():
+        text = _saved(draw(), format="svg", metadata={"Date": None}).decode()
     return text[text.index("<svg") :]
 
 
@@ -63,10 +67,13 @@ def _saved(figure: Figure, **how: Any) -> bytes:
 @contextmanager
 def _own_style() -> Iterator[None]:
     """Context in which figures are drawn in Matplotlib's own style, whatever a ``matplotlibrc`` of some folder says."""
+    if "matplotlib" not in sys.modules:
+        os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     import matplotlib
 
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
+        matplotlib.rcParams["svg.hashsalt"], matplotlib.rcParams["svg.fonttype"] = "lie_rigid_body", "none"
         yield
 
 
@@ -126,9 +133,7 @@ def answer(
     passed : bool, optional
         Whether no law and no limit is broken, and no mistake is named.
     """
-    wanted = {path: make for path, make in files.items() if path is not None}
-    with _own_style() if wanted and find_spec("matplotlib") else nullcontext():
-        made = {path: make() for path, make in wanted.items()}
+    made = {path: make() for path, make in files.items() if path is not None}
     if content and given.json:
         lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
     else:

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
@@ -248,7 +249,7 @@ def coordinates(points: Array) -> dict[str, Any]:
 
 def picture(draw: Callable[[float], MatplotlibFigure]) -> str:
     """Picture by Matplotlib as SVG, which is drawn for two widths, in inches: those of a desk and of a phone."""
-    wide, narrow = (svg(draw(width)) for width in (10.0, 4.6))
+    wide, narrow = (svg(partial(draw, width)) for width in (10.0, 4.6))
     return f'<figure class="wide">{wide}</figure><figure class="narrow">{narrow}</figure>'
 
 

@@ -158,7 +158,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
             given,
             {
                 **bag,
-                given.plot: lambda: drawing.png(scores.curves(title, scored)),
+                given.plot: lambda: drawing.png(partial(scores.curves, title, scored)),
                 given.report: lambda: scores.page_of_several(title, scored),
             },
             lambda: scores.table_of_several(title, scored),
@@ -169,7 +169,7 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
         given,
         {
             **bag,
-            given.plot: lambda: drawing.png(scores.draw(title, score)),
+            given.plot: lambda: drawing.png(partial(scores.draw, title, score)),
             given.report: lambda: scores.page(title, read, score),
         },
         lambda: scores.as_table(title, read, score),
@@ -199,7 +199,7 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     from lie_rigid_body.report import drawing, scores
 
     require_suffix("path", str(path), ".png")
-    write_file(path, drawing.png(scores.draw(title, score)), overwrite=overwrite)
+    write_file(path, drawing.png(partial(scores.draw, title, score)), overwrite=overwrite)
 
 
 def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:

@@ -241,7 +241,7 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
     from matplotlib.figure import Figure
 
     figure, place = Figure(figsize=size, dpi=120, layout="constrained"), float(side == "right")
-    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]  # by which a notebook shows it
+    figure._repr_png_ = partial(png, lambda: figure)  # type: ignore[attr-defined]  # by which a notebook shows it
     for (draw_panel, label, columns), axes in zip(
         panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
     ):

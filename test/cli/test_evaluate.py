@@ -81,11 +81,11 @@ def test_picture_and_page(bag, tmp_path, capsys):
 @pytest.mark.filterwarnings("error")
 def test_a_picture_has_any_name(score):
     name = os.fsdecode(b"'$\\frac{$ <b>&r\xff\n\x1b") + "日本.mcap"
-    title = re.search(r"<text[^>]*>('[^<]*)</text>", svg(draw(f"{name}: {40 * 'm'}", score)))
+    title = re.search(r"<text[^>]*>('[^<]*)</text>", svg(lambda: draw(f"{name}: {40 * 'm'}", score)))
     assert title is not None
     said = html.unescape(title[1])
     assert said.startswith(r"'$\frac{$ <b>&r\udcff\n\x1b日本.mcap: mmm")
-    long = re.search(r"<text[^>]*>('[^<]*)</text>", svg(draw(f"{name}: {300 * 'm'}", score)))
+    long = re.search(r"<text[^>]*>('[^<]*)</text>", svg(lambda: draw(f"{name}: {300 * 'm'}", score)))
     assert long is not None
     assert len(html.unescape(long[1])) <= 110
 

@@ -154,7 +154,7 @@ def test_a_message_that_cannot_be_read_costs_itself(domain: int) -> None:
     assert content["samples"] == 40
     assert content["total_deg"]["max"] == pytest.approx(np.degrees(np.linalg.norm(np.radians([3.0, -4.0, -5.0]))))
     told_of = sorted((numbers(note)[0], re.findall(r" (/\S+)", note)[0]) for note in content["notes"][1:])
-    assert told_of == [(3, "/odd"), (6, "/strange/body")]
+    assert told_of == [(3, "/odd"), (6, "/strange/body/told")]
 
 
 @pytest.mark.ros
