@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
 from lie_rigid_body.cli.bags import progress_bar
@@ -38,12 +37,16 @@ def main(given: argparse.Namespace) -> int:
     topics = topic_names(given.topic, topic_types())
     require_room(out, files_of(given.bag), overwrite=given.force)
 
-    os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.report.drawing import answer, png
-    from lie_rigid_body.report.recording_picture import draw
     from lie_rigid_body.report.thinned import thinned_segments
 
     with progress_bar([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
-    return answer(given, {out: lambda: png(lambda: draw(pieces))})
+
+    def picture() -> bytes:
+        from lie_rigid_body.report.recording_picture import draw  # only now: it loads Matplotlib
+
+        return png(lambda: draw(pieces))
+
+    return answer(given, {out: picture})

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -67,8 +66,6 @@ def _saved(figure: Figure, **how: Any) -> bytes:
 @contextmanager
 def _own_style() -> Iterator[None]:
     """Context in which figures are drawn in Matplotlib's own style, whatever a ``matplotlibrc`` of some folder says."""
-    if "matplotlib" not in sys.modules:
-        os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     import matplotlib
 
     with matplotlib.rc_context():
@@ -133,6 +130,7 @@ def answer(
     passed : bool, optional
         Whether no law and no limit is broken, and no mistake is named.
     """
+    os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
     made = {path: make() for path, make in files.items() if path is not None}
     if content and given.json:
         lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
