@@ -31,7 +31,6 @@ from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.report.thinned import ResidualsOverTime, thinned_segments
-from lie_rigid_body.runs.processes import safe_path
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import listed
 
@@ -185,6 +184,8 @@ def _by_processes(
 
     The processes have ended when this does, at once if it is left by an exception.
     """
+    from lie_rigid_body.runs.processes import safe_path  # only for several bags: it loads what runs need
+
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(min(most, len(bags)), multiprocessing.get_context(), _begin)
     try:
