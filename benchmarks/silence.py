@@ -87,7 +87,7 @@ def margins(estimate: Callable[[Any], Any]) -> tuple[float, float, dict[Repair, 
             continue
         ((trial,),) = search.tried([((repair,), search.short)])
         if trial.error <= search.floor:
-            margin = search.silence_costs(sensor, (repair,)) / search.floor
+            margin = search.drift_costs(sensor, (repair,))[0] / search.floor
             left = min(each.error for each in search.fully([(repair,)])) if margin > 1.0 else np.inf
             found[repair] = margin, left <= search.floor
     return plain.error, change, found

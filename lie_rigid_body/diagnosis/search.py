@@ -299,21 +299,15 @@ class Search:
         factor leaves twice of such a constant.
         """
         sensors = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
-        return all(
-            self.silence_costs(sensor, trial.repairs) > self.floor
-            and abs(self.silence_costs(sensor, trial.repairs, 0.5)) > max(self.floor, NEAR * trial.error)
-            for sensor in sensors
-        )
+        costs = (self.drift_costs(sensor, trial.repairs) for sensor in sensors)
+        return all(silence > self.floor and abs(half) > max(self.floor, NEAR * trial.error) for silence, half in costs)
 
-    def silence_costs(self, sensor: str, repairs: Repairs, share: float = SILENT) -> float:
-        """Increase of the error, rad, by a silent sensor, or by a share of its readings, while the gyro drifts.
-
-        The drift is one that only this sensor tells.
-        """
+    def drift_costs(self, sensor: str, repairs: Repairs) -> tuple[float, float]:
+        """Increases of the error, rad, by a silent sensor and by half of its readings, in a drift it alone tells."""
         drifting = (drift(sensor), *repairs)
-        weakened = (*drifting, scaled(sensor, share))
-        (used,), (less,) = self.tried([(drifting, self.short), (weakened, self.short)])
-        return less.error - used.error
+        given = [drifting, *((*drifting, scaled(sensor, share)) for share in (SILENT, 0.5))]
+        (used,), (silenced,), (halved,) = self.tried([(each, self.short) for each in given])
+        return silenced.error - used.error, halved.error - used.error
 
     def fully(
         self,
