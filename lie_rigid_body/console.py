@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.errors import PACKAGE, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
@@ -25,7 +25,6 @@ BROKEN: Final = 1
 UNUSABLE: Final = 2
 INTERRUPTED: Final = 130
 
-_PACKAGE: Final = f"{Path(__file__).parent}{os.sep}"
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
 _OUT_OF_MEMORY: Final = (
@@ -263,7 +262,7 @@ def explanation(error: Exception) -> str:
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
     imported = [f.filename for f in traceback.extract_tb(error.__traceback__) if f.name == "<module>"]
-    if imported and not imported[-1].startswith(_PACKAGE):  # a library that fails so, as by an odd variable
+    if imported and not imported[-1].startswith(PACKAGE):  # a library that fails so, as by an odd variable
         return f"{imported[-1]} cannot be imported ({error}): mend the environment, or install it again"
     what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import suppress
+from pathlib import Path
+from typing import Final
 
 from lie_rigid_body.wording import LONGEST_VALUE, shortened
+
+PACKAGE: Final = f"{Path(__file__).parent}{os.sep}"
+"""Folder of the package, by which a line of a traceback is known as its own."""
 
 
 class LieRigidBodyError(Exception):

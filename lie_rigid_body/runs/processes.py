@@ -16,7 +16,7 @@ from queue import SimpleQueue
 from threading import Thread, Timer
 from typing import Any, BinaryIO, Final
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError, said
+from lie_rigid_body.errors import PACKAGE, InputError, LieRigidBodyError, said
 from lie_rigid_body.evaluation.arguments import quantity
 
 STARTING_S: Final = 20.0
@@ -26,7 +26,6 @@ LONGEST_TIMEOUT_S: Final = 1e6
 _SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
 """Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.processes import serve; serve()"
-_PACKAGE: Final = f"{Path(__file__).resolve().parents[1]}{os.sep}"
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 """Folder of the standard library, in which installed packages have one of their own."""
 
@@ -61,7 +60,7 @@ def told(error: BaseException) -> str:
     Of an installed filter that is the first line outside of this package. What this package says of an answer, with no
     such line, stands alone.
     """
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((_PACKAGE, "<"))]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((PACKAGE, "<"))]
     installed = [frame for frame in frames if "-packages" in frame.filename]
     own = [frame for frame in frames if frame not in installed and not frame.filename.startswith(_STANDARD)]
     line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in own[-1:] or installed[:1])
