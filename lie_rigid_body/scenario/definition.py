@@ -188,9 +188,9 @@ class Scenario:
         return size * math.sqrt(2.0 * float(body.kinetic_energy(unit))) / math.sqrt(smallest)
 
     @property
-    def slowest_rate(self) -> float:
-        """Lowest rate of the truth and of the sensors, samples per second."""
-        return min([self.rate, *(sensor.rate for sensor in self.sensors.on.values())])
+    def rates(self) -> list[float]:
+        """Rates of the truth and of the sensors, samples per second."""
+        return [self.rate, *(sensor.rate for sensor in self.sensors.on.values())]
 
     def steps_per_sample(self, rate: float | None = None) -> int:
         """Steps of the moving chart from one sample to the next; 1 of the closed form.
@@ -251,14 +251,15 @@ class Scenario:
 
     def _require_possible_steps(self, fastest: float) -> None:
         """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""
-        step = min(self._longest_step(fastest), 1.0 / self.slowest_rate)
+        slowest = min(self.rates)
+        step = min(self._longest_step(fastest), 1.0 / slowest)
         if fastest * step > LARGEST_TURN_PER_STEP:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
                 f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
             )
-        steps = self.steps_per_sample(self.slowest_rate)
+        steps = self.steps_per_sample(slowest)
         if steps > MOST_STEPS:
             raise ParameterError(
                 "initial_body_rate",

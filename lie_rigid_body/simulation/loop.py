@@ -336,7 +336,7 @@ def motions_of(scenario: Scenario, clocks: Mapping[float, Latest] | None = None)
     clocks : mapping of float to Latest, optional
         By their rates, those that several simulations of one motion share. All are made before anything is taken.
     """
-    rates = [scenario.rate, *(model.rate for model in scenario.sensors.on.values())]
+    rates = scenario.rates
     shared = {rate: Latest() for rate in rates} if clocks is None else clocks
     start, turns = scenario.make_motion(), iter(rates)
     return lambda: SharedMotion(start, shared[next(turns)])

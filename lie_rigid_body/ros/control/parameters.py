@@ -15,7 +15,7 @@ from rclpy.parameter_service import ParameterService
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.parameters import Parameter, Value
-from lie_rigid_body.ros.timing.live_run import require_few_steps
+from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
 from lie_rigid_body.wording import printable, shortened, suggestion
@@ -64,7 +64,7 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
     def __init__(self, node: Node, given: Mapping[str, object]) -> None:
         self._node = node
         values = read_parameters({**given, **overrides(node)})
-        values.update(require_few_steps(Scenario.from_parameters(values)).parameters())
+        values.update(live_scenario(values).parameters())
         for parameter in PARAMETERS:
             value = _as_ros(values[parameter.name])
             node.declare_parameter(parameter.name, value, descriptor(parameter), ignore_override=True)
@@ -98,7 +98,7 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         try:
             read = [self._read(change) for change in changes]
             new = {change.name: change.value for change in read if change.name in BY_NAME}
-            require_few_steps(Scenario.from_parameters({**self.values(), **new}))
+            live_scenario({**self.values(), **new})
             return self._node.set_parameters_atomically(read)
         except LieRigidBodyError as error:  # also of what acts on a change, if it has ended
             return SetParametersResult(successful=False, reason=shortened(printable(str(error))))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 from fractions import Fraction
 from typing import Final
@@ -25,7 +25,7 @@ from lie_rigid_body.simulation import Segment, Simulation
 
 STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
-MOST_STEPS: Final = 1_000_000
+MOST_LIVE_STEPS: Final = 1_000_000
 """Largest number of steps of the moving chart between two samples, half a second of compiled work; calls wait."""
 SHORTEST_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
@@ -35,19 +35,21 @@ LONGEST_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
-def require_few_steps(scenario: Scenario) -> Scenario:
-    """Refuse a scenario whose samples take so long that calls have to wait for their answers.
+def live_scenario(values: Mapping[str, object]) -> Scenario:
+    """Scenario of parameters, whose samples do not take so long that calls have to wait for their answers.
 
     Raises
     ------
     ParameterError
+        If they make none, or its samples do.
     """
-    steps = scenario.steps_per_sample(scenario.slowest_rate)
-    if steps > MOST_STEPS:
+    scenario = Scenario.from_parameters(values)
+    steps = scenario.steps_per_sample(min(scenario.rates))
+    if steps > MOST_LIVE_STEPS:
         raise ParameterError(
             "max_step",
-            f"{scenario.max_step:g} s takes {steps:.3g} steps between samples, more than {MOST_STEPS} of a live node: "
-            "give a longer step, higher rates or a slower body, or use closed_form",
+            f"{scenario.max_step:g} s takes {steps:.3g} steps between samples, more than {MOST_LIVE_STEPS} of a live "
+            "node: give a longer step, higher rates or a slower body, or use closed_form",
         )
     return scenario
 
@@ -207,8 +209,7 @@ class LiveRun:
             "initial_attitude_xyzw": state.attitude_xyzw.tolist(),
             "initial_body_rate": state.body_rate.tolist(),
         }
-        scenario = require_few_steps(Scenario.from_parameters(given))
-        return self.reset(scenario.resampled(epoch_ns=present.epoch_ns))
+        return self.reset(live_scenario(given).resampled(epoch_ns=present.epoch_ns))
 
     def pause(self) -> int:
         """Stop simulated time; return where it stands, ns. A step request under way is abandoned."""
@@ -300,7 +301,7 @@ class LiveRun:
         self._encoder = BatchEncoder(scenario)
         # few samples when each costs many steps, so that calls need not wait long
         self._batch_size = scenario.batch_size(LARGEST_BATCH, STEPS_PER_BATCH)
-        self._fastest_rate = max([scenario.rate, *(sensor.rate for sensor in scenario.sensors.on.values())])
+        self._fastest_rate = max(scenario.rates)
         self._set_deadline()
         self._rested_ns = 0
         if self._lockstep is not None:
