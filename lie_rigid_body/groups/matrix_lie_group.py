@@ -57,16 +57,9 @@ class MatrixLieGroup(MatrixLieAlgebra):
     elements: Elements
     factors: tuple[MatrixLieGroup, ...] = ()
 
-    def __new__(
-        cls,
-        generators: Matrix,
-        name: str = "",
-        trace_metric: Array | None = None,
-        elements: Elements | None = None,
-        factors: tuple[MatrixLieGroup, ...] = (),
-    ) -> MatrixLieGroup:
-        """The group before its fields are set, refused where all that is given are matrices."""
-        if elements is None:
+    def __new__(cls, generators: Matrix, *fields: object, **named: object) -> MatrixLieGroup:
+        """The group before its fields are set, refused where matrices are all that is given."""
+        if len(fields) + len(named) < 3:  # name, trace metric and elements
             raise InputError(f"MatrixLieGroup({shown(generators)}) has no elements: make a group by {MADE_BY}")
         return super().__new__(cls)
 
