@@ -18,11 +18,11 @@ from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
-    Found,
     McapContents,
     Progress,
     RawMessages,
     RawTrack,
+    TrackKey,
     nothing,
     of_types,
     unheard,
@@ -263,18 +263,27 @@ class Bag(BagFacts):
     def _decoded(self, sensors: Iterable[str]) -> Iterator[dict[str, TopicMessages]]:
         """Messages of pose, twist and sensors by their relative names, as many at a time as a batch has."""
         keys = {name: self._tracks[name].key for name in (POSE, TWIST, *sensors)}
-        waiting: dict[str, list[RawMessages]] = {name: [] for name in keys}
-        before, count, end = Counter[str](), 0, Found()
-        for found in itertools.chain(self._contents.read({*keys.values()}, self._progress), [end]):
+        before = Counter[str]()
+        for raw in self._batched(keys):
+            counts = {name: len(messages) for name, messages in raw.items()}
+            # popped, as large chunks would else stand in memory as bytes and as numbers
+            yield {name: topic_messages(self._path, key, raw.pop(name), before[name]) for name, key in keys.items()}
+            before.update(counts)
+
+    def _batched(self, keys: Mapping[str, TrackKey]) -> Iterator[dict[str, RawMessages]]:
+        """Messages by their relative names, of whole parts of the files, as many at a time as a batch has at least."""
+        waiting, count = {name: list[RawMessages]() for name in keys}, 0
+        parts = self._contents.read({*keys.values()}, self._progress)
+        while (found := next(parts, None)) is not None:
             for name, key in keys.items():
                 if key in found:
                     waiting[name].append(found[key])
                     count += len(found[key])
-            if found is end or count >= _BATCH:
-                whole = {name: RawMessages.joined(parts) for name, parts in waiting.items()}
-                yield {name: topic_messages(self._path, keys[name], raw, before[name]) for name, raw in whole.items()}
-                before.update({name: len(raw) for name, raw in whole.items()})
+            del found
+            if count >= _BATCH:
+                yield {name: RawMessages.joined(waiting.pop(name)) for name in keys}
                 waiting, count = {name: [] for name in keys}, 0
+        yield {name: RawMessages.joined(waiting[name]) for name in keys}
 
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""

@@ -57,6 +57,8 @@ class RawMessages:
     def joined(cls, parts: Iterable[RawMessages]) -> RawMessages:
         """Messages that follow each other as one."""
         parts = list(parts)
+        if len(parts) == 1:
+            return parts[0]
         sizes = np.concatenate([_NONE, *(part.sizes for part in parts)])
         times = np.concatenate([_NONE, *(part.log_times_ns for part in parts)])
         return cls(memoryview(b"".join(part.data for part in parts)), sizes, times)
@@ -167,7 +169,7 @@ class McapContents:
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: int = 0
     files: list[FileSpan] = field(default_factory=list)
-    again: list[Callable[[Collection[TrackKey]], Parts]] = field(default_factory=list)
+    again: list[Callable[[Collection[TrackKey], Progress], Iterator[Found]]] = field(default_factory=list)
     without_checksum: int = 0
 
     def read(self, keys: Collection[TrackKey], progress: Progress = unheard) -> Iterator[Found]:
@@ -188,9 +190,7 @@ class McapContents:
             yield from self.kept
             return
         for read in self.again:
-            for size, found in read(keys):
-                yield found
-                progress(size)
+            yield from read(keys, progress)
 
     def messages(self, key: TrackKey) -> RawMessages:
         """All messages of a track."""

@@ -22,7 +22,16 @@ from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, most_records
-from lie_rigid_body.recording.mcap_contents import FileSpan, Found, McapContents, Parts, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.mcap_contents import (
+    FileSpan,
+    Found,
+    McapContents,
+    Parts,
+    Progress,
+    RawMessages,
+    RawTrack,
+    TrackKey,
+)
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
     HEAD,
@@ -104,26 +113,30 @@ def read_file(path: Path, contents: McapContents) -> Parts:
             raise BagError(f"{path} {_told(error, reader.at)}") from None
 
 
-def _read_again(path: Path, state: tuple[int, ...], places: Iterable[_Place], keys: Collection[TrackKey]) -> Parts:
+def _read_again(
+    path: Path, state: tuple[int, ...], places: Iterable[_Place], keys: Collection[TrackKey], progress: Progress
+) -> Iterator[Found]:
     """Messages of some tracks in a file that was read before, and was in some state then; see `McapContents.read`."""
     with closing(FileBytes(path)) as file:
         try:
             require(file.state() == state, "it is another file")
             for begin, end, there in places:
-                channels, found = {key: own for key, own in there.items() if key in keys}, Found()
-                if channels:
-                    raw = file[begin:end]
-                    chunk, indexes = _chunk_of(raw)  # checksum and indexes were compared when the file was read first
-                    data = inflated(replace(chunk, uncompressed_crc=0)) if chunk else raw
-                    index = dict(_index(raw, place) for place in indexes)
-                    index = index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index
-                    found = _by_track(data, index, channels)
-                yield end - begin, found
+                channels = {key: own for key, own in there.items() if key in keys}
+                yield _found_again(file[begin:end], channels) if channels else {}
+                progress(end - begin)
             require(file.state() == state, "it is another file")
         except BagError:
             raise
         except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
             raise BagError(f"{path} changed while it was read: try again when nobody writes it") from error
+
+
+def _found_again(raw: bytes, channels: Mapping[TrackKey, Sequence[int]]) -> Found:
+    """Messages of some tracks in a part whose checksum and indexes were compared when it was read first."""
+    chunk, places = _chunk_of(raw)
+    data = inflated(replace(chunk, uncompressed_crc=0)) if chunk else raw
+    index = dict(_index(raw, place) for place in places)
+    return _by_track(data, index or find_messages(data, NO_HINTS, LARGEST_CHUNK).index, channels)
 
 
 def _told(error: Exception, at: int) -> str:

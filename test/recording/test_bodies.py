@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
@@ -16,7 +16,7 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, the_body
-from lie_rigid_body.recording.mcap_contents import McapContents, Parts, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.mcap_contents import Found, McapContents, Progress, RawMessages, RawTrack, TrackKey
 from said import Error
 
 HERE = Path("x.mcap")
@@ -31,13 +31,13 @@ def contents(
     return McapContents(tracks={(track.topic, track.message_type): track for track in tracks}, again=[texts(ours)])
 
 
-def texts(ours: tuple[str, ...]) -> Callable[[Collection[TrackKey]], Parts]:
+def texts(ours: tuple[str, ...]) -> Callable[[Collection[TrackKey], Progress], Iterator[Found]]:
     """Messages of topics of texts, those of some topics scenarios."""
 
-    def read(keys: Collection[TrackKey]) -> Parts:
+    def read(keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
         for key in tuple(keys):  # whoever asks may want fewer from part to part
             data = encode_string('{"inertia": [1, 2, 3]}' if key[0].startswith(ours) else "9 lanes")
-            yield 0, {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}
+            yield {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}
 
     return read
 

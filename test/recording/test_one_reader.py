@@ -143,7 +143,7 @@ def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.Monkey
 
 
 def texts_alone(*given: Any) -> tuple[Any, ...]:
-    assert {kind for _, kind in given[-1]} == {STRING}
+    assert {kind for _, kind in given[3]} == {STRING}
     return given
 
 
