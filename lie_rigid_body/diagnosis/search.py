@@ -6,13 +6,14 @@ Repairs of the output are tried first, then single repairs of the input, then pa
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from itertools import product
 from typing import Final
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
@@ -26,6 +27,7 @@ from lie_rigid_body.diagnosis.repairs import (
     of_output,
     scaled,
 )
+from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of
 from lie_rigid_body.runs.processes import FilterError
@@ -51,7 +53,7 @@ FAR: Final = 10.0
 BEAM: Final = 8
 """Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
 UNCHANGED: Final = 1e-6
-"""Change of the error, rad, below which a repair has no effect."""
+"""Change of the estimate, rad, below which a repair has no effect."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
 FINEST_FACTOR: Final = 1e-6
@@ -77,12 +79,21 @@ class Trial:
     parts : tuple of float
         RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
         the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
+    attitudes_xyzw : ndarray, shape (N, 4)
+        The estimate on the first course, at those samples that are compared; none where the filter failed.
     """
 
     repairs: Repairs
     kind: str
     error: float
     parts: tuple[float, ...] = ()
+    attitudes_xyzw: Array = field(default_factory=lambda: np.empty((0, 4)), repr=False)
+
+    def changes(self, other: Trial) -> bool:
+        """Whether its estimate differs from that of another trial, or the filter failed in one of them."""
+        both = min(len(self.attitudes_xyzw), len(other.attitudes_xyzw))
+        apart = angles_between(self.attitudes_xyzw[:both], other.attitudes_xyzw[:both])
+        return both == 0 or bool((apart > UNCHANGED).any())
 
     @property
     def joint(self) -> bool:
@@ -244,7 +255,7 @@ class Search:
         singles = self._screened([(repair,) for repair in self._exact])
         if not self._is_mended(1, 0):
             singles += self._fitted_beside(())
-        changing = {trial.mistakes[0] for trial in singles if abs(trial.error - unrepaired.error) > UNCHANGED}
+        changing = {trial.mistakes[0] for trial in singles if trial.changes(unrepaired)}
         self._exact = tuple(repair for repair in self._exact if repair in changing)
         firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
         for pairs_with in (self._exact_beside, self._fitted_beside):
@@ -373,7 +384,7 @@ class Search:
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
-            alone = Trial(repairs, kind, error_of(tracks), parts)
+            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0].attitude_xyzw)
             mended = _without(tracks, causes, pairs=pairs)
             yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
 

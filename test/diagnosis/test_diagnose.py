@@ -19,7 +19,7 @@ from lie_rigid_body.cli.diagnose import main
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
-from lie_rigid_body.diagnosis.repairs import exact_repairs
+from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import Search, Trial
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimators import each_alone
@@ -96,6 +96,28 @@ def test_two_mistakes_are_named_one_after_the_other() -> None:
     first, second = found.mistakes
     assert second.rms_deg_before == pytest.approx(first.rms_deg_after)
     assert second.rms_deg_after < 1e-10
+
+
+def swapped_field() -> Repair:
+    (repair,) = [each for each in exact_repairs() if (each.code, each.text) == ("magnetometer_axes", "y x z")]
+    return repair
+
+
+def test_a_repair_has_an_effect_where_the_estimate_changes_and_not_its_error() -> None:
+    search = Search(partial(each_alone, textbook.begins_upside_down), courses_of({}), 2000)
+    (given,), (repaired,) = search.tried([((), search.short), ((swapped_field(),), search.short)])
+    assert given.error == pytest.approx(repaired.error, abs=1e-6)
+    assert repaired.changes(given)
+    assert not given.changes(given)
+
+
+@pytest.mark.slow
+def test_two_mistakes_that_leave_half_a_turn_until_both_are_repaired_are_named() -> None:
+    found = diagnose(textbook.begins_upside_down)
+    assert {(m.code, m.repair) for m in found.mistakes} == {
+        ("accelerometer_axes", "-x -y -z"),
+        ("magnetometer_axes", "y x z"),
+    }
 
 
 def test_run_of_a_diagnosis_tells_no_truth() -> None:

@@ -125,6 +125,11 @@ def two_mistakes(run: Any) -> Array:
     return triad(changed(run, force=lambda v: v[:, [1, 0, 2]], field=lambda v: v * [1.0, 1.0, -1.0]))
 
 
+def begins_upside_down(run: Any) -> Array:
+    """Two mistakes in what only the first attitude is made of; half a turn is left, whatever repairs the second."""
+    return mahony(changed(run, force=lambda v: -v, field=lambda v: v[:, [1, 0, 2]]), kp=0.0, ki=0.0)
+
+
 def raises(run: Any) -> Array:
     raise ZeroDivisionError("of the filter")
 
