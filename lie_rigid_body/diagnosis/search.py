@@ -290,14 +290,14 @@ class Search:
             return []
         single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
         found = list(self.tried([(repairs, self.short) for repairs in chosen], QUICK if single else ()))
-        least = {trials[0]: min(trial.error for trial in trials) for trials in found}
-        best = sorted(least, key=least.__getitem__)[:FINALISTS]
+        least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
+        best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
-        far = FAR * max(self.floor, least[best[0]])
-        promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial] <= far]
-        finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(trial))
+        far = FAR * max(self.floor, least[best[0]].error)
+        promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
+        finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
         self.trials += self.fully(finals, CAUSES if single else ())
-        return [replace(trial, parts=(error, *trial.parts)) for trial, error in least.items()]
+        return [replace(trial, parts=(with_output.error, *trial.parts)) for trial, with_output in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
         """Whether each sensor that a repair rescales is heard, and the filter does not normalise it.
