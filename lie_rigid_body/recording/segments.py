@@ -249,7 +249,8 @@ class SensorClocks:
             return number_samples(segment.clock(), stamps_ns), stamps_ns, np.zeros_like(stamps_ns)
         clock, delivery = SampleClock(segment.scenario.epoch_ns, model.rate), model.delivery
         near = stamps_ns if delivery is None else delivery.measured_ns(stamps_ns, clock.epoch_ns)
-        numbers = number_samples(clock, np.clip(near, 0, MAX_EPOCH_NS - int(clock.period_ns)))
+        last = clock.count_until(MAX_EPOCH_NS) - 1
+        numbers = np.minimum(number_samples(clock, np.clip(near, 0, MAX_EPOCH_NS)), last)
         measured = grid(clock, numbers)
         off = stamps_ns - self._shown_ns(place, measured)
         return numbers, measured + off, off

@@ -18,6 +18,7 @@ from lie_rigid_body.certificate import certify
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import METHODS
+from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.report.certificates import as_json, as_table
 from lie_rigid_body.scenario import Scenario
@@ -94,6 +95,14 @@ def test_readings_of_another_library_are_certified(tmp_path, monkeypatch, gyro_r
     broken = [law for segment in found.segments for law in segment.laws if not law.holds]
     assert not broken, found.messages
     assert sum(law.worst > 0.0 for segment in found.segments for law in segment.laws if law.unit != "ns") > 8
+
+
+@pytest.mark.parametrize("sensor", ["imu", "magnetometer", "attitude_sensor", "sun_sensor"])
+def test_a_reading_is_certified_whose_successor_would_have_no_stamp(tmp_path, sensor):
+    """The one reading stands half a period of its sensor, and more, before the end of all stamps."""
+    given: dict[str, Any] = {f"{sensor}_rate": 1e-3, "motion": "closed_form", "epoch_ns": MAX_EPOCH_NS - 49 * 10**9}
+    simulate(duration=1.0, **given).to_bag(tmp_path / "a.mcap")
+    assert certify(Bag(tmp_path / "a.mcap")).passed
 
 
 def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
