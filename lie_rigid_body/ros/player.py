@@ -25,8 +25,6 @@ from lie_rigid_body.sensors import SENSORS
 
 SILENCE_S: Final = 10.0
 """Longest wait for an answer, s; at most half of the time of a run."""
-FIRST_S: Final = 1.0
-"""Longest wait for the answer to the first reading, s: some filters only begin with that reading."""
 
 
 def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:
@@ -83,7 +81,6 @@ class Player:
         heard = self._filter()
         lockstep = Lockstep(self.answers.topic, lambda: heard, round(min(SILENCE_S, self._longest_s) * NS))
         lockstep.begin_segment(self._topics)
-        begun = time.monotonic()
         for arrival_ns, group in groupby(self._play.readings, key=attrgetter("arrival_ns")):
             readings = list(group)
             self._publishers[CLOCK].publish(clock_bytes(arrival_ns))
@@ -92,9 +89,6 @@ class Player:
             lockstep.sent([(reading.sensor, reading.stamp_ns) for reading in readings])
             while lockstep.holds(time.monotonic_ns()):
                 self._take(lockstep)
-                if not self._payloads and time.monotonic() > begun + FIRST_S:
-                    lockstep.give_up()
-                    begun = float("inf")
         while not self._heard.empty():
             self._take(lockstep)
         if not self._payloads:

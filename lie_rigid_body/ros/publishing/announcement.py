@@ -6,7 +6,6 @@ import shlex
 import shutil
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
@@ -58,21 +57,18 @@ def farewell(node: str, punctuality: Punctuality) -> str:
 
 
 def commands(names: Mapping[str, str], domain: int) -> list[str]:
-    """Commands for another terminal, to listen and to reset: those of ``ros2`` where it is installed, else `listen`."""
+    """Commands for another terminal, to listen and to reset: those of ``ros2`` where it is installed, else `listen`.
+
+    The Python of this process has its full path, as another terminal may be in another environment.
+    """
     prefix = f"ROS_DOMAIN_ID={domain} " if domain else ""
     if shutil.which("ros2"):
         return [
             f"{prefix}ros2 topic echo {names[POSE]}",
             f"{prefix}ros2 service call {names['~/reset']} std_srvs/srv/Trigger",
         ]
-    listen = f"{prefix}{_python()} -m lie_rigid_body.ros.listen"
+    listen = f"{prefix}{shlex.quote(sys.executable)} -m lie_rigid_body.ros.listen"
     return [f"{listen} --pose {names[POSE]}", f"{listen} --reset {names['~/reset']}"]
-
-
-def _python() -> str:
-    """The command for the Python of this process: its name if the PATH leads to it, else its full path."""
-    found = shutil.which("python")
-    return "python" if found and Path(found) == Path(sys.executable) else shlex.quote(sys.executable)
 
 
 def shape(body: RigidBody) -> str:

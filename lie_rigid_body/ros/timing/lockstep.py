@@ -14,6 +14,8 @@ IMU: Final = "imu"
 """Name of the sensor whose readings are answered."""
 LOOK_NS: Final = 100_000_000
 """Longest time between two looks whether samples are still held back, ns."""
+FIRST_NS: Final = NS
+"""Longest wait for the answer to a reading before any answer came, ns: some filters begin with a later reading."""
 STAMPS_KEPT: Final = 1000
 """Stamps of each other sensor that are remembered, until the IMU has a reading of the same stamp."""
 
@@ -23,7 +25,8 @@ class Lockstep:
 
     An IMU reading can be answered if every other sensor that the filter hears has delivered a reading of the same
     stamp. No reading of that stamp or a later one may have been awaited before. Others are not waited for: a filter
-    that pairs its sensors has no answer to them.
+    that pairs its sensors has no answer to them. Nor is a filter waited for any longer than `FIRST_NS` at each of the
+    readings before its first answer.
 
     Parameters
     ----------
@@ -43,7 +46,8 @@ class Lockstep:
         self._awaited: set[int] = set()
         self._latest_ns = -1
         self._others, self._other_ns = 0, 0
-        self._waited_ns = self._asked_ns = 0
+        self._waited_ns = self._awaited_at_ns = self._asked_ns = 0
+        self._longest_ns = min(FIRST_NS, timeout_ns)
 
     @property
     def is_waiting(self) -> bool:
@@ -72,8 +76,10 @@ class Lockstep:
                 missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
                 others = f"{counted(self._others, 'other')} came, the last of {self._other_ns} ns"
                 came = others if self._others else "none came"
-                remedy = "let the filter answer each reading that it can pair, the first as well, and not by a timer"
+                remedy = "let the filter answer each reading that it can pair, and not by a timer"
                 raise LieRigidBodyError(f"{self._topic}: {missed}; {came}: {remedy}")
+            if self._waited_ns - self._awaited_at_ns > self._longest_ns:
+                self._awaited.clear()
         self._asked_ns = steady_ns
         return self.is_waiting
 
@@ -88,18 +94,15 @@ class Lockstep:
             if is_new and all(stamp in self._delivered.get(other, ()) for other in others):
                 self._await(stamp)
 
-    def give_up(self) -> None:
-        """Await no answer to what was sent so far."""
-        self._awaited.clear()
-
     def _await(self, stamp_ns: int) -> None:
         self._awaited.add(stamp_ns)
-        self._latest_ns, self._waited_ns, self._others = stamp_ns, 0, 0
+        self._latest_ns, self._awaited_at_ns, self._others = stamp_ns, self._waited_ns, 0
         for name, stamps in self._delivered.items():
             self._delivered[name] = deque((s for s in stamps if s > stamp_ns), maxlen=STAMPS_KEPT)
 
     def hear(self, stamp_ns: int) -> None:
         """Take the stamp of an estimate."""
+        self._longest_ns = self._timeout_ns
         if stamp_ns in self._awaited:
             self._awaited.remove(stamp_ns)
             self._waited_ns = 0

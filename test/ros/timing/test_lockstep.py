@@ -191,6 +191,22 @@ def test_a_filter_that_gives_no_answer_ends_the_run_with_the_stamp_and_what_came
     assert 2 * NS <= run.time.now - 5 * NS < 2.5 * NS
 
 
+def test_a_filter_may_begin_with_a_later_reading() -> None:
+    """A reading before its first answer costs a second, and a silent filter the timeout in all."""
+    run = Run(timeout_ns=10 * NS)
+    begun = {NS + number * 10_000_000 for number in range(3)}
+    hear = run.filter.hear
+    run.filter.hear = lambda topic, stamp: None if stamp in begun else hear(topic, stamp)  # type: ignore[method-assign]
+    run.live.run()
+    assert len(run.filter.answered) == 297
+    assert 3 * NS <= run.time.now - 5 * NS < 3.6 * NS
+    run = Run(timeout_ns=10 * NS)
+    run.filter.silent_from = 0
+    with pytest.raises(LieRigidBodyError):
+        run.live.run()
+    assert 10 * NS <= run.time.now - 5 * NS < 10.6 * NS
+
+
 def test_paused_time_is_left_out_of_the_timeout() -> None:
     run = Run(timeout_ns=2 * NS)
     run.filter.silent_from = 7
