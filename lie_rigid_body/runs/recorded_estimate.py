@@ -139,8 +139,9 @@ def recorded_estimate(
     InputError
         If an attitude is not finite, or zero.
     """
-    path, topic = Path(bag), f"/{topic.lstrip('/')}"
-    contents = BagFiles(path, progress).contents(_estimate_or_truth(topic, *topics.values()))
+    path, names = Path(bag), (topic, f"/{topic.lstrip('/')}")  # other writers than ROS leave the slash out
+    contents = BagFiles(path, progress).contents(_estimate_or_truth(*names, *topics.values()))
+    topic = names[topic not in {track.topic for track in contents.tracks.values()}]
     own = path, contents, topic
     if truth_bag is not None:
         own = Path(truth_bag), BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values())), ""

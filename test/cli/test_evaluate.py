@@ -50,6 +50,13 @@ def test_ten_times_as_fast_as_the_truth(own, run, tmp_path, capsys):
     assert content["total_deg"]["max"] < 1e-12
 
 
+@pytest.mark.parametrize("topic", ["estimate", "/estimate"])
+def test_a_topic_is_found_as_it_stands_in_the_file_with_a_slash_or_without(topic, own, run, tmp_path, capsys):
+    t = np.arange(0, 10**9, 10_000_000)
+    bag = beside(own, tmp_path / "other.mcap", (POSE, HOW[POSE], topic, t, run.attitude().at(t)))
+    assert scored(capsys, bag, "--estimate", "estimate")["samples"] == 100
+
+
 def test_progress_tells_every_byte_read(own, bag):
     steps: list[int] = []
     recorded_estimate(bag, "/filter/Imu", own, progress=steps.append)
