@@ -173,11 +173,14 @@ class BoundedLoader(yaml.SafeLoader):
         super().fetch_flow_collection_start(token)
 
     def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
-        """Refuse a number without end."""
+        """Refuse a number without end, and half of a character, which goes into no file."""
         if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
             problem = f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read"
             raise yaml.MarkedYAMLError(None, None, problem, node.start_mark)
-        return str(super().construct_scalar(node))
+        text = str(super().construct_scalar(node))
+        if any("\ud800" <= character <= "\udfff" for character in text):
+            raise yaml.MarkedYAMLError(None, None, "an escape is half of a character", node.start_mark)
+        return text
 
 
 def load_json(text: str | bytes, source: str, kind: str = "a JSON file") -> Any:

@@ -62,7 +62,10 @@ def test_deep_brackets_are_refused_before_they_are_read(text: str) -> None:
         load_yaml(text, "x")
 
 
-@pytest.mark.parametrize("text", [10_000 * "- ", 10_000 * "? ", "!!bool x", "!!int ''", "!!timestamp x", "\0"])
+@pytest.mark.parametrize(
+    "text",
+    [10_000 * "- ", 10_000 * "? ", "!!bool x", "!!int ''", "!!timestamp x", "\0", r'["\ud800"]', r'{"\uDFFF": 1}'],
+)
 def test_whatever_pyyaml_raises_is_one_error(text: str) -> None:
     with refused("no YAML") as caught:
         load_yaml(text, "x")
