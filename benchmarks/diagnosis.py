@@ -200,7 +200,7 @@ class Watched:
 
 
 def _on_body_axes(readings: Any) -> Any:
-    back = quaternion.conjugate(readings.course.truth.at(readings.t_ns))
+    back = quaternion.conjugate(readings.course.at(readings.t_ns))
     return readings.changed(gyro=quaternion.rotate(back, readings.vectors["gyro"]))
 
 

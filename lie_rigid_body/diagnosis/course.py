@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation.attitudes import sizes, turns
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_table import BY_NAME, read_parameters
+from lie_rigid_body.scenario.parameter_table import read_parameters
 from lie_rigid_body.wording import listed
 
 KINDS: Final = ("integrated", "instantaneous")
@@ -61,12 +61,8 @@ SMALLEST_TURN: Final = 1e-6
 _OF_A_MOTION: Final = frozenset(("inertia", "initial_attitude_xyzw", "initial_body_rate"))
 _TAKEN: Final = _OF_A_MOTION | {"imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
 """Parameters that a course takes from a given scenario."""
-_OWN: Final = frozenset(
-    ("rate", "motion", "method", "max_step", "world_frame", "body_frame", "imu_frame", "stamped_twist", "epoch_ns")
-) | {"sensor_seed", "sensor_grade", "gyro_rate", "accelerometer_mode"}
-"""Parameters of a given scenario that have no effect on a course."""
-_SET: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity"}
-"""Parameters that every course sets itself."""
+_OWN: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity", "gyro_rate": KINDS[0]}
+"""Parameters that every course sets itself; the kind of the gyro is that of an ordinary course."""
 
 NOISE: Final = {
     "gyro_noise_density": "imu_rate",
@@ -78,8 +74,8 @@ Grid = Literal["even", "alternating", "walk"]
 
 
 @dataclass(frozen=True)
-class Course:
-    """A course: the motion, the sensors and the disturbance with which a filter is run.
+class Course(Truth):
+    """A course: the motion, the sensors and the disturbance with which a filter is run; it tells the true attitude.
 
     Attributes
     ----------
@@ -105,6 +101,17 @@ class Course:
     gaps_s: tuple[float, ...] = ()
     off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
+    first_ns, last_ns = -(2**62), 2**62
+
+    def at(self, stamps_ns: Integers) -> Array:
+        """Attitudes world-from-body, shape (..., 4)."""
+        return self.states(stamps_ns)[0]
+
+    def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
+        """Attitudes, shape (..., 4), and body rates, rad/s, shape (..., 3)."""
+        stamps = np.asarray(stamps_ns, dtype=np.int64)
+        attitude, rate = _states(self.scenario, self.rest_s, stamps.tobytes())
+        return attitude.reshape(*stamps.shape, 4), rate.reshape(*stamps.shape, 3)
 
     def of_scenario(self, **parameters: object) -> Course:
         """The course with some parameters of its scenario changed."""
@@ -130,53 +137,22 @@ class Course:
         return np.array(self.scenario.parameters()["magnetic_field"], dtype=np.float64)
 
     @property
-    def truth(self) -> PathTruth:
-        """The true attitude."""
-        return PathTruth(self.scenario, self.rest_s)
-
-    @property
     def turn(self) -> float:
         """Mean turn between two readings of the gyro while the body moves, rad."""
         times = np.linspace(self.rest_s, self.rest_s + self.moving_s, 500) * 1e9
-        return float(np.mean(sizes(self.truth.states(times.astype(np.int64))[1]))) / self.number("imu_rate")
-
-
-@dataclass(frozen=True)
-class PathTruth(Truth):
-    """The attitude of a course at any time, and the body's rate.
-
-    Attributes
-    ----------
-    scenario : Scenario
-    rest_s : float
-        Time at rest, s; then the body gathers speed.
-    """
-
-    scenario: Scenario
-    rest_s: float
-    first_ns, last_ns = -(2**62), 2**62
-
-    def at(self, stamps_ns: Integers) -> Array:
-        """Attitudes world-from-body, shape (..., 4)."""
-        return self.states(stamps_ns)[0]
-
-    def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
-        """Attitudes, shape (..., 4), and body rates, rad/s, shape (..., 3)."""
-        stamps = np.asarray(stamps_ns, dtype=np.int64)
-        attitude, rate = _states(self, stamps.tobytes())
-        return attitude.reshape(*stamps.shape, 4), rate.reshape(*stamps.shape, 3)
+        return float(np.mean(sizes(self.states(times.astype(np.int64))[1]))) / self.number("imu_rate")
 
 
 _motion: Final = lru_cache(maxsize=16)(Scenario.exact_motion)
 
 
 @lru_cache(maxsize=512)  # fits ask again and again at the same stamps
-def _states(truth: PathTruth, stamps_ns: bytes) -> tuple[Array, Array]:
-    since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - truth.rest_s
+def _states(scenario: Scenario, rest_s: float, stamps_ns: bytes) -> tuple[Array, Array]:
+    since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - rest_s
     u = np.clip(since / RAMP, 0.0, 1.0)
     passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)  # time on the path of the free motion
     speed = u * u * (3.0 - 2.0 * u)
-    states = _motion(truth.scenario).at(np.round(passed * 1e9).astype(np.int64))
+    states = _motion(scenario).at(np.round(passed * 1e9).astype(np.int64))
     return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
 
 
@@ -218,17 +194,17 @@ class Readings:
 @lru_cache(maxsize=16)
 def readings(course: Course) -> Readings:
     """Readings of the sensors in a course, with the margin."""
-    truth, draw = course.truth, np.random.default_rng(course.seed)
+    draw = np.random.default_rng(course.seed)
     t_ns, field_t_ns = (_stamps(course, course.number(name)) for name in ("imu_rate", "magnetometer_rate"))
-    attitude, rate = truth.states(t_ns)
+    attitude, rate = course.states(t_ns)
     if course.kind == "integrated":
         before = np.concatenate([[2 * t_ns[0] - t_ns[1]], t_ns[:-1]])
-        rate = turns(truth.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
+        rate = turns(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
     up = np.array([0.0, 0.0, course.number("gravity")])
     read = {
         "gyro": rate,
         "specific_force": quaternion.rotate(quaternion.conjugate(attitude), up),
-        "field": quaternion.rotate(quaternion.conjugate(truth.at(field_t_ns)), course.field),
+        "field": quaternion.rotate(quaternion.conjugate(course.at(field_t_ns)), course.field),
     }
     for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):
         deviation = course.number(density) * course.number(its_rate) ** 0.5
@@ -263,15 +239,10 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
     Raises
     ------
     InputError
-        If they give sensors errors, a body that does not turn, or what a course sets itself.
+        If they give a body that does not turn, or one by one what a course sets itself, as errors of sensors.
     """
     values = read_parameters(given)
-    odd = [
-        name
-        for name, value in given.items()
-        if name not in _TAKEN
-        and (_SET.get(name) != value if name in said else name not in _OWN and values[name] != BY_NAME[name].default)
-    ]
+    odd = [name for name in said if name not in _TAKEN]
     if odd:
         raise InputError(
             f"{listed(odd)}: diagnose sets the rest itself, with sensors without errors: give only "
@@ -283,9 +254,8 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
         raise InputError(
             f"{listed([name for name in rates if not rates[name]])}: 0: give rates above 0, or leave it out"
         )
-    own = {**_SET, "gyro_rate": KINDS[0], **rates}
     motions = [kept] if _OF_A_MOTION & kept.keys() else [{**motion, **kept} for motion in MOTIONS]
-    courses = tuple(Course(Scenario.from_parameters({**motion, **own})) for motion in motions)
+    courses = tuple(Course(Scenario.from_parameters({**motion, **_OWN, **rates})) for motion in motions)
     if not min(course.turn for course in courses) > SMALLEST_TURN:
         raise InputError("initial_body_rate: the body does not turn, which tells nothing of a filter: let it turn")
     return courses

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from functools import partial
@@ -11,11 +10,11 @@ from typing import Final, cast
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.course import REST, Course, courses_of
-from lie_rigid_body.diagnosis.probes import Setup, probed
+from lie_rigid_body.diagnosis.course import courses_of
+from lie_rigid_body.diagnosis.probes import probed
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
-from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees
-from lie_rigid_body.diagnosis.search import Each, Search, or_else, plain, settled
+from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, with_unit
+from lie_rigid_body.diagnosis.search import NEAR, Each, Search, or_else, plain, settled
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
@@ -23,7 +22,6 @@ from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, sourc
 from lie_rigid_body.runs.processes import time_limit
 from lie_rigid_body.runs.programs import NodeEstimator
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
 
@@ -37,8 +35,6 @@ LEFT_OUT_OF_NODE: Final = ("converges", "long_run", "covariance")
 """Probes that are left out for a node, as they need many or long runs."""
 TIMEOUT_S: Final = 60.0
 """Longest time of one run of the filter, s, if the caller does not say."""
-HELPS: Final = 2.0
-"""Least ratio of the errors without and with another kind of gyro, or later readings, that a note tells."""
 TOLD: Final = float(np.radians(1e-3))
 """Least difference between the errors of two kinds of gyro that a note tells, rad."""
 _OF_NODE: Final = f"Each run of a node takes seconds: it is not probed for {', '.join(LEFT_OUT_OF_NODE)}."
@@ -119,21 +115,14 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     try:
         search.run()
         errors += _over_time(search)
-        chosen, course = search.chosen, search.courses[0].of_scenario(gyro_rate=search.chosen.kind)
-        (answer,) = search.ask([Job(course, chosen.repairs)])
-        has_covariance = isinstance(answer, Answer) and answer.given.covariance is not None
-        found += probed(search.ask, Setup(course, chosen, search.floor, has_covariance, search.change), left_out)
+        found += probed(search, left_out)
     except KeyboardInterrupt:
         if not search.trials:
             raise
         interrupted = True
     mistakes, unrepaired = tuple(_mistakes(search, errors)), plain(search.trials)
-    if interrupted:
-        remarks = [*remarks, "It was interrupted: a repair that was not tried yet may do better."]
-    elif search.is_cut:
+    if search.is_cut:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
-    if errors and not mistakes and unrepaired.error > search.floor:
-        remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(each for each in found if isinstance(each, Probe)),
@@ -163,12 +152,12 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     """The mistakes that are named; what is left after each of several is known where it was asked of the filter."""
     named, *others = search.choice() or [plain(search.trials)]
     left = {code: float(np.degrees(named.error)) for code in named.codes[-1:]} | {e.code: e.rms_deg for e in errors}
-    before = left.get("", float(np.degrees(plain(search.trials, joint=False).error)))
+    before = left.get("", float(np.degrees(plain(search.trials).error)))
     for found in named.mistakes:
         after, instead = left.get(found.code, before), or_else(named, others, found.code)
         doubt = f" Undoing {' or '.join(instead)} does as well on this motion." if instead else ""
         leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"
-        message = f"{found.fact}. {found.deed} {leave} {degrees(after)} instead of {degrees(before)}.{doubt}"
+        message = f"{found.fact}. {found.deed} {leave} {with_unit(after)} instead of {with_unit(before)}.{doubt}"
         yield Mistake(found.code, message, found.text, before, after, instead)
         before = after
 
@@ -178,20 +167,11 @@ def _notes(search: Search) -> Iterator[Note]:
     chosen = search.chosen
     alike = [trial for trial in search.trials if trial.codes == chosen.codes]
     without = min((t.error for t in alike if not t.joint), default=0.0)
-    if chosen.joint and without > max(search.floor, HELPS * chosen.error):
+    if chosen.joint and without > max(search.floor, NEAR * chosen.error):
         value, left = np.degrees([without, chosen.error]).tolist()
-        said = f"its estimate is ahead by up to a sample, {value:.2g}°. {JOINT.deed} {degrees(left)} are left."
+        said = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {with_unit(left)} are left."
         yield Note(JOINT.code, f"{JOINT.fact}: {said}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
-    if other.error > max(HELPS * chosen.error, chosen.error + TOLD):
-        said = f"with {other.kind} ones it errs by {np.degrees(other.error):.2g}°."
+    if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
+        said = f"with {other.kind} ones it errs by {with_unit(float(np.degrees(other.error)))}."
         yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {said}", chosen.kind)
-
-
-def _command(course: Course, errors: ErrorOverTime) -> str:
-    """The shortest run on which the filter errs most."""
-    late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
-    default = Scenario.from_parameters({"imu_rate": 1.0}).parameters()
-    words = ["lie-rigid-body", "record", "errs.mcap", "--duration", f"{np.ceil(max(1.0, late - REST)):g}"]
-    words += assignments({n: value for n, value in course.scenario.parameters().items() if value != default[n]})
-    return f"It errs most in: {shlex.join(words)}"

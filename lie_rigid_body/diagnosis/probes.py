@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import MARGIN, NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
-from lie_rigid_body.diagnosis.result import Note, Probe
-from lie_rigid_body.diagnosis.search import Each, Trial
+from lie_rigid_body.diagnosis.result import Note, Probe, with_unit
+from lie_rigid_body.diagnosis.search import NEAR, Search
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
@@ -33,8 +33,6 @@ VECTOR_ERROR: Final = 0.05
 """Constant error of the accelerometer and of the magnetometer, share of the vector."""
 SLOW: Final = 0.06
 """Factor of the rates in a slow motion."""
-WORSE: Final = 2.0
-"""Largest ratio of an error to that of the plain run with which a probe is passed."""
 WRONG_SIGN: Final = "as where a correction has the wrong sign"
 """What is said of a filter that makes small errors large."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
@@ -46,40 +44,6 @@ SHORT_S: Final = 5.0
 """Length of the motion of a short run with noise, s."""
 JUDGED: Final = 20
 """Number of samples of a short run by which a covariance is judged."""
-
-
-class Setup(NamedTuple):
-    """How a filter is probed: with its mistakes repaired.
-
-    Attributes
-    ----------
-    course : Course
-        The first ordinary one, with the kind of gyro that it expects.
-    chosen : Trial
-        The repairs, and the error with them.
-    floor : float
-        The error below which all are equal, rad.
-    has_covariance : bool
-        Whether its estimate tells one.
-    change : float
-        See `Search.change`.
-    """
-
-    course: Course
-    chosen: Trial
-    floor: float
-    has_covariance: bool
-    change: float = 0.0
-
-    @property
-    def limit(self) -> float:
-        """The error up to which a probe with something in the way is passed, rad."""
-        return max(self.floor, WORSE * self.chosen.error)
-
-    @property
-    def uneven(self) -> float:
-        """The error up to which steps of unequal length are heeded, rad: a third of the turn between two readings."""
-        return max(self.course.turn / 3.0, WORSE * self.chosen.error)
 
 
 Answers = Sequence[Answer]
@@ -97,31 +61,25 @@ class ProbeRow(NamedTuple):
     """A probe: its code, the courses that are run, what is judged, and the sentence; without courses it is not told."""
 
     code: str
-    courses: Callable[[Setup], Sequence[Course]]
-    judge: Callable[[Setup, Answers], Judged | Probe]
+    courses: Callable[[Search], Sequence[Course]]
+    judge: Callable[[Search, Answers], Judged | Probe]
     said: str
     unit: str = "°"
 
-    def told(self, setup: Setup, answers: Sequence[Answer | FilterError]) -> Probe:
+    def told(self, search: Search, answers: Sequence[Answer | FilterError]) -> Probe:
         """What is told of the answers; a filter that fails in a probe fails the probe."""
         failed = [each for each in answers if isinstance(each, FilterError)]
         if failed:
             return Probe(self.code, passed=False, message=str(failed[0]))
         try:
-            found = self.judge(setup, [each for each in answers if isinstance(each, Answer)])
+            found = self.judge(search, [each for each in answers if isinstance(each, Answer)])
         except InputError as error:
             return Probe(self.code, passed=False, message=str(error))
         if isinstance(found, Probe):
             return found
-        value, most = np.degrees(found[:2]).tolist() if self.unit == "°" else map(float, found[:2])
+        value, most = np.degrees(np.minimum(found[:2], np.pi)).tolist() if self.unit == "°" else map(float, found[:2])
         said = f"{self.said} {with_unit(value, self.unit)} (limit {with_unit(most, self.unit)}){found.beside}"
         return Probe(self.code, bool(found.value <= found.most), said, value)
-
-
-def with_unit(value: float, unit: str = "°") -> str:
-    """A number with two digits and its unit; degrees below a thousandth are 0."""
-    told = 0.0 if unit == "°" and value < 1e-3 else value
-    return f"{told:.0f}{unit}" if told >= 100.0 else f"{told:.2g}{unit}"
 
 
 def worst(answers: Answers, begin: float = 1.0 / 3.0) -> float:
@@ -129,14 +87,24 @@ def worst(answers: Answers, begin: float = 1.0 / 3.0) -> float:
     return max(answer.error(begin) for answer in answers)
 
 
-def _follows(setup: Setup, answers: Answers) -> Probe:
+def _limit(search: Search) -> float:
+    """The error up to which a probe with something in the way is passed, rad."""
+    return max(search.floor, NEAR * search.chosen.error)
+
+
+def _uneven(search: Search) -> float:
+    """The error up to which steps of unequal length are heeded, rad: a third of the turn between two readings."""
+    return max(search.course.turn / 3.0, NEAR * search.chosen.error)
+
+
+def _follows(search: Search, answers: Answers) -> Probe:
     """Whether the filter, with its mistakes repaired, follows a motion with perfect sensors."""
-    error, passed = setup.chosen.error, bool(setup.chosen.error <= setup.floor or setup.chosen.codes)
-    what = "with its mistakes repaired" if setup.chosen.codes else "with perfect sensors"
-    value, floor = np.degrees([error, setup.floor]).tolist()
+    error, passed = search.chosen.error, bool(search.chosen.error <= search.floor or search.chosen.codes)
+    what = "with its mistakes repaired" if search.chosen.codes else "with perfect sensors"
+    value, floor = np.degrees([error, search.floor]).tolist()
     said = f"{what} it errs by {with_unit(value)} (limit {with_unit(floor)})"
-    if setup.change and not passed:
-        off, change = f"{TINY * setup.course.turn:.1g}", with_unit(float(np.degrees(setup.change)))
+    if search.change and not passed:
+        off, change = f"{TINY * search.course.turn:.1g}", with_unit(float(np.degrees(search.change)))
         said += f"; it is unstable: sensors off by {off} of what they read change it by {change}, {WRONG_SIGN}"
     elif not passed:
         track = answers[0].track
@@ -146,68 +114,68 @@ def _follows(setup: Setup, answers: Answers) -> Probe:
     return Probe("follows", passed, said, value)
 
 
-def _half_turns(setup: Setup) -> list[Course]:
+def _half_turns(search: Search) -> list[Course]:
     """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
-    start, midst = setup.course.truth.at(np.array([0, round(5e8 * (setup.course.rest_s + setup.course.moving_s))]))
+    start, midst = search.course.at(np.array([0, round(5e8 * (search.course.rest_s + search.course.moving_s))]))
     passed = quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst))
-    return [setup.course.of_scenario(initial_attitude_xyzw=q) for q in quaternion.multiply(passed, start).tolist()]
+    return [search.course.of_scenario(initial_attitude_xyzw=q) for q in quaternion.multiply(passed, start).tolist()]
 
 
-def _starts(setup: Setup) -> list[Course]:
+def _starts(search: Search) -> list[Course]:
     """The ordinary motion, and those that begin turned by each rotation of a cube."""
-    start = Rotation.from_quat(setup.course.scenario.start().attitude_xyzw)
+    start = Rotation.from_quat(search.course.scenario.start().attitude_xyzw)
     turned = [(start * turn).as_quat().tolist() for turn in Rotation.create_group("O")]
-    return [setup.course, *(setup.course.of_scenario(initial_attitude_xyzw=each) for each in turned)]
+    return [search.course, *(search.course.of_scenario(initial_attitude_xyzw=each) for each in turned)]
 
 
-def _biased(setup: Setup) -> list[Course]:
+def _biased(search: Search) -> list[Course]:
     bias = tuple((GYRO_BIAS / np.sqrt(3.0) * np.array([1.0, -1.0, 1.0])).tolist())
-    return [replace(setup.course, moving_s=60.0 - REST, off=(("gyro", bias),))]
+    return [replace(search.course, moving_s=60.0 - REST, off=(("gyro", bias),))]
 
 
-def _bias_judged(setup: Setup, answers: Answers) -> Judged:
+def _bias_judged(search: Search, answers: Answers) -> Judged:
     """Error of the last quarter; its limit follows from the second, and from the turn that the bias alone makes.
 
     A twentieth of that turn is allowed: smoothers err at both ends, and more than in the second quarter.
     """
     second, last = (answers[0].error(begin, begin + 0.25) for begin in (0.25, 0.75))
     turn = GYRO_BIAS * 52.5
-    most = max(setup.floor, 0.05 * turn, min(1.5 * second, 0.5 * turn))
-    removed = last <= max(setup.limit, 0.1 * second)
+    most = max(search.floor, 0.05 * turn, min(1.5 * second, 0.5 * turn))
+    removed = last <= min(most, max(_limit(search), 0.1 * second))
     kept = f"makes more of it than it is alone, {WRONG_SIGN}" if last > turn else "keeps an error that the bias makes"
     return Judged(last, most, f"; it {'removes the bias' if removed else kept}")
 
 
-def _level(setup: Setup) -> float:
+def _level(search: Search) -> float:
     """Cosine of the dip of the magnetic field."""
-    field = setup.course.field
+    field = search.course.field
     return float(np.hypot(field[0], field[1]) / np.linalg.norm(field))
 
 
-def _off(setup: Setup, name: str) -> list[Course]:
+def _off(search: Search, name: str) -> list[Course]:
     """Courses with a constant error of a vector along each axis; none for a field without a level part."""
-    size = VECTOR_ERROR * np.linalg.norm(readings(setup.course).vectors[name][0])
-    errors = (size * np.eye(3)).tolist() if _level(setup) > VECTOR_ERROR else []
-    return [replace(setup.course, off=((name, tuple(error)),)) for error in errors]
+    size = VECTOR_ERROR * np.linalg.norm(readings(search.course).vectors[name][0])
+    errors = (size * np.eye(3)).tolist() if _level(search) > VECTOR_ERROR else []
+    return [replace(search.course, off=((name, tuple(error)),)) for error in errors]
 
 
-def _off_judged(setup: Setup, answers: Answers) -> Judged:
-    return Judged(worst(answers), max(float(np.arcsin(VECTOR_ERROR / _level(setup))), setup.limit))
+def _off_judged(search: Search, answers: Answers) -> Judged:
+    return Judged(worst(answers), max(float(np.arcsin(VECTOR_ERROR / _level(search))), _limit(search)))
 
 
-def _noisy(setup: Setup, seed: int = 1) -> Course:
+def _noisy(search: Search, seed: int = 1) -> Course:
     """The ordinary course with the white noise of tactical sensors, which its scenario tells."""
-    return replace(setup.course.of_scenario(**{name: GRADES["tactical"][name] for name in NOISE}), seed=seed)
+    return replace(search.course.of_scenario(**{name: GRADES["tactical"][name] for name in NOISE}), seed=seed)
 
 
-def _noise_judged(setup: Setup, answers: Answers) -> Judged:
+def _noise_judged(search: Search, answers: Answers) -> Judged:
     """Error with noise; its limit is that of TRIAD at each pair of readings, and the least possible is told."""
-    course, begin = _noisy(setup), len(answers[0].track.stamps_ns) // 3
+    course, begin = _noisy(search), len(answers[0].track.stamps_ns) // 3
     read = readings(course)
     held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
     body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
-    single = Track(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course.truth)
+    single = Track(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course)
     bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
     assert bound
     least, error = UnavoidableError.rms(bound.filtered[begin:]), answers[0].error()
@@ -222,45 +190,45 @@ def _axes(first: Array, second: Array) -> Array:
     return np.asarray(axes / np.linalg.norm(axes, axis=-2, keepdims=True))
 
 
-def _gaps(setup: Setup) -> list[Course]:
-    rate = SLOW * np.array(setup.course.scenario.start().body_rate)
-    slow = setup.course.of_scenario(initial_body_rate=rate.tolist())
+def _gaps(search: Search) -> list[Course]:
+    rate = SLOW * np.array(search.course.scenario.start().body_rate)
+    slow = search.course.of_scenario(initial_body_rate=rate.tolist())
     return [replace(slow, moving_s=60.0 - REST, gaps_s=(10.0, 20.0, 30.0))]
 
 
-def _gaps_judged(setup: Setup, answers: Answers) -> Judged:
+def _gaps_judged(search: Search, answers: Answers) -> Judged:
     errors, t_s = answers[0].track.error().total, answers[0].track.stamps_ns / 1e9
-    last, most = rms(errors[t_s >= 40.0]), max(setup.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
+    last, most = rms(errors[t_s >= 40.0]), max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     return Judged(last, -1.0, ": attitudes are not finite") if answers[0].broken.size else Judged(last, most)
 
 
-def _rests_judged(setup: Setup, answers: Answers) -> Judged:
+def _rests_judged(search: Search, answers: Answers) -> Judged:
     without, plain, longer = (answer.error() for answer in answers)
     beside = f"; after {3.0 * REST:g} s it is {with_unit(float(np.degrees(longer)))}"
-    return Judged(max(without, plain), max(setup.floor, WORSE * min(plain, longer)), beside)
+    return Judged(max(without, plain), max(search.floor, NEAR * min(plain, longer)), beside)
 
 
-def _apart(setup: Setup, answers: Answers) -> Judged:
+def _apart(search: Search, answers: Answers) -> Judged:
     """Largest difference of two estimates, rad, while both go on."""
     return Judged(answers[0].apart(answers[1]), 1e-9)
 
 
-def _broken(setup: Setup, answers: Answers) -> Judged:
+def _broken(search: Search, answers: Answers) -> Judged:
     broken = answers[0].broken
     return Judged(broken.size, 0.0, f"; the first is sample {broken[0]}" if broken.size else "")
 
 
-def _norms_judged(setup: Setup, answers: Answers) -> Judged:
+def _norms_judged(search: Search, answers: Answers) -> Judged:
     norms = quaternion.norm(np.delete(answers[0].given.attitude_xyzw, answers[0].broken, axis=0))
     return Judged(np.abs(norms**2 - 1.0).max(initial=0.0), NOT_UNIT)
 
 
-def _noisy_runs(setup: Setup) -> list[Course]:
+def _noisy_runs(search: Search) -> list[Course]:
     """Short runs for an estimate that has a covariance."""
-    return [replace(_noisy(setup, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * setup.has_covariance)]
+    return [replace(_noisy(search, seed), moving_s=SHORT_S) for seed in range(2 * SEEDS * search.has_covariance)]
 
 
-def _covariance_judged(setup: Setup, answers: Answers) -> Probe:
+def _covariance_judged(search: Search, answers: Answers) -> Probe:
     """Whether a covariance is honest, and what is wrong with it, by the rule of a campaign."""
     count, axes = min(len(answer.track.stamps_ns) for answer in answers), answers[0].given.covariance_axes
     at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
@@ -282,19 +250,19 @@ PROBES: Final = (
     ProbeRow(
         "half_turn",
         _half_turns,
-        lambda s, o: Judged(worst(o), s.limit),
+        lambda s, o: Judged(worst(o), _limit(s)),
         "through half turns from the world's axes it errs by",
     ),
     ProbeRow(
         "irregular_steps",
         lambda s: [replace(s.course, grid="alternating")],
-        lambda s, o: Judged(worst(o), s.uneven),
+        lambda s, o: Judged(worst(o), _uneven(s)),
         "with steps of 2/3 and 4/3 of a period in turn it errs by",
     ),
     ProbeRow(
         "converges",
         _starts,
-        lambda s, o: Judged(worst(o[1:], 2.0 / 3.0), max(s.floor, WORSE * o[0].error(2.0 / 3.0))),
+        lambda s, o: Judged(worst(o[1:], 2.0 / 3.0), max(s.floor, NEAR * o[0].error(2.0 / 3.0))),
         "from the worst of 24 first attitudes it keeps at the end",
     ),
     ProbeRow("gyro_bias", _biased, _bias_judged, "with a gyro off by 1°/s it errs, in the last quarter of 60 s, by"),
@@ -315,7 +283,7 @@ PROBES: Final = (
     ProbeRow(
         "long_run",
         lambda s: [replace(s.course, moving_s=10.0 * s.course.moving_s)],
-        lambda s, o: Judged(o[0].error(0.9), max(s.floor, WORSE * o[0].error(0.1, 0.2))),
+        lambda s, o: Judged(o[0].error(0.9), max(s.floor, NEAR * o[0].error(0.1, 0.2))),
         "in the last tenth of a run ten times as long it errs by",
     ),
     ProbeRow(
@@ -340,7 +308,7 @@ NOTES: Final = (
     ProbeRow(
         "constant_step",
         lambda s: [replace(s.course, grid="walk")],
-        lambda s, o: Judged(worst(o), s.uneven),
+        lambda s, o: Judged(worst(o), _uneven(s)),
         "The filter takes all steps for equal, which matters where readings are late or lost: with steps at random, "
         "2/3 to 4/3 of a period, it errs by",
     ),
@@ -354,14 +322,14 @@ NOTES: Final = (
 """Probes that are told as notes where they are not passed."""
 
 
-def probed(ask: Each, setup: Setup, left_out: Collection[str]) -> Iterator[Probe | Note]:
+def probed(search: Search, left_out: Collection[str]) -> Iterator[Probe | Note]:
     """The probes, but for some, and the notes of those that are no matter of right and wrong."""
-    asked = [(row, list(row.courses(setup))) for row in (*PROBES, *NOTES) if row.code not in left_out]
-    answers = ask([Job(course, setup.chosen.repairs) for _, courses in asked for course in courses])
+    asked = [(row, list(row.courses(search))) for row in (*PROBES, *NOTES) if row.code not in left_out]
+    answers = search.ask([Job(course, search.chosen.repairs) for _, courses in asked for course in courses])
     for row, courses in asked:
         if not courses:
             continue
-        probe = row.told(setup, [next(answers) for _ in courses])
+        probe = row.told(search, [next(answers) for _ in courses])
         if row not in NOTES:
             yield probe
         elif not probe.passed and probe.value is not None:

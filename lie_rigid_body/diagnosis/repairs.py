@@ -80,7 +80,7 @@ def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
 
 
 def _on_world_axes(given: Readings) -> Readings:
-    attitude = given.course.truth.at(given.t_ns)
+    attitude = given.course.at(given.t_ns)
     return given.changed(gyro=quaternion.rotate(attitude, given.vectors["gyro"]))
 
 
@@ -176,7 +176,7 @@ def drift(sensor: str) -> Repair:
 def _drifting(sensor: str, given: Readings) -> Readings:
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
     rate = DRIFT * given.course.turn * given.course.number("imu_rate") * axis
-    drifts = quaternion.rotate(quaternion.conjugate(given.course.truth.at(given.t_ns)), rate)
+    drifts = quaternion.rotate(quaternion.conjugate(given.course.at(given.t_ns)), rate)
     return given.changed(gyro=given.vectors["gyro"] + drifts)
 
 
@@ -300,9 +300,8 @@ class Job:
         if found.t_ns[-1] < 1e9 * begin_s:
             raise FilterError(f"no attitude after {begin_s:.3g} s: return a row for each reading of the IMU")
         norms = quaternion.norm(found.attitude_xyzw)
-        good = (norms > SMALLEST_NORM) & (norms < LARGEST_NORM)
-        attitude = np.where(good[:, np.newaxis], found.attitude_xyzw, (0.0, 0.0, 0.0, 1.0))
-        unit = attitude / np.where(good, norms, 1.0)[:, np.newaxis]
+        broken = ~((norms > SMALLEST_NORM) & (norms < LARGEST_NORM))
+        attitude = np.where(broken[:, np.newaxis], (0.0, 0.0, 0.0, 1.0), found.attitude_xyzw)
         causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
-        track = undone(Track(found.t_ns, unit, self.course.truth), causes)
-        return Answer(track, np.flatnonzero(~good), found)
+        track = undone(Track(found.t_ns, quaternion.normalize(attitude), self.course), causes)
+        return Answer(track, np.flatnonzero(broken), found)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown
@@ -139,19 +137,15 @@ class FilterDiagnosis(Shown):
         failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
-        if "finite" in failed:
-            return [f"Mend first {failed['finite']}; other failed probes: {', '.join(failed)}."]
-        if self.rms_deg <= self.floor_deg:
-            sound = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
-            if not failed:
-                return [f"{sound}."]
-            first = next(iter(failed))
-            fails = f"The filter fails {counted(len(failed), 'probe')}: {', '.join(failed)}."
-            return [fails, f"{first}: {failed[first]}.", f"{sound}."]
-        tried = "so far" if self.interrupted else "that was tried"
-        nothing = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}"
-        follows = [f"follows: {failed['follows']}."] if "follows" in failed else []
-        return [f"{nothing}; failed: {', '.join(failed) or 'nothing'}.", *follows]
+        said = f"No mistake: with perfect sensors the filter errs by {with_unit(self.rms_deg)}."
+        if self.rms_deg > self.floor_deg:
+            tried = "so far" if self.interrupted else "that was tried"
+            said = f"Nothing {tried} mends the error of {with_unit(self.rms_deg)}."
+        if not failed:
+            return [said]
+        first = "finite" if "finite" in failed else next(iter(failed))
+        fails = f"The filter fails {counted(len(failed), 'probe')}: {', '.join(failed)}."
+        return [fails, f"{first}: {failed[first]}.", said]
 
     def to_dict(self) -> dict[str, Any]:
         """The entries of ``diagnose --json``."""
@@ -168,6 +162,7 @@ class FilterDiagnosis(Shown):
         return "\n".join(self.sentences)
 
 
-def degrees(value: float) -> str:
-    """An angle in degrees for the eye: what is less than 0.005 is 0.00."""
-    return f"{value:.2f}°" if value < 10.0 or not np.isfinite(value) else f"{value:.1f}°"
+def with_unit(value: float, unit: str = "°") -> str:
+    """A number with three digits and its unit; degrees below a thousandth are 0."""
+    told = 0.0 if unit == "°" and value < 1e-3 else value
+    return f"{told:.0f}{unit}" if told >= 100.0 else f"{told:.3g}{unit}"

@@ -56,8 +56,6 @@ UNCHANGED: Final = 1e-6
 """Change of the estimate, rad, below which a repair has no effect."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
-FINEST_FACTOR: Final = 1e-6
-"""Accuracy to which a factor is fitted."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
@@ -117,9 +115,9 @@ class Trial:
         return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
 
 
-def plain(trials: Iterable[Trial], *, joint: bool | None = None) -> Trial:
+def plain(trials: Iterable[Trial]) -> Trial:
     """Trial without a repair, with the kind of gyro that the filter expects; `JOINT` does not count as a repair."""
-    return min((t for t in trials if not t.codes and joint in (None, t.joint)), key=lambda t: t.error)
+    return min((t for t in trials if not t.codes), key=lambda t: t.error)
 
 
 def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> list[Trial]:
@@ -176,6 +174,8 @@ class Search:
         Trials on all courses.
     is_cut : bool
         Whether pairs were left untried for want of runs.
+    has_covariance : bool
+        Whether an estimate of the filter tells one.
     is_broken : bool
         Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
     change : float
@@ -201,7 +201,7 @@ class Search:
         self.short = (replace(courses[0], moving_s=SCREENED_S).of_scenario(gyro_rate=KINDS[0]).nearly_perfect(),)
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
-        self.runs, self.is_cut, self.is_broken = 0, False, False
+        self.runs, self.is_cut, self.is_broken, self.has_covariance = 0, False, False, False
         self.change = 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
@@ -219,6 +219,11 @@ class Search:
     def chosen(self) -> Trial:
         """Trial of the filter with its mistakes repaired, or as it is."""
         return next(iter(self.choice()), plain(self.trials))
+
+    @property
+    def course(self) -> Course:
+        """The first course, with the kind of gyro that the filter expects."""
+        return self.courses[0].of_scenario(gyro_rate=self.chosen.kind)
 
     def run(self) -> None:
         """Look for repairs if the filter is wrong, unless a longer rest makes it right: then go on with that."""
@@ -348,12 +353,7 @@ class Search:
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
         if code == "time_step":
-            best: float = minimize_scalar(
-                lambda value: left([value])[0] ** 2,
-                bounds=(low, high),
-                method="bounded",
-                options={"xatol": FINEST_FACTOR, "maxiter": 40},
-            ).x
+            best: float = minimize_scalar(lambda value: left([value])[0] ** 2, bounds=(low, high), method="bounded").x
         else:
             between = [count for count in range(int(low), int(high) + 1) if count]
             best = float(between[int(np.argmin(left(between)))])
@@ -377,6 +377,7 @@ class Search:
                 raise failed[0]
             right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
             self.is_broken |= any(answer.broken.size > 0 for answer in right)
+            self.has_covariance |= any(answer.given.covariance is not None for answer in right)
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from numbers import Real
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +20,7 @@ SMALLEST_NORM: Final = 1e-12
 """Least norm of a quaternion; one of a smaller norm is taken for a quaternion that nobody has set."""
 
 
-def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool = False) -> float:
+def quantity(name: str, value: Any, unit: str, example: str, *, or_zero: bool = False) -> float:
     """Read a finite number above 0.
 
     Parameters
@@ -39,16 +40,11 @@ def quantity(name: str, value: object, unit: str, example: str, *, or_zero: bool
     InputError
         If it is anything else; a text is, and so are NaN and infinity.
     """
-    try:
-        number = np.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
-    except OverflowError:
-        number = np.inf
-    if not np.isfinite(number) or number < 0.0 or (number == 0.0 and not or_zero):
-        fault = "is below 0" if or_zero else "is not above 0"
-        if not np.isfinite(number):
-            fault = f"is not a finite number of {unit} {'from 0 on' if or_zero else 'above 0'}"
-        raise InputError(f"{name}: {shown(value)} {fault}: give for example {example}")
-    return number
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if not is_number or not (0.0 < value <= sys.float_info.max or (value == 0.0 and or_zero)):
+        above = "from 0 on" if or_zero else "above 0"
+        raise InputError(f"{name}: {shown(value)} is not a finite number of {unit} {above}: give for example {example}")
+    return float(value)
 
 
 def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:

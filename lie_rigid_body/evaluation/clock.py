@@ -7,7 +7,6 @@ of day beside a replay, is looked for where nothing else explains a large error.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -35,8 +34,6 @@ LEFT_BY_CLOCK: Final = float(np.radians(5.0))
 """Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
 LEAST_COVERED: Final = {True: 0.25, False: 0.9}
 """Least share of the samples that another clock puts within the truth's times: True for a lag, False for a rate."""
-MOST_STRAY: Final = 0.05
-"""Largest share of the samples at either end whose stamps may be far from all others; they are then left out."""
 GRID_TURN: Final = 0.2
 """Turn of the body at its fastest, rad, between one clock that is tried and the next."""
 MOST_CLOCKS: Final = 5000
@@ -178,7 +175,7 @@ def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | No
     tuple of Clock and Track, or None
         The clock, and the samples that it puts within the truth's times.
     """
-    truth, track = track.truth, _without_strays(track)
+    truth = track.truth
     some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
     fastest = float(sizes(truth.states(some[truth.covers(some)])[1]).max(initial=0.0))
     if fastest * (truth.last_ns - truth.first_ns) < 1e9 * LEAST_TURN or len(track.stamps_ns) < FEWEST:
@@ -202,14 +199,6 @@ def clock_lag(clock: Clock, track: Track) -> Lag:
     """Lag of a clock with its standard error by the samples that it covers; empty for another rate."""
     (cause, lag_s), *rate = clock[::-1]
     return Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [(cause, np.zeros(1))]))
-
-
-def _without_strays(track: Track) -> Track:
-    """The track without few samples whose stamps are farther from all others than these span, as by a wrong stamp."""
-    stamps, few = track.stamps_ns, round(MOST_STRAY * len(track.stamps_ns))
-    first, last = int(stamps[few]), int(stamps[-1 - few])
-    kept = np.flatnonzero((stamps >= 2 * first - last) & (stamps <= 2 * last - first))
-    return replace(track.part(kept), origin_ns=None)  # a rate is about the first of these
 
 
 def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:

@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -111,8 +111,8 @@ class BestPossible:
     def to_json(self) -> dict[str, object]:
         """JSON-serialisable data: statistics, what is not observed, whether an estimate is nearer than noise allows."""
         return {
-            "filtered_deg": self.filtered and self.filtered.to_json(),
-            "smoothed_deg": self.smoothed and self.smoothed.to_json(),
+            "filtered_deg": self.filtered and asdict(self.filtered),
+            "smoothed_deg": self.smoothed and asdict(self.smoothed),
             "unobserved": self.unobserved,
             "beaten": self.beaten,
             "calibrated": self.calibrated and self.calibrated.to_json(),
@@ -189,12 +189,6 @@ class Score(Shown):
             [*table(self), "", *findings(self), *(line for text in verdict(self) for line in wrapped(text))]
         )
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> NoReturn:
-            how = {"report": ": call write_report(score, 'score.html') of lie_rigid_body.report"}.get(name, "")
-            raise AttributeError(f"a score has no {name}{how}")
-
     @property
     def gyro_bias_rad_s(self) -> Statistics | None:
         """Statistics of the norm of the error of an estimated gyro bias, rad/s; None where none was given."""
@@ -237,30 +231,27 @@ class Score(Shown):
         return data_frame(self.stamps_ns, self._columns())
 
     def to_dict(self, *, series: bool = False) -> dict[str, object]:
-        """JSON-serialisable data of the score, with its series if they are wanted."""
+        """JSON-serialisable data of the score, if wanted with stamps, ns, and the errors of every sample."""
         content: dict[str, object] = {
             "samples": self.samples,
             "outside": self.outside,
-            "total_deg": self.total_deg.to_json(),
-            "heading_deg": self.heading_deg.to_json(),
-            "inclination_deg": self.inclination_deg.to_json(),
+            "total_deg": asdict(self.total_deg),
+            "heading_deg": asdict(self.heading_deg),
+            "inclination_deg": asdict(self.inclination_deg),
             "time_to_converge_s": self.time_to_converge_s,
             "converged_deg": self.converged_deg,
             "lag_s": self.lag_s,
             "lag_standard_error_s": self.lag_standard_error_s,
             "truth_uncertainty_deg": self.truth_uncertainty_deg,
             "nees": self.consistency and self.consistency.to_json(),
-            "gyro_bias_rad_s": self.gyro_bias_rad_s and self.gyro_bias_rad_s.to_json(),
+            "gyro_bias_rad_s": self.gyro_bias_rad_s and asdict(self.gyro_bias_rad_s),
             "unavoidable": self.best and self.best.to_json(),
             "findings": [asdict(finding) for finding in self.findings],
             "broken": list(self.broken),
             "passed": self.passed,
         }
-        return content | ({"series": self.series()} if series else {})
-
-    def series(self) -> dict[str, list[float] | list[int]]:
-        """Stamps, ns, and error angles, degrees, of every sample; NEES and bound where they are known."""
-        return {"stamps_ns": self.stamps_ns.tolist(), **{name: of.tolist() for name, of in self._columns().items()}}
+        columns = {"stamps_ns": self.stamps_ns, **self._columns()}
+        return content | ({"series": {name: of.tolist() for name, of in columns.items()}} if series else {})
 
     def _columns(self) -> dict[str, Array]:
         angles = {f"{name}_deg": np.degrees(angle) for name, angle in self.error._asdict().items()}
@@ -299,7 +290,7 @@ def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
 
 def numbers(statistics: Statistics) -> list[str]:
     """Statistics as text, in the order of `HEADINGS`."""
-    return [f"{value:.4g}" for value in statistics.to_json().values()]
+    return [f"{value:.4g}" for value in asdict(statistics).values()]
 
 
 FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans
+from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
@@ -123,10 +123,10 @@ def evaluate(
     first = np.diff(stamps, prepend=stamps[0] - 1) > 0
     whole = Track(stamps[first], attitude[first], truth)
     known = truth.covers(whole.stamps_ns)
-    if not known.any():
-        raise InputError(_apart(whole, len(stamps)))
     if stamps[0] == stamps[-1] and len(stamps) > 1:
-        raise InputError(f"estimate: all {len(stamps)} stamps are {stamps[0]} ns: give each its own")
+        raise InputError(f"estimate: all of its {len(stamps)} stamps are {stamps[0]} ns: fill in header.stamp")
+    if not known.any():
+        raise InputError(_apart(stamps, truth))
     track = whole.part(known)
     true = truth.at(track.stamps_ns)
     error = attitude_error(track.attitude_xyzw, true)
@@ -165,19 +165,13 @@ def evaluate(
     )
 
 
-def _apart(whole: Track, given: int) -> str:
-    """Error message that no stamp of so many estimates is within the truth; some may share one stamp."""
-    stamps, truth = whole.stamps_ns, whole.truth
+def _apart(stamps: Integers, truth: Truth) -> str:
+    """Error message that none of the stamps is within the truth."""
     ahead = (int(stamps[0]) - truth.first_ns) / 1e9
-    span = f"within the truth, from {truth.first_ns / 1e9:.12g} s to {truth.last_ns / 1e9:.12g} s"
-    if len(stamps) < min(given, 2):
-        return (
-            f"estimate: all of its {given} messages have the stamp {stamps[0] / 1e9:.12g} s, which is not {span}: "
-            "fill in header.stamp"
-        )
     return (
-        f"estimate: none of its {given} stamps is {span}: they begin {abs(ahead):.9g} s "
-        f"{'after' if ahead > 0 else 'before'} it; stamp them by its clock, in ns"
+        f"estimate: none of its {len(stamps)} stamps is within the truth, from {truth.first_ns / 1e9:.12g} s to "
+        f"{truth.last_ns / 1e9:.12g} s: they begin {abs(ahead):.9g} s {'after' if ahead > 0 else 'before'} it; stamp "
+        "them by its clock, in ns"
     )
 
 

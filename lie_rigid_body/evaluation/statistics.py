@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Final
 
 import numpy as np
@@ -39,10 +38,6 @@ class Statistics:
         """Compute the statistics of errors in order of time, shape (N,) with N ≥ 1, all finite."""
         median, p95 = np.percentile(errors, [50.0, 95.0])
         return cls(rms(errors), float(median), float(p95), float(errors.max()), float(errors[-1]))
-
-    def to_json(self) -> dict[str, float]:
-        """JSON-serialisable data: the five numbers."""
-        return asdict(self)
 
 
 def rms(errors: Array) -> float:

@@ -113,8 +113,6 @@ class VectorReadings:
         if vector.shape != (3,) or not vector.any():
             raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
         deviation("noise of a vector", self.noise)
-        if not isinstance(self.bias, BiasNoise):
-            raise InputError(f"bias: {shown(self.bias)} is no BiasNoise: give for example BiasNoise(turn_on=0.03)")
 
 
 @short_dataclass(frozen=True)
@@ -225,7 +223,8 @@ def unavoidable_error(
         If stamps do not rise, or a noise is not above 0: without noise there is no bound but 0.
     """
     stamps, truth = read_series("unavoidable_error", stamps_ns, truth_xyzw)
-    _require(stamps, gyro_bias, vectors, attitudes)
+    if not (np.diff(stamps) > 0).all():
+        raise InputError("stamps_ns: one occurs twice: give rising ones")
     deviation("gyro_noise", gyro_noise)
     deviation("initial", initial)
     readings = np.ones(len(stamps)) if gyro_readings is None else numbers("gyro_readings", gyro_readings, len(stamps))
@@ -235,8 +234,7 @@ def unavoidable_error(
     walk = gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
     gyro_errors = _matrices("gyro_linear_errors", gyro_linear_errors)
     noise = gyro_noise / np.sqrt(readings)
-    steps, first = _system(stamps, truth, noise, walk, gyro_bias, gyro_errors, vectors, attitudes)
-    first[:3] = initial
+    steps, first = _system(stamps, truth, initial, noise, walk, gyro_bias, gyro_errors, vectors, attitudes)
     known, unknown = covariances(steps, first)
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
     share = (0.5 - 0.5 / readings)[:, np.newaxis, np.newaxis]
@@ -257,22 +255,6 @@ def _matrices(name: str, given: ArrayLike | None) -> Array:
     return np.zeros((0, 3, 3)) if given is None or np.size(given) == 0 else numbers(name, given, 3, 3).reshape(-1, 3, 3)
 
 
-def _require(
-    stamps: Integers,
-    gyro_bias: BiasNoise,
-    vectors: Sequence[VectorReadings],
-    attitudes: Sequence[AttitudeReadings],
-) -> None:
-    if not (np.diff(stamps) > 0).all():
-        raise InputError("stamps_ns: one occurs twice: give rising ones")
-    if not isinstance(gyro_bias, BiasNoise):
-        raise InputError(f"gyro_bias: {shown(gyro_bias)} is no BiasNoise: give for example BiasNoise(turn_on=3e-3)")
-    kinds = {"vectors": (vectors, VectorReadings), "attitudes": (attitudes, AttitudeReadings)}
-    for name, (given, kind) in kinds.items():
-        if not isinstance(given, list | tuple) or not all(isinstance(readings, kind) for readings in given):
-            raise InputError(f"{name}: {shown(given)} is not a list of {kind.__name__}: give a list of them")
-
-
 def _unobserved(world_covariance: Array) -> str:
     """Name of the directions of the world about which an error of half a radian or more would not be seen."""
     variances, axes = np.linalg.eigh(world_covariance)
@@ -285,6 +267,7 @@ def _unobserved(world_covariance: Array) -> str:
 def _system(
     stamps: Integers,
     truth: Array,
+    initial: float,
     gyro_noise: Array,
     gyro_walk: Array,
     gyro_bias: BiasNoise,
@@ -292,24 +275,24 @@ def _system(
     vectors: Sequence[VectorReadings],
     attitudes: Sequence[AttitudeReadings],
 ) -> tuple[Steps, Array]:
-    """The linear system of the error state, and the deviations of its biases before the first sample.
+    """The linear system of the error state, and the deviations of its state before the first sample.
 
-    A bias counts in units of its vector: the numbers are near those of angles, and rounding is small. Each constant of
-    each sensor has a column: what it adds to a turn, and to the readings of a vector.
+    A bias counts in units of its vector: the numbers are near those of angles, and rounding is small. Biases that are 0
+    for ever are no part of the state. Each constant of each sensor has a column: what it adds to a turn, and to the
+    readings of a vector.
     """
     units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
     biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
     matrices = [gyro_errors, *(_matrices("linear_errors", sensor.linear_errors) for sensor in vectors)]
-    places = _in_turn(3, [0 if bias == BiasNoise() else 3 for bias in biases])
-    columns = _in_turn(0, [len(each) for each in matrices])
-    count, n, c, sensors = len(stamps), places[-1].stop, columns[-1].stop, len(vectors) + len(attitudes)
+    columns = _in_turn([len(each) for each in matrices])
+    count, n, c, sensors = len(stamps), 3 + 3 * len(biases), columns[-1].stop, len(vectors) + len(attitudes)
     F = np.tile(np.eye(n), (count, 1, 1))
     noise, B = np.zeros((count, 1 + len(biases), 3, n)), np.zeros((count, n, c))
     H, D = np.zeros((count, sensors, 3, n)), np.zeros((count, sensors, 3, c))
     turn = np.concatenate([np.zeros((1, 3)), turns(truth[:-1], truth[1:])])
     jacobian = right_jacobian(turn)
     pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
-    F[:, :3, :3], F[:, :3, places[0]] = so3.exp(-turn), pushed[..., : places[0].stop - 3]
+    F[:, :3, :3], F[:, :3, 3:6] = so3.exp(-turn), pushed
     walks = [gyro_walk]
     B[:, :3, columns[0]] = jacobian @ np.einsum("cij,nj->nic", gyro_errors, turn)
     for i, (sensor, unit) in enumerate(zip(vectors, units[1:], strict=True)):
@@ -317,26 +300,27 @@ def _system(
         weight = np.sqrt(read) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
         body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
         body = weight[:, np.newaxis] * body
-        H[:, i, :, :3], H[:, i, :, places[i + 1]] = -hat(body), _diagonal(weight, places[i + 1])
+        H[:, i, :, :3], H[:, i, :, 6 + 3 * i : 9 + 3 * i] = -hat(body), _diagonal(weight)
         D[:, i, :, columns[i + 1]] = np.einsum("cij,nj->nic", matrices[i + 1], body)
         read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
         walks.append(sensor.bias.step / unit * np.sqrt(np.maximum(read, 0.0)))
     for i, attitude in enumerate(attitudes, len(vectors)):
         H[:, i, :, :3] = np.sqrt(_count(stamps, attitude))[:, np.newaxis, np.newaxis] * attitude.whitening()
-    first = np.zeros(n)
-    for i, (bias, unit, place, walk) in enumerate(zip(biases, units, places, walks, strict=True), 1):
-        first[place] = max(bias.turn_on, SMALLEST * bias.step) / unit
-        noise[:, i, :, place] = _diagonal(walk, place)
+    first = np.full(n, initial)
+    for i, (bias, unit, walk) in enumerate(zip(biases, units, walks, strict=True), 1):
+        first[3 * i : 3 * i + 3] = max(bias.turn_on, SMALLEST * bias.step) / unit
+        noise[:, i, :, 3 * i : 3 * i + 3] = _diagonal(walk)
     # the noise of a turn, to which a step of the bias adds in the same interval
     for i, deviations in enumerate((gyro_noise, gyro_walk)):
         noise[:, i, :, :3] = deviations[:, np.newaxis, np.newaxis] * pushed.swapaxes(1, 2)
-    noise, H, D = (part.reshape(count, 3 * part.shape[1], part.shape[3]) for part in (noise, H, D))
-    return (F, noise, H, B, D), first
+    pushes, rows, of_constants = (part.reshape(count, 3 * part.shape[1], part.shape[3]) for part in (noise, H, D))
+    kept = first > 0.0
+    return (F[:, kept][..., kept], pushes[..., kept], rows[..., kept], B[:, kept], of_constants), first[kept]
 
 
-def _in_turn(begin: int, sizes: Sequence[int]) -> list[slice]:
+def _in_turn(sizes: Sequence[int]) -> list[slice]:
     """Slices of parts of given sizes, one after the other."""
-    ends = begin + np.cumsum(sizes)
+    ends = np.cumsum(sizes)
     return [slice(end - size, end) for end, size in zip(ends.tolist(), sizes, strict=True)]
 
 
@@ -346,6 +330,6 @@ def _count(stamps: Integers, readings: VectorReadings | AttitudeReadings) -> Arr
     return np.bincount(at[at >= 0], minlength=len(stamps)).astype(np.float64)
 
 
-def _diagonal(values: Array, place: slice) -> Array:
-    """Multiples of the identity, shape (N, 3, 3), where a bias has a place; else nothing, shape (N, 3, 0)."""
-    return np.asarray(values[:, np.newaxis, np.newaxis] * np.eye(3)[:, : place.stop - place.start])
+def _diagonal(values: Array) -> Array:
+    """Multiples of the identity, shape (N, 3, 3)."""
+    return np.asarray(values[:, np.newaxis, np.newaxis] * np.eye(3))

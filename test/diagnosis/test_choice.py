@@ -89,7 +89,7 @@ def test_readings_are_those_of_the_path(kind: str) -> None:
     readings = readings_of(course)
     imu = readings.run().imu
     assert imu is not None
-    truth = course.truth.at(imu.t_ns)
+    truth = course.at(imu.t_ns)
     assert imu.t_ns[0] == 0
     assert len(imu.t_ns) == len(readings.t_ns) - 2 * MARGIN
     up = quaternion.rotate(truth, imu.specific_force)
@@ -151,7 +151,7 @@ def test_joint_repair_gives_the_first_reading_twice() -> None:
     ],
 )
 def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> None:
-    truth, stamps = courses_of({})[0].truth, np.arange(300, 1300) * 10_000_000
+    truth, stamps = courses_of({})[0], np.arange(300, 1300) * 10_000_000
     q, (x, *_) = truth.at(stamps), constants
     from scipy.spatial.transform import Rotation
 
@@ -176,7 +176,7 @@ def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> N
 
 
 def test_clock_of_another_rate_is_undone_where_only_later_samples_are_compared() -> None:
-    truth, stamps = courses_of({})[0].truth, np.arange(1300) * 10_000_000
+    truth, stamps = courses_of({})[0], np.arange(1300) * 10_000_000
     whole = Track(np.round(1.03 * stamps).astype(np.int64), truth.at(stamps), truth)
     (clock,) = (cause for cause in CAUSES if cause.code == "clock_rate")
     constants, left = clock.fitted([settled(whole)])

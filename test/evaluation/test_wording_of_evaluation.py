@@ -75,9 +75,8 @@ def consistency(covariance: Any, **more: Any) -> Call:
 
 REFUSED: dict[str, list[Call]] = {
     # limits
-    "0 is not above 0: give": [*limits(0.0), *limits(-1.0)],
     "is not a finite number of degrees above 0: give": [
-        call for value in (np.nan, np.inf, "1deg", True, [1.0], 10**400) for call in limits(value)
+        call for value in (0.0, -1.0, np.nan, np.inf, "1deg", True, [1.0], 10**400) for call in limits(value)
     ],
     "max_after": [
         lambda value=value: Limits(max_after=value)  # type: ignore[misc]
@@ -153,9 +152,7 @@ REFUSED: dict[str, list[Call]] = {
     "none of its 1501 stamps is within the truth, from 0 s to 30 s": [
         lambda: score(STAMPS.repeat(2)[:1501] + 10**18, TRUE)
     ],
-    "all of its 1501 messages have the stamp -1 s, which is not within the truth, .*: fill in header.stamp": [
-        lambda: score(np.full(1501, -(10**9)), TRUE)
-    ],
+    "all of its 1501 stamps are -1000000000 ns: fill in header.stamp": [lambda: score(np.full(1501, -(10**9)), TRUE)],
     "none of its 1 stamps is within the truth": [lambda: score(STAMPS[:1] - 10**9, TRUE[:1])],
     "out of order in 1500 places": [lambda: score(STAMPS[::-1], TRUE)],
     "1492 of 1501 rows are not finite": [
@@ -186,19 +183,15 @@ REFUSED: dict[str, list[Call]] = {
     ],
     r"up to 1e\+200: the NEES overflows": [lambda: nees(np.full((9, 3), 1e200), np.eye(3))],
     # the unavoidable error
-    "gyro_noise: 0.0 is not above 0": [unavoidable(gyro_noise=0.0)],
+    "gyro_noise: 0.0 is not a finite number of SI units above 0": [unavoidable(gyro_noise=0.0)],
     "initial": [unavoidable(initial=np.nan)],
     "rising": [unavoidable(stamps_ns=[1, 1])],
     "noise of a vector: 0.0": [lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.0)],
     "has no direction": [lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1)],
-    "bias: 3 is no BiasNoise": [lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.1, WRONG)],
     "turn_on: -1.0": [lambda: BiasNoise(turn_on=-1.0)],
     "covariance: shape .2, 3, 3. is not .3, 3.": [lambda: AttitudeReadings([0, 1], np.tile(np.eye(3), (2, 1, 1)))],
     "gyro_readings: .1, 0.: give a number of 1 or more": [unavoidable(gyro_readings=[1, 0])],
     "gyro_readings": [unavoidable(gyro_readings=[[1, 1]] * 2)],
-    "vectors: .3. is not a list of VectorReadings": [unavoidable(vectors=[WRONG])],
-    "vectors: 3 is not a list": [unavoidable(vectors=WRONG)],
-    "gyro_bias: 3 is no BiasNoise": [unavoidable(gyro_bias=WRONG)],
     "gyro_noise: 1e.200 is beyond": [unavoidable(gyro_noise=1e200)],
     "give integer nanoseconds": [unavoidable(stamps_ns=[0.0, 1.0])],
 }

@@ -37,7 +37,7 @@ refused = refusals(
             "zero": "{count} of {of} quaternions are zero",
             "integers": "{name}: stamps of type {kind}: give integer nanoseconds",
             "no bias": "does not tell the bias",
-            "stamps": "all {count} stamps are {stamp}",
+            "stamps": "all of its {count} stamps are {stamp}",
             "transposed": "transpose",
             "angles": "Euler",
             "matrices": "from_matrix",

@@ -182,7 +182,7 @@ def test_a_score_is_returned_and_the_beginning_can_be_left_out(run):
         ({"max_rms_deg": float("nan")}, "max_rms_deg: nan "),
         ({"max_rms_deg": "1deg"}, "max_rms_deg: '1deg' "),
         ({"max_after": 5}, "5 "),
-        ({"max_rms_deg": 1.0, "after_s": -1}, "after_s: -1 is below 0"),
+        ({"max_rms_deg": 1.0, "after_s": -1}, "after_s: -1 is not a finite number of seconds from 0 on"),
         ({"max_rms_deg": 1.0, "after_s": float("nan")}, "after_s: nan "),
         ({"max_rms_deg": 1.0, "after_s": "10s"}, "after_s: '10s' "),
         ({"max_rms_deg": 1.0, "converged_deg": float("nan")}, "converged_deg: nan "),
@@ -250,8 +250,8 @@ import numpy as np
 import pytest
 from lie_rigid_body.testing import assert_attitude
 
-WRONG = {"not finite": {"max_rms_deg": 1.0}, "is below 0": {"max_rms_deg": 1.0, "after_s": -1}, "a limit": {},
-         "no Run": {"run": None, "max_rms_deg": 1.0}, "is not above 0": {"max_rms_deg": -1}}
+WRONG = {"not finite": {"max_rms_deg": 1.0}, "from 0 on": {"max_rms_deg": 1.0, "after_s": -1}, "a limit": {},
+         "no Run": {"run": None, "max_rms_deg": 1.0}, "degrees above 0": {"max_rms_deg": -1}}
 
 @pytest.mark.attitude_run(scenarios="flat_plate", grades="mems", duration=0.1)
 @pytest.mark.parametrize("what", WRONG)
