@@ -1,8 +1,8 @@
 """Difference of the RMS errors of two estimates, with its interval: which one is better, and whether that is luck.
 
-Errors of one run are correlated in time. So the variance of their mean follows from its autocovariances, as far as the
-errors remember. The window and its width are those of D. N. Politis, H. White, Econometric Reviews 23:53 (2004). Runs
-are independent. Both intervals are Student's; the difference of two RMS errors is linearised.
+Errors of one run are correlated in time, so moving blocks of samples are drawn again, as long as the errors remember:
+D. N. Politis, H. White, Econometric Reviews 23:53 (2004), with the correction by A. Patton et al., ibid. 28:372 (2009),
+for circular blocks. Over many runs, which are independent, whole runs are drawn again.
 """
 
 from __future__ import annotations
@@ -21,10 +21,16 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 PROBABILITY: Final = 0.95
 """Probability of the intervals."""
+RESAMPLED: Final = 1000
+"""Number of resamplings."""
+MOST_SAMPLES: Final = 20_000
+"""Largest number of samples that are drawn again one by one; of more, means of neighbours are."""
 FEWEST_SAMPLES: Final = 10
 """Least number of samples or runs whose difference has an interval."""
-LONGEST_MEMORY: Final = 0.2
-"""Largest share of a run that errors may remember."""
+FEWEST_BLOCKS: Final = 5
+"""Least number of blocks of a run."""
+MOST_BLOCKS: Final = 500
+"""Largest number of blocks of a run: more tell hardly more of the spread."""
 
 
 @short_dataclass(frozen=True)
@@ -79,13 +85,15 @@ def _both(first: ArrayLike, second: ArrayLike) -> Array:
     return np.stack([one, other])
 
 
-def of_run(first: ArrayLike, second: ArrayLike) -> Difference:
-    """Difference of the RMS of two errors of one run.
+def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
+    """Difference of the RMS of two errors of one run, by moving blocks.
 
     Parameters
     ----------
     first, second : array_like, shape (N,)
         Errors at the same stamps, which are about even.
+    seed : int
+        Seed of the resampling.
 
     Raises
     ------
@@ -94,22 +102,35 @@ def of_run(first: ArrayLike, second: ArrayLike) -> Difference:
     """
     both = _both(first, second)
     errors = numbers("errors", both.T, 2).T if both.size else both
-    (one, other), count, variance, freedom = map(rms, errors), errors.shape[1], np.inf, 1.0
-    if count >= FEWEST_SAMPLES:
-        # the difference of the roots, linearised, is a mean
-        slopes = np.array([0.5, -0.5]) / np.maximum([one, other], np.finfo(float).tiny)
-        long_run, memory = long_run_variance(errors.T**2 @ slopes)
-        variance, freedom = long_run / count, max(1.0, count / memory - 1.0)
-    return _with_interval(one - other, variance, freedom, int(one < other), 1)
+    value, squares, given = rms(errors[0]) - rms(errors[1]), errors**2, errors.shape[1]
+    if given > MOST_SAMPLES:
+        group = -(-given // MOST_SAMPLES)
+        squares = squares[:, : given // group * group].reshape(2, -1, group).mean(axis=2)
+    count = squares.shape[1]
+    if count < FEWEST_SAMPLES:
+        return Difference(value, -np.inf, np.inf, int(value < 0.0), 1)
+    # the difference of the roots, linearised, is a mean, of which the blocks are to keep the variance
+    slopes = 0.5 / np.maximum(np.sqrt(squares.mean(axis=1)), np.finfo(float).tiny)
+    length, wider = blocks_of(slopes[0] * squares[0] - slopes[1] * squares[1])
+    sums = np.concatenate(
+        [np.zeros((2, 1)), np.cumsum(np.concatenate([squares, squares[:, :length]], axis=1), axis=1)], axis=1
+    )
+    draws, blocks = np.random.default_rng(seed), max(1, round(count / length))
+    begins = draws.integers(0, count, size=(RESAMPLED, blocks))
+    means = (sums[:, begins + length] - sums[:, begins]).sum(axis=2) / (blocks * length)
+    resampled = value + wider * (np.sqrt(means[0]) - np.sqrt(means[1]) - value)
+    return _with_interval(value, resampled, int(value < 0.0), 1, freedom=blocks - 1)
 
 
-def of_runs(first: ArrayLike, second: ArrayLike) -> Difference:
-    """Mean difference of the RMS errors of two estimates over runs.
+def of_runs(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
+    """Mean difference of the RMS errors of two estimates over runs, by bootstrap of runs.
 
     Parameters
     ----------
     first, second : array_like, shape (R,)
         RMS errors of the same runs; NaN where the estimate failed.
+    seed : int
+        Seed of the resampling.
 
     Raises
     ------
@@ -118,23 +139,33 @@ def of_runs(first: ArrayLike, second: ArrayLike) -> Difference:
     """
     errors = _both(first, second)
     both = np.isfinite(errors).all(axis=0)
-    differences = (errors[0] - errors[1])[both]
+    differences, left_out = (errors[0] - errors[1])[both], int(np.sum(~both))
     runs, better = len(differences), int(np.sum(differences < 0.0))
     value = float(differences.mean()) if runs else np.nan
-    variance = float(differences.var(ddof=1)) / runs if runs >= FEWEST_SAMPLES else np.inf
-    return _with_interval(value, variance, max(1, runs - 1), better, runs, int(np.sum(~both)))
+    if runs < FEWEST_SAMPLES:
+        return Difference(value, -np.inf, np.inf, better, runs, left_out)
+    draws = np.random.default_rng(seed)
+    resampled = np.concatenate(
+        [differences[draws.integers(0, runs, (100, runs))].mean(axis=1) for _ in range(RESAMPLED // 100)]
+    )
+    return _with_interval(value, resampled, better, runs, left_out, freedom=runs - 1)
 
 
 def _with_interval(
-    value: float, variance: float, freedom: float, better: int, runs: int, left_out: int = 0
+    value: float, resampled: Array, better: int, runs: int, left_out: int = 0, *, freedom: int
 ) -> Difference:
-    """The difference of a variance that was estimated with some degrees of freedom."""
-    half = float(scipy.stats.t.isf(0.5 * (1.0 - PROBABILITY), freedom) * np.sqrt(variance))
-    return Difference(value, value - half, value + half, better, runs, left_out)
+    """Quantiles of what was drawn again, farther out by Student's quantile for so many independent parts.
+
+    Means of n parts that are drawn again from n vary less by the factor n − 1 of n than those of new ones.
+    """
+    tail, freedom = 0.5 * (1.0 - PROBABILITY), max(1, freedom)
+    wider = scipy.stats.t.isf(tail, freedom) / scipy.stats.norm.isf(tail) * np.sqrt((freedom + 1) / freedom)
+    low, high = (np.quantile(resampled, [tail, 1.0 - tail]) - value) * wider
+    return Difference(value, value + float(low), value + float(high), better, runs, left_out)
 
 
-def long_run_variance(values: Array) -> tuple[float, int]:
-    """Variance of a mean times the number of samples, and the width of the window, by the autocovariances of samples.
+def blocks_of(values: Array) -> tuple[int, float]:
+    """Length of the circular blocks that estimate the variance of a mean best, and how much it is to be widened.
 
     Parameters
     ----------
@@ -143,22 +174,31 @@ def long_run_variance(values: Array) -> tuple[float, int]:
 
     Returns
     -------
-    float
-        At least the variance of a sample.
     int
-        Number of samples after which nothing is remembered.
+        Samples.
+    float
+        What deviations are multiplied by, at least 1. Blocks of length L miss correlations across their ends, which are
+        a share g / (L v) of the variance v, where g = Σ |k| R(k).
     """
     n = len(values)
+    centred = values - values.mean()
     # autocovariances by the spectrum of the padded values
-    spectrum = np.fft.rfft(values - values.mean(), 2 * n)
+    spectrum = np.fft.rfft(centred, 2 * n)
     covariances = np.fft.irfft(np.abs(spectrum) ** 2)[:n] / n
+    if covariances[0] <= 0.0:
+        return 1, 1.0
     quiet = max(5, int(np.ceil(np.sqrt(np.log10(n)))))
-    longest = int(LONGEST_MEMORY * n) + quiet
-    loud = np.abs(covariances[1 : longest + 1]) >= 2.0 * np.sqrt(np.log10(n) / n) * covariances[0]
+    longest = n // FEWEST_BLOCKS + quiet
+    loud = np.abs(covariances[1 : longest + 1] / covariances[0]) >= 2.0 * np.sqrt(np.log10(n) / n)
     # the last lag before so many quiet ones in a row
     runs = np.convolve(~loud, np.ones(quiet), mode="valid") == quiet
-    last = max(1, int(np.argmax(runs)) if runs.any() else longest - quiet)
-    lags = np.arange(1, min(2 * last, n - 1) + 1)
-    window = np.clip(2.0 - lags / last, 0.0, 1.0)
+    last = int(np.argmax(runs)) if runs.any() else longest - quiet
+    lags = np.arange(1, min(2 * max(last, 1), n - 1) + 1)
+    window = np.clip(2.0 * (1.0 - lags / (2.0 * max(last, 1))), 0.0, 1.0)
     variance = covariances[0] + 2.0 * float(np.sum(window * covariances[lags]))
-    return max(variance, float(covariances[0])), 2 * last
+    slope = 2.0 * float(np.sum(window * lags * covariances[lags]))
+    if variance <= 0.0:
+        return 1, 1.0
+    length = (1.5 * (slope / variance) ** 2 * n) ** (1.0 / 3.0)
+    chosen = int(np.clip(np.ceil(length), max(1, n // MOST_BLOCKS), max(1, n // FEWEST_BLOCKS)))
+    return chosen, float(np.sqrt(1.0 / (1.0 - min(max(slope / (variance * chosen), 0.0), 0.5))))

@@ -8,7 +8,7 @@ from scipy import stats
 from scipy.signal import lfilter
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.differences import long_run_variance, of_run, of_runs
+from lie_rigid_body.evaluation.differences import MOST_SAMPLES, blocks_of, of_run, of_runs
 from said import numbers
 from sampled import sampled
 
@@ -23,8 +23,8 @@ def correlated(draws: np.random.Generator, count: int, memory: float) -> np.ndar
 @pytest.mark.parametrize("memory", sampled([0.98, 0.9, 0.0], 3))
 def test_errors_that_are_alike_differ_in_few_intervals(memory):
     draws, inside = np.random.default_rng(3), 0
-    for _ in range(60):
-        found = of_run(correlated(draws, 3000, memory), correlated(draws, 3000, memory))
+    for number in range(60):
+        found = of_run(correlated(draws, 3000, memory), correlated(draws, 3000, memory), number)
         inside += not found.is_sure
     assert stats.binomtest(inside, 60, 0.95).pvalue > 1e-3
 
@@ -40,37 +40,19 @@ def test_intervals_know_that_errors_are_correlated():
 
 def test_a_difference_is_found_with_its_size():
     draws = np.random.default_rng(5)
-    found = of_run(1.2 * correlated(draws, 40_000, 0.9), correlated(draws, 40_000, 0.9))
+    found = of_run(1.2 * correlated(draws, 2 * MOST_SAMPLES, 0.9), correlated(draws, 2 * MOST_SAMPLES, 0.9))
     assert found.is_sure
     assert 0.0 < found.low < 0.2 * np.sqrt(3.0) < found.high
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
-def test_variance_of_a_mean_is_that_of_the_process(memory):
+def test_blocks_are_longer_the_longer_a_process_remembers():
     draws = np.random.default_rng(6)
-    found = [long_run_variance(lfilter([1.0], [1.0, -memory], draws.normal(size=5000))) for _ in range(20)]
-    # of a process of first order with steps of variance 1
-    assert np.mean([variance for variance, _ in found]) == pytest.approx((1.0 - memory) ** -2, rel=0.15)
-    assert long_run_variance(np.ones(100))[0] == 0.0
-
-
-def test_errors_that_remember_longer_have_fewer_independent_parts():
-    draws = np.random.default_rng(6)
-    memories = [long_run_variance(lfilter([1.0], [1.0, -a], draws.normal(size=5000)))[1] for a in (0.0, 0.8, 0.95)]
-    assert memories == sorted(memories)
-    assert memories[0] <= 4
-
-
-@pytest.mark.parametrize(
-    "draw",
-    [lambda draws: draws.normal(size=40), lambda draws: draws.gamma(4.0, 1.0, 40) - 4.0],
-)
-def test_interval_over_runs_has_its_probability(draw):
-    draws, inside = np.random.default_rng(9), 0
-    for _ in range(300):
-        found = of_runs(draw(draws), np.zeros(40))
-        inside += found.low < 0.0 < found.high
-    assert stats.binomtest(inside, 300, 0.95).pvalue > 1e-3
+    lengths = [blocks_of(lfilter([1.0], [1.0, -memory], draws.normal(size=5000)))[0] for memory in (0.0, 0.8, 0.95)]
+    # of a process of first order Politis and White have (6 n a² / (1 - a²)²)^(1/3)
+    assert lengths[0] <= 10
+    assert lengths[1] == pytest.approx((6 * 5000 * 0.64 / 0.36**2) ** (1 / 3), rel=0.5)
+    assert lengths[2] == pytest.approx((6 * 5000 * 0.9025 / 0.0975**2) ** (1 / 3), rel=0.5)
+    assert blocks_of(np.ones(100)) == (1, 1.0)
 
 
 def test_runs_in_which_either_failed_are_left_out():
