@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from functools import partial
@@ -10,10 +11,10 @@ from typing import Final, cast
 
 import numpy as np
 
-from lie_rigid_body.diagnosis.course import courses_of
+from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import probed
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
-from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, with_unit
+from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees, with_unit
 from lie_rigid_body.diagnosis.search import NEAR, Each, Search, or_else, plain, settled
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
@@ -22,6 +23,7 @@ from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, sourc
 from lie_rigid_body.runs.processes import time_limit
 from lie_rigid_body.runs.programs import NodeEstimator
 from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shown
 
@@ -123,6 +125,8 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     mistakes, unrepaired = tuple(_mistakes(search, errors)), plain(search.trials)
     if search.is_cut:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
+    if errors and not mistakes and unrepaired.error > search.floor:
+        remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(each for each in found if isinstance(each, Probe)),
@@ -157,7 +161,7 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
         after, instead = left.get(found.code, before), or_else(named, others, found.code)
         doubt = f" Undoing {' or '.join(instead)} does as well on this motion." if instead else ""
         leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"
-        message = f"{found.fact}. {found.deed} {leave} {with_unit(after)} instead of {with_unit(before)}.{doubt}"
+        message = f"{found.fact}. {found.deed} {leave} {degrees(after)} instead of {degrees(before)}.{doubt}"
         yield Mistake(found.code, message, found.text, before, after, instead)
         before = after
 
@@ -169,9 +173,18 @@ def _notes(search: Search) -> Iterator[Note]:
     without = min((t.error for t in alike if not t.joint), default=0.0)
     if chosen.joint and without > max(search.floor, NEAR * chosen.error):
         value, left = np.degrees([without, chosen.error]).tolist()
-        said = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {with_unit(left)} are left."
+        said = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
         yield Note(JOINT.code, f"{JOINT.fact}: {said}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
         said = f"with {other.kind} ones it errs by {with_unit(float(np.degrees(other.error)))}."
         yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {said}", chosen.kind)
+
+
+def _command(course: Course, errors: ErrorOverTime) -> str:
+    """The shortest run on which the filter errs most."""
+    late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
+    default = Scenario.from_parameters({"imu_rate": 1.0}).parameters()
+    words = ["lie-rigid-body", "record", "errs.mcap", "--duration", f"{np.ceil(max(1.0, late - REST)):g}"]
+    words += assignments({n: value for n, value in course.scenario.parameters().items() if value != default[n]})
+    return f"It errs most in: {shlex.join(words)}"

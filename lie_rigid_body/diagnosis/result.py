@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown
@@ -137,10 +139,10 @@ class FilterDiagnosis(Shown):
         failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
-        said = f"No mistake: with perfect sensors the filter errs by {with_unit(self.rms_deg)}."
+        said = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}."
         if self.rms_deg > self.floor_deg:
             tried = "so far" if self.interrupted else "that was tried"
-            said = f"Nothing {tried} mends the error of {with_unit(self.rms_deg)}."
+            said = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}."
         if not failed:
             return [said]
         first = "finite" if "finite" in failed else next(iter(failed))
@@ -160,6 +162,11 @@ class FilterDiagnosis(Shown):
     def __str__(self) -> str:
         """What a person needs to know first; `lie_rigid_body.report.filters` makes the tables."""
         return "\n".join(self.sentences)
+
+
+def degrees(value: float) -> str:
+    """An angle in degrees for the eye: what is less than 0.005 is 0.00."""
+    return f"{value:.2f}°" if value < 10.0 or not np.isfinite(value) else f"{value:.1f}°"
 
 
 def with_unit(value: float, unit: str = "°") -> str:

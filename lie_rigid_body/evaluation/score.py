@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NoReturn
 
 import numpy as np
 
@@ -229,6 +229,12 @@ class Score(Shown):
             If pandas is not installed: ``to_dict(series=True)`` has the same numbers.
         """
         return data_frame(self.stamps_ns, self._columns())
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            how = {"report": ": call write_report(score, 'score.html') of lie_rigid_body.report"}.get(name, "")
+            raise AttributeError(f"a score has no {name}{how}")
 
     def to_dict(self, *, series: bool = False) -> dict[str, object]:
         """JSON-serialisable data of the score, if wanted with stamps, ns, and the errors of every sample."""

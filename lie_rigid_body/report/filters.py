@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from lie_rigid_body.diagnosis import FilterDiagnosis
-from lie_rigid_body.diagnosis.result import with_unit
+from lie_rigid_body.diagnosis.result import degrees
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
@@ -51,7 +51,7 @@ def lines_of_diagnosis(found: FilterDiagnosis) -> Iterator[str]:
 def _cells_of_mistakes(found: FilterDiagnosis) -> list[tuple[str, ...]]:
     """Code, repair, error before and after, and what does as well of each mistake."""
     return [
-        (m.code, m.repair, with_unit(m.rms_deg_before), with_unit(m.rms_deg_after), ", ".join(m.or_else))
+        (m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else))
         for m in found.mistakes
     ]
 

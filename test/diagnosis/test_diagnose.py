@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,7 @@ import textbook
 import lie_rigid_body
 from lie_rigid_body import InputError
 from lie_rigid_body.cli.diagnose import main
+from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
@@ -186,10 +188,14 @@ def test_filter_that_averages_the_gyro_first_needs_a_rest_and_nothing_else() -> 
 
 
 @pytest.mark.slow
-def test_stuck_estimate_is_told() -> None:
+def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path) -> None:
     found = diagnose(textbook.stuck, max_runs=1, imu_rate=50.0, magnetometer_rate=50.0)
     assert found.mistakes == ()
     assert "stuck: " in found.probes[0].message
+    program, *words = shlex.split(found.remarks[-1].partition(": ")[2])
+    assert (program, words[0]) == ("lie-rigid-body", "record")
+    words[1] = str(tmp_path / "errs.mcap")
+    assert record([*words[1:], "--quiet"]) == 0
 
 
 @pytest.mark.parametrize(

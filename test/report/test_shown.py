@@ -124,6 +124,9 @@ except LieRigidBodyError as error:
 
 def test_a_score_is_told_where_reports_are_made(run: Any, tmp_path: Path) -> None:
     score: Any = off_by(run, 5.0)
+    with pytest.raises(AttributeError, match="write_report"):
+        score.report  # noqa: B018
+    assert not hasattr(score, "plot_it")
     json.dumps(score.to_dict(series=True), allow_nan=False)
     assert score.plot()._repr_png_()[:4] == b"\x89PNG"
     write_plot(score, tmp_path / "e.png")
