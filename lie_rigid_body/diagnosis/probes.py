@@ -179,7 +179,7 @@ def _noise_judged(search: Search, answers: Answers) -> Judged:
     bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
     assert bound
     least, error = UnavoidableError.rms(bound.filtered[begin:]), answers[0].error()
-    beside = f"; such noise leaves {with_unit(float(np.degrees(least)))} at least, {error / least:.2g} times less"
+    beside = f"; the best filter errs by {with_unit(float(np.degrees(least)))} over many such runs"
     return Judged(error, 1.01 * rms(single.error().total[MARGIN + begin : -MARGIN]), beside)
 
 
@@ -242,7 +242,7 @@ def _covariance_judged(search: Search, answers: Answers) -> Probe:
         for runs in (slice(SEEDS), slice(SEEDS, None))
     ]
     found = min(verdicts, key=lambda each: (not each.passed, each.cause in ("", "factor")))
-    return Probe("covariance", found.passed, found.message, found.nees_mean)
+    return Probe("covariance", found.passed, f"with the noise of tactical sensors: {found.message}", found.nees_mean)
 
 
 PROBES: Final = (
