@@ -125,6 +125,9 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     mistakes, unrepaired = tuple(_mistakes(search, errors)), plain(search.trials)
     if search.is_cut:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
+    if mistakes and search.chosen.error > search.floor:
+        left = degrees(float(np.degrees(search.chosen.error)))
+        remarks = [*remarks, f"The {left} that are left have no name yet: mend what is named, and diagnose again."]
     if errors and not mistakes and unrepaired.error > search.floor:
         remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]
     return FilterDiagnosis(

@@ -283,11 +283,12 @@ class Search:
         return self._screened([(*first, repair) for repair in self._exact if repair.code != first[0].code])
 
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
-        """Try repairs with a fitted constant, alone or beside another."""
+        """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
+        causes = () if first else QUICK
         codes = [code for code in FITTED if code not in [repair.code for repair in first]]
         rests = [(*first, *joint) for joint in ((), (JOINT,))]
         pairs = [(code, rest) for code in codes for rest in rests]
-        return self._screened([(self._fitted(code, rest), *rest) for code, rest in pairs if self._may_go_on()])
+        return self._screened([(self._fitted(code, rest, causes), *rest) for code, rest in pairs if self._may_go_on()])
 
     def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
         """Try repairs on the short course, single ones also with those of the output; then the best on all."""
@@ -343,12 +344,13 @@ class Search:
         for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
             yield from found
 
-    def _fitted(self, code: str, rest: Repairs) -> Repair:
-        """The best constant of a repair beside others."""
+    def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
+        """The best constant of a repair beside others, and perhaps one of the output."""
         of, tried = FITTED[code]
 
         def left(values: Iterable[float]) -> list[float]:
-            return [each[0].error for each in self.tried([((of(value), *rest), self.short) for value in values])]
+            asked = [((of(value), *rest), self.short) for value in values]
+            return [min(trial.error for trial in trials) for trials in self.tried(asked, causes)]
 
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]

@@ -20,7 +20,7 @@ from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
-from lie_rigid_body.diagnosis.search import Search, Trial
+from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimators import each_alone
 from sampled import sampled
@@ -109,6 +109,11 @@ def test_a_repair_has_an_effect_where_the_estimate_changes_and_not_its_error() -
     assert given.error == pytest.approx(repaired.error, abs=1e-6)
     assert repaired.changes(given)
     assert not given.changes(given)
+
+
+def test_a_constant_is_fitted_beside_a_repair_of_the_output() -> None:
+    search = Search(partial(each_alone, textbook.late_and_inverted), courses_of({}), 2000)
+    assert search._fitted("magnetometer_late", (), QUICK).text == "5 samples earlier"
 
 
 @pytest.mark.slow

@@ -130,6 +130,11 @@ def begins_upside_down(run: Any) -> Array:
     return mahony(changed(run, force=lambda v: -v, field=lambda v: v[:, [1, 0, 2]]), kp=0.0, ki=0.0)
 
 
+def late_and_inverted(run: Any) -> Array:
+    """The readings of the magnetometer five samples late, and the inverse of the attitude."""
+    return mahony(changed(run, field=late(5))) * [-1.0, -1.0, -1.0, 1.0]
+
+
 def raises(run: Any) -> Array:
     raise ZeroDivisionError("of the filter")
 
