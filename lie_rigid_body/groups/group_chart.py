@@ -128,6 +128,5 @@ def _require_reach(ad: Array) -> None:
     turn = float(np.abs(np.linalg.eigvals(ad)).max())
     if not turn <= LARGEST_CHART_TURN:
         raise InputError(
-            f"a step turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step by a factor of "
-            f"more than {turn / LARGEST_CHART_TURN:.3g}"
+            f"within a step the chart turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step"
         )

@@ -314,11 +314,11 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.full(3, 10.0)), max_step=0.2).at(10**9),
-            "a step turns by 3.4 rad (limit 3.14 rad): lower max_step by a factor of more than 1.08",
+            "within a step the chart turns by 3.4 rad (limit 3.14 rad): lower max_step",
         ),
         (
             lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.full(3, 1e200)), max_step=0.2).at(10**9),
-            "a step turns by 1.73e+199 rad (limit 3.14 rad): lower max_step by a factor of more than 5.51e+198",
+            "within a step the chart turns by 1.73e+199 rad (limit 3.14 rad): lower max_step",
         ),
     ],
 )
