@@ -339,12 +339,16 @@ def _dependence(k: int, weights: Array) -> str:
 def _refuse_open(algebra: MatrixLieAlgebra) -> None:
     """Refuse generators that are not closed, with the commutator farthest outside the span."""
     T, size = algebra.generators, frobenius(algebra.generators)
-    off = np.stack([algebra.off_span(t @ T - T @ t) for t in T])
+    commutators = [t @ T - T @ t for t in T]
+    off = np.stack([algebra.off_span(each) for each in commutators])
     allowed = SPAN_TOLERANCE * np.outer(size, size)
     if np.all(off <= allowed):
         return
-    if np.all(frobenius(T - np.swapaxes(T.conj(), 1, 2)) <= SPAN_TOLERANCE * size):
-        raise InputError("the generators are Hermitian, and elements are exp(xᵃTᵃ) without an i: give −i/2 times them")
+    if np.iscomplexobj(T) and np.all(np.stack([algebra.off_span(1j * each) for each in commutators]) <= allowed):
+        raise InputError(
+            "the commutators are i times matrices of the span, and elements are exp(xᵃTᵃ) without an i: give −i times "
+            "the generators"
+        )
     a, b = np.unravel_index(np.argmax(np.where(off > allowed, off, 0.0)), off.shape)
     raise InputError(
         f"[T{a}, T{b}] leaves the span by {off[a, b]:.3g} (limit {allowed[a, b]:.3g}), "

@@ -18,7 +18,7 @@ from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directio
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
-from lie_rigid_body.mechanics.array_input import symmetrised
+from lie_rigid_body.mechanics.array_input import Immutable, symmetrised
 from lie_rigid_body.short_dataclass import short_repr
 from lie_rigid_body.wording import call_repr
 
@@ -41,7 +41,7 @@ class HamiltonsEquations(NamedTuple):
         return short_repr(self)
 
 
-class Hamiltonian:
+class Hamiltonian(Immutable):
     """The Hamiltonian H = ½ (M⁻¹)ᵃᵇpᵃpᵇ on a matrix Lie group, eq. (34).
 
     Parameters

@@ -34,11 +34,11 @@ from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
-from lie_rigid_body.mechanics.array_input import symmetrised
+from lie_rigid_body.mechanics.array_input import Immutable, symmetrised
 from lie_rigid_body.wording import call_repr
 
 
-class Lagrangian:
+class Lagrangian(Immutable):
     """The Lagrangian L = ½ Mᵃᵇωᵃωᵇ on a matrix Lie group, eq. (14).
 
     Parameters

@@ -201,8 +201,9 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
     turned = float(np.linalg.norm(coadjoint_action(lagrangian.group, rate, momentum)))
     if turned > STEADY_TOLERANCE * scale:
         raise InputError(
-            f"the rotation at rate {rate.tolist()} is not steady: its momentum turns by {turned / scale:.3g} relative "
-            f"to both, the limit is {STEADY_TOLERANCE:g}: take a multiple of one of steady_axes"
+            f"the rotation at rate {rate.tolist()} is not steady: its momentum turns by {turned / scale:.3g} of "
+            f"|ω||p|, the limit is {STEADY_TOLERANCE:g}: take a rate that keeps its momentum, as "
+            "steady_axes are if there are any"
         )
     return turned / scale if scale else 0.0
 

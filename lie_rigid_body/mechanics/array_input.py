@@ -215,3 +215,14 @@ def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
             "give an orthogonal matrix, or project it onto the group",
         )
     return matrices
+
+
+class Immutable:
+    """Base class of what is made of its attributes as a whole: each is set once."""
+
+    __slots__ = ()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if hasattr(self, name):
+            raise AttributeError(f"a {type(self).__name__} is immutable: build a new one instead of setting {name}")
+        super().__setattr__(name, value)

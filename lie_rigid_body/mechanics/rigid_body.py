@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics.array_input import Immutable
 from lie_rigid_body.mechanics.inertia import (
     apply_tensor,
     diagonal_matrix,
@@ -24,7 +25,7 @@ from lie_rigid_body.mechanics.state import State
 from lie_rigid_body.wording import LONGEST_LINE, shown
 
 
-class RigidBody:
+class RigidBody(Immutable):
     """A free rigid body, given by its inertia about its centre of mass, eq. (28), or a batch of bodies.
 
     Parameters

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.array_input import real_array
+from lie_rigid_body.mechanics.array_input import Immutable, real_array
 from lie_rigid_body.wording import call_repr
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""
 
 
-class State:
+class State(Immutable):
     """Attitude and body rate, of one instant or of many: A of eq. (3), and ω of eq. (11) in the body frame.
 
     Parameters
@@ -68,9 +68,6 @@ class State:
         rate.setflags(write=False)
         object.__setattr__(self, "attitude_xyzw", attitude)
         object.__setattr__(self, "body_rate", rate)
-
-    def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a State is immutable: build a new one instead of setting {name}")
 
     def __len__(self) -> int:
         if self.body_rate.ndim < 2:

@@ -9,7 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups import SO, SU, U1, Lagrangian, mass_matrix, metric_at, product, spatial_momentum
+from lie_rigid_body.groups import (
+    SO,
+    SU,
+    U1,
+    Lagrangian,
+    legendre_transform,
+    mass_matrix,
+    metric_at,
+    product,
+    spatial_momentum,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -201,3 +211,13 @@ def test_rates_of_the_wrong_length_are_refused():
 def test_the_metric_of_a_lagrangian_cannot_be_written():
     with pytest.raises(ValueError):
         Lagrangian(SO(3), np.eye(3)).metric[0, 0] = 2.0
+
+
+def test_neither_a_lagrangian_nor_its_hamiltonian_takes_another_metric():
+    L = Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0]))
+    H = legendre_transform(L)
+    for made, name in ((L, "metric"), (L, "inverse_metric"), (L, "group"), (H, "inverse_metric"), (H, "group")):
+        kept = getattr(made, name)
+        with pytest.raises(AttributeError):
+            setattr(made, name, np.eye(3))
+        assert getattr(made, name) is kept

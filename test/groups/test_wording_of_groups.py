@@ -193,7 +193,8 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: from_generators(2j * SU(2).generators),
-            "the generators are Hermitian, and elements are exp(xᵃTᵃ) without an i: give −i/2 times them",
+            "the commutators are i times matrices of the span, and elements are exp(xᵃTᵃ) without an i: give −i times "
+            "the generators",
         ),
         (
             lambda: from_generators(SO(3).generators).log(np.diag([-1.0, -1.0, 1.0])),
@@ -257,8 +258,8 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: steady_rotation(TOP, [1.0, 1.0, 0.0]),
-            "the rotation at rate [1.0, 1.0, 0.0] is not steady: its momentum turns by 0.316 relative to both, "
-            "the limit is 1e-09: take a multiple of one of steady_axes",
+            "the rotation at rate [1.0, 1.0, 0.0] is not steady: its momentum turns by 0.316 of |ω||p|, "
+            "the limit is 1e-09: take a rate that keeps its momentum, as steady_axes are if there are any",
         ),
         (
             lambda: steady_rotation(TOP, [np.nan, 0.0, 0.0]),

@@ -200,3 +200,11 @@ def test_a_state_is_immutable_and_does_not_alias_its_arguments():
         state.body_rate[0] = 5.0
     with pytest.raises(AttributeError):
         state.body_rate = rate
+
+
+def test_a_body_keeps_the_inertia_that_its_moments_are_of():
+    body = RigidBody([1, 2, 3])
+    for name in ("inertia", "inverse_inertia", "principal_moments", "principal_axes"):
+        with pytest.raises(AttributeError):
+            setattr(body, name, np.eye(3))
+    assert body.principal_moments.tolist() == [1.0, 2.0, 3.0]
