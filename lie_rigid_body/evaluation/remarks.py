@@ -103,11 +103,12 @@ def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> I
 
     Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
     """
-    last_ns, end = truth.last_ns, "ends {:g} s before the truth"
-    if due_ns is not None and due_ns > last_ns:
-        last_ns, end = due_ns, "ends {:g} s before it was to end"
+    last_ns = max(truth.last_ns, truth.last_ns if due_ns is None else due_ns)
     most = max(ABSENT * (last_ns - truth.first_ns), GAP * period_ns(stamps))
-    absent = {"begins {:g} s after the truth": int(stamps[0]) - truth.first_ns, end: last_ns - int(stamps[-1])}
+    absent = {
+        "begins {:g} s after the truth": int(stamps[0]) - truth.first_ns,
+        "ends {:g} s before the run does": last_ns - int(stamps[-1]),
+    }
     for what, missing in absent.items():
         if missing > most:
             yield Finding(

@@ -114,7 +114,7 @@ WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
         "gaps",
         ("begins 12 s after the truth: that part of the run",),
     ),
-    "early end": (lambda: of(TRUE, EVERY[:900]), "gaps", ("The estimate ends 12.02 s before the truth",)),
+    "early end": (lambda: of(TRUE, EVERY[:900]), "gaps", ("The estimate ends 12.02 s before the run does",)),
     "coarse truth": (coarse, "gaps", ("Samples of the truth are so far apart", "give the truth at a higher rate")),
     "norm": (
         lambda: of(1.01 * TRUE),
