@@ -12,7 +12,7 @@ from typing import Final, cast
 import numpy as np
 
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
-from lie_rigid_body.diagnosis.probes import probed
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, told
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees, with_unit
 from lie_rigid_body.diagnosis.search import NEAR, Each, Search, or_else, plain, settled
@@ -112,12 +112,15 @@ def diagnose(
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
     """Search, name and probe, but for some probes; when interrupted, tell what was found so far."""
     errors: list[ErrorOverTime] = []
-    found: list[Probe | Note] = []
+    probes: list[Probe] = []
+    notes: list[Note] = []
     interrupted = False
     try:
         search.run()
         errors += _over_time(search)
-        found += probed(search, left_out)
+        probes += told(search, (row for row in PROBES if row.code not in left_out))
+        failed = (probe for probe in told(search, NOTES) if not probe.passed)
+        notes += (Note(each.code, f"{each.message}.", each.value) for each in failed if each.value is not None)
     except KeyboardInterrupt:
         if not search.trials:
             raise
@@ -132,8 +135,8 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]
     return FilterDiagnosis(
         mistakes,
-        tuple(each for each in found if isinstance(each, Probe)),
-        (*_notes(search), *(each for each in found if isinstance(each, Note))),
+        tuple(probes),
+        (*_notes(search), *notes),
         search.runs,
         float(np.degrees(unrepaired.error)),
         float(np.degrees(search.floor)),
@@ -176,12 +179,12 @@ def _notes(search: Search) -> Iterator[Note]:
     without = min((t.error for t in alike if not t.joint), default=0.0)
     if chosen.joint and without > max(search.floor, NEAR * chosen.error):
         value, left = np.degrees([without, chosen.error]).tolist()
-        said = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
-        yield Note(JOINT.code, f"{JOINT.fact}: {said}", value)
+        ahead = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
+        yield Note(JOINT.code, f"{JOINT.fact}: {ahead}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
-        said = f"with {other.kind} ones it errs by {with_unit(float(np.degrees(other.error)))}."
-        yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {said}", chosen.kind)
+        errs = f"with {other.kind} ones it errs by {with_unit(float(np.degrees(other.error)))}."
+        yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {errs}", chosen.kind)
 
 
 def _command(course: Course, errors: ErrorOverTime) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import MARGIN, NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
-from lie_rigid_body.diagnosis.result import Note, Probe, with_unit
+from lie_rigid_body.diagnosis.result import Probe, with_unit
 from lie_rigid_body.diagnosis.search import NEAR, Search
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
@@ -322,15 +322,8 @@ NOTES: Final = (
 """Probes that are told as notes where they are not passed."""
 
 
-def probed(search: Search, left_out: Collection[str]) -> Iterator[Probe | Note]:
-    """The probes, but for some, and the notes of those that are no matter of right and wrong."""
-    asked = [(row, list(row.courses(search))) for row in (*PROBES, *NOTES) if row.code not in left_out]
+def told(search: Search, rows: Iterable[ProbeRow]) -> Iterator[Probe]:
+    """What is told of probes; those without courses, as of a covariance where there is none, are left out."""
+    asked = [(row, courses) for row in rows if (courses := row.courses(search))]
     answers = search.ask([Job(course, search.chosen.repairs) for _, courses in asked for course in courses])
-    for row, courses in asked:
-        if not courses:
-            continue
-        probe = row.told(search, [next(answers) for _ in courses])
-        if row not in NOTES:
-            yield probe
-        elif not probe.passed and probe.value is not None:
-            yield Note(probe.code, f"{probe.message}.", probe.value)
+    return (row.told(search, [next(answers) for _ in courses]) for row, courses in asked)

@@ -253,7 +253,7 @@ class Search:
 
     def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
-        self.trials += self.fully([()], CAUSES, pairs=True)
+        self.trials += self.fully([()], CAUSES)
         if self._is_mended(1, 0):
             return
         ((unrepaired,),) = self.tried([((), self.short)])
@@ -327,12 +327,7 @@ class Search:
         return silenced.error - used.error, halved.error - used.error
 
     def fully(
-        self,
-        chosen: Iterable[Repairs],
-        causes: Sequence[Cause] = (),
-        *,
-        pairs: bool = False,
-        courses: Sequence[Course] = (),
+        self, chosen: Iterable[Repairs], causes: Sequence[Cause] = (), *, courses: Sequence[Course] = ()
     ) -> Iterator[Trial]:
         """Try repairs on some courses with both kinds of gyro, with and without `JOINT`.
 
@@ -341,7 +336,7 @@ class Search:
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
         courses = courses or [course.nearly_perfect() for course in self.courses]
         by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in KINDS]
-        for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes, pairs=pairs):
+        for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes):
             yield from found
 
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
@@ -362,9 +357,11 @@ class Search:
         return of(best)
 
     def tried(
-        self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = (), *, pairs: bool = False
+        self, asked: Sequence[tuple[Repairs, tuple[Course, ...]]], causes: Sequence[Cause] = ()
     ) -> Iterator[list[Trial]]:
         """Trials of repairs on courses of one kind: as they are, then with each cause undone in the output.
+
+        Where no input is repaired pairs of causes are undone as well.
 
         Raises
         ------
@@ -388,7 +385,7 @@ class Search:
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
             alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0].attitude_xyzw)
-            mended = _without(tracks, causes, pairs=pairs)
+            mended = _without(tracks, causes, pairs=not alone.codes)
             yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
 
 

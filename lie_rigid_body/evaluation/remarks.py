@@ -19,7 +19,6 @@ from lie_rigid_body.evaluation.attitudes import GAP, Truth, angles_between, name
 from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import FAR
 from lie_rigid_body.evaluation.evidence import SAMPLES
-from lie_rigid_body.evaluation.explanations import FORMS, matrix
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
 from lie_rigid_body.evaluation.track import FEWEST, Track, spread
@@ -104,11 +103,12 @@ def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> I
 
     Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
     """
-    last_ns, end = truth.last_ns, "ends {:g} s before the truth"
-    if due_ns is not None and due_ns > last_ns:
-        last_ns, end = due_ns, "ends {:g} s before it was to end"
+    last_ns = max(truth.last_ns, truth.last_ns if due_ns is None else due_ns)
     most = max(ABSENT * (last_ns - truth.first_ns), GAP * period_ns(stamps))
-    absent = {"begins {:g} s after the truth": int(stamps[0]) - truth.first_ns, end: last_ns - int(stamps[-1])}
+    absent = {
+        "begins {:g} s after the truth": int(stamps[0]) - truth.first_ns,
+        "ends {:g} s before the run does": last_ns - int(stamps[-1]),
+    }
     for what, missing in absent.items():
         if missing > most:
             yield Finding(
@@ -150,25 +150,23 @@ class Turns:
 
     def stuck(self) -> Finding | None:
         """Finding that the estimate does not turn, in all or for long, while the body does."""
-        stamps, every, when = self.stamps_ns, slice(None), "in all"
-        if self.ours_rad.sum() >= STUCK * self.true_rad.sum():
-            begins, ends = runs_of(0, self.ours_rad < STUCK * self.true_rad)
-            if not len(begins):
-                return None
-            k = int(np.argmax(ends - begins))
-            every = slice(begins[k], ends[k] + 1)
-            since, until = ((stamps[j] - stamps[0]) / 1e9 for j in (self.first[begins[k]], self.first[ends[k]] + 1))
-            when = f"from {since:.4g} s to {until:.4g} s after its first stamp"
-            duration = (stamps[-1] - stamps[0]) / 1e9
-            if until - since < LONG * duration or until < duration / 4.0:  # in which a filter may begin
-                return None
+        still = self.ours_rad < STUCK * self.true_rad
+        if self.ours_rad.sum() < STUCK * self.true_rad.sum():
+            still[:] = True
+        begins, ends = runs_of(0, still)
+        if not len(begins):
+            return None
+        k = int(np.argmax(ends - begins))
+        every, t_s = slice(begins[k], ends[k] + 1), (self.stamps_ns - self.stamps_ns[0]) / 1e9
+        since, until = float(t_s[self.first[begins[k]]]), float(t_s[self.first[ends[k]] + 1])
         turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
-        if len(self.first[every]) < FEWEST or turn < np.degrees(LEAST_TURN):
+        is_long = until - since >= LONG * t_s[-1] and until >= t_s[-1] / 4.0  # in a quarter of a run a filter may begin
+        if not is_long or len(self.first[every]) < FEWEST or turn < np.degrees(LEAST_TURN):
             return None
         return Finding(
             "stuck",
-            f"The estimate turns by {turned:.3g}° {when}, the body by {turn:.4g}°: "
-            "see whether the filter gets its readings, and publishes what it makes of them.",
+            f"The estimate turns by {turned:.3g}° from {since:.4g} s to {until:.4g} s after its first stamp, the body "
+            f"by {turn:.4g}°: see whether the filter gets its readings, and publishes what it makes of them.",
         )
 
     def mixed(self, most: int = 4000) -> Finding | None:
@@ -198,7 +196,7 @@ class Turns:
     def other(self) -> Finding | None:
         """Finding that the estimate turns as the body would at another rate, or about other axes."""
         few = spread(len(self.first), SAMPLES)
-        ours, true, first = self.ours[few], self.true[few], self.first[few]
+        ours, true = self.ours[few], self.true[few]
         if len(self.first) < FEWEST or self.true_rad.sum() < LEAST_TURN:
             return None
         missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
@@ -207,12 +205,8 @@ class Turns:
             scale = float(np.sum(ours * true) / np.sum(true**2))
             is_rate = max(scale, 1.0 / max(scale, 1e-300)) > FAR and _missed(ours, scale * true) <= LARGEST_MISS
             return _turn_rate(scale) if is_rate else None
-        # conventions that may feign other turns
-        feigning = (form for form in FORMS if {"scalar_first", "inverted"} & {*dict(form)})
-        written = (self.estimate_xyzw @ matrix(form).T for form in feigning)
-        feigned = min(float(_missed(turns(q[first], q[first + 1]), true)) for q in written)
         fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
-        if len({scale for scale, _ in fitting}) != 1 or feigned <= most:
+        if len({scale for scale, _ in fitting}) != 1:
             return None
         scale, axes = fitting[0]
         if axes == 0:  # also where the motion does not tell it from others

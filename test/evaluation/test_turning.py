@@ -47,7 +47,7 @@ def integrated(q: np.ndarray, matrix: np.ndarray) -> np.ndarray:
         (CYCLED, "turn_axes: The estimate turns about x, y, z as the body does about z, x, y: give .* of the body"),
         (-UNCHANGED, "turn_axes: The estimate turns about x, y, z as the body does about -x, -y, -z: give"),
         (DEGREE * SWAPPED, "turn_axes: .* about y, x, z, 57.3 times as fast as the body: give"),
-        (0.0 * UNCHANGED, "stuck: The estimate turns by .* in all, the body by 2"),
+        (0.0 * UNCHANGED, "stuck: The estimate turns by .* from 0 s to .* the body by 2"),
         (UNCHANGED, ""),
         (1.1 * UNCHANGED, ""),
         (1.4 * UNCHANGED, ""),

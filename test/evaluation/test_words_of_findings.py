@@ -91,7 +91,10 @@ WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
     "stuck": (
         lambda: of(np.tile(TRUE[:1], (len(STAMPS), 1))),
         "stuck",
-        ("turns by 0° in all, the body by ", "see whether the filter gets its readings"),
+        (
+            "turns by 0° from 0 s to 30 s after its first stamp, the body by ",
+            "see whether the filter gets its readings",
+        ),
     ),
     "stuck for a while": (
         lambda: of(TRUE[np.where((EVERY >= 100) & (EVERY < 700), 100, EVERY)]),
@@ -111,7 +114,7 @@ WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
         "gaps",
         ("begins 12 s after the truth: that part of the run",),
     ),
-    "early end": (lambda: of(TRUE, EVERY[:900]), "gaps", ("The estimate ends 12.02 s before the truth",)),
+    "early end": (lambda: of(TRUE, EVERY[:900]), "gaps", ("The estimate ends 12.02 s before the run does",)),
     "coarse truth": (coarse, "gaps", ("Samples of the truth are so far apart", "give the truth at a higher rate")),
     "norm": (
         lambda: of(1.01 * TRUE),
