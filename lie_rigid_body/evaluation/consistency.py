@@ -29,6 +29,8 @@ BETTER: Final = 0.25
 """Largest ratio of the logarithm of the relative NEES about the other axes to that about the given ones, for the others
 to be named. The ratio is not 0, as errors are correlated in time."""
 
+SMALLEST_VARIANCE: Final = 1e-200
+"""Least variance, in the squared unit of the errors; a NEES by a smaller one overflows."""
 ASYMMETRY: Final = 1e-6
 """Largest difference between a covariance and its transpose, relative to the standard deviations, that counts as
 round-off."""
@@ -254,8 +256,9 @@ def factor_of(P: Array) -> Array:
         If one is not symmetric and positive definite.
     """
     variances = np.diagonal(P, axis1=-2, axis2=-1)
-    if not np.all(variances > 0.0):
-        raise InputError(f"covariance: {variances.min():.3g} on its diagonal: give positive variances")
+    if not np.all(variances >= SMALLEST_VARIANCE):
+        least = f"{SMALLEST_VARIANCE:g} at least"
+        raise InputError(f"covariance: {variances.min():.3g} on its diagonal: give positive variances, {least}")
     scale = np.sqrt(variances)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no covariance, and refused
         scaled = P / scale[..., :, np.newaxis] / scale[..., np.newaxis, :]

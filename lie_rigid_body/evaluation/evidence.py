@@ -55,6 +55,11 @@ SCANNED: Final = 100
 """Largest number of samples by which lags are first compared."""
 MOST_BOTH: Final = 6
 """Largest number of forms with which a heading and a mounting are fitted together: the best with one of the two."""
+OF_SENSORS: Final = float(np.radians(1.0))
+"""Attitude error, rad, below which sensor errors may be the cause; they look more like a constant turn than like a
+lag."""
+LAG_TIE: Final = 3.0
+"""Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
 FULL: Final = 0.999
 """Share of the longest lag from which on a lag counts as at the limit of the search."""
 REFINED: Final = 8
@@ -296,8 +301,9 @@ class Evidence:
             new = {*other.causes} - rest
             if len(new) != 1 or cause in new or len(other.causes) != len(rest) + 1:
                 continue
-            most = min(TIE * left, 0.5 * (without.error + left))
-            if max(other.error, NEGLIGIBLE) <= most and self.is_needed(other):
+            small = "lag" in new and without.error < OF_SENSORS
+            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
+            if max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
                 found |= dict.fromkeys(new)
         return tuple(found)
 

@@ -25,6 +25,7 @@ from lie_rigid_body.evaluation.arguments import numbers
 from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import listed
 
 LEVEL: Final = 0.05
 """Probability that an honest covariance is called something else."""
@@ -32,6 +33,7 @@ _HALF: Final = LEVEL / 2.0
 """Level of each of the two tests, of the mean and of the band."""
 FEWEST_RUNS: Final = 10
 """Least number of runs whose spread is known well enough."""
+COVERAGES: Final = (0.68, 0.95, 0.997)
 
 
 @dataclass(frozen=True)
@@ -67,10 +69,14 @@ class Honesty:
         the mean over all times is right and that of some times is not.
     outside : tuple of Interval
         Times in which the mean NEES over the runs is outside of a band that holds for all times together.
+    coverage : dict of float to float
+        Share of errors inside the ellipsoid of each probability in `COVERAGES`.
     cause : str
         ``axes``, ``standard_deviation``, ``degrees``, ``cross_covariances`` or ``factor``; '' if none explains it.
     factor : float
         What the covariance is to be multiplied by to have the right mean NEES.
+    factor_bounds : tuple of float
+        Interval of `factor` at 95 %.
     """
 
     runs: int
@@ -79,8 +85,10 @@ class Honesty:
     nees_bounds: tuple[float, float]
     verdict: str
     outside: tuple[Interval, ...]
+    coverage: dict[float, float]
     cause: str
     factor: float
+    factor_bounds: tuple[float, float]
 
     @property
     def passed(self) -> bool:
@@ -90,8 +98,7 @@ class Honesty:
     @property
     def message(self) -> str:
         """The verdict in one sentence."""
-        bounds = (bound / self.dimension for bound in self.nees_bounds)
-        said = _REPAIRS[self.cause][1].format(self.factor, *bounds) if self.cause else ""
+        said = _REPAIRS[self.cause][1].format(self.factor, *self.factor_bounds) if self.cause else ""
         times = "; ".join(
             f"{i.verdict} at {i.begin_s:.4g} s"
             if i.begin_s == i.end_s
@@ -100,6 +107,14 @@ class Honesty:
         )
         mean = f"mean NEES {self.nees_mean:.3g} over {self.runs} runs where {self.dimension} is honest"
         return ": ".join(filter(None, (f"The covariance is {self.verdict} ({mean})", said or times)))
+
+    @property
+    def covered(self) -> str:
+        """Shares of errors inside the ellipsoids, in one sentence."""
+        named, found = (
+            listed([f"{100.0 * share:.3g}" for share in shares]) for shares in (self.coverage, self.coverage.values())
+        )
+        return f"Inside of its {named} % ellipsoids are {found} % of the errors"
 
 
 _REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] = {
@@ -171,6 +186,7 @@ def honesty(
         R = quaternion.to_matrix(q if axes == "world" else quaternion.conjugate(q))
     values, scores = _nees_and_score(e, P)
     means = values.mean(axis=1)
+    low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(times, values, dimension, seed)
     cause = "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed)
@@ -178,11 +194,13 @@ def honesty(
         runs,
         dimension,
         float(means.mean()),
-        mean_bounds(means, LEVEL),
+        (low, high),
         verdict,
         outside,
+        {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
         cause,
         factor,
+        (low / dimension, high / dimension),
     )
 
 

@@ -84,7 +84,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
         verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}
-        yield from (f"{one.name}{what}: {v.message}." for what, v in verdicts.items() if v)
+        yield from (f"{one.name}{what}: {v.message}. {v.covered}." for what, v in verdicts.items() if v)
     if best := comparison.best:
         left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
         of = {one.name: float(one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings}

@@ -8,7 +8,7 @@ from scipy import stats
 
 import covariances
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.honesty import honesty, mean_bounds
+from lie_rigid_body.evaluation.honesty import COVERAGES, honesty, mean_bounds
 
 
 @pytest.mark.parametrize(
@@ -46,13 +46,21 @@ def test_the_interval_of_a_mean_has_its_probability():
         assert stats.binomtest(inside, 400, 0.95).pvalue > 1e-3
 
 
+def test_coverage_is_that_of_chi_square():
+    errors, covariance = covariances.drawn("stationary", np.random.default_rng(3))
+    found = honesty(covariances.TIMES, errors, covariance)
+    for share in COVERAGES:
+        assert found.coverage[share] == pytest.approx(share, abs=0.04)
+    assert found.passed is (found.verdict == "honest")
+
+
 def test_one_dimension_is_judged_as_well():
     draws = np.random.default_rng(8)
     errors = draws.normal(size=(50, 20, 1))
     assert honesty(np.arange(20.0), errors, np.full((50, 20, 1, 1), 1.0)).passed
     found = honesty(np.arange(20.0), errors, np.full((50, 20, 1, 1), 4.0))
     assert (found.verdict, found.cause) == ("conservative", "factor")
-    assert found.nees_bounds[0] < 0.25 < found.nees_bounds[1]
+    assert found.factor_bounds[0] < 0.25 < found.factor_bounds[1]
 
 
 def test_what_cannot_be_judged_is_refused():

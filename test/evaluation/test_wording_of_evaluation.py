@@ -164,6 +164,7 @@ REFUSED: dict[str, list[Call]] = {
     "says that the estimator does not know it": [consistency(np.zeros((3, 3))), consistency(np.diag([-1.0, 0.0, 0.0]))],
     "0 on its diagonal: give positive variances": [consistency(np.diag([1.0, 0.0, 1.0]))],
     "-2 on its diagonal: give positive variances": [consistency(np.diag([1.0, -2.0, 1.0]))],
+    "1e-310 on its diagonal: give positive variances, 1e-200 at least": [consistency(np.eye(3) * 1e-310)],
     "not symmetric": [
         consistency([[1e-150, 1e200, 0], [1e200, 1e-150, 0], [0, 0, 1]]),
         consistency([[1, 2, 0], [0, 1, 0], [0, 0, 1]]),

@@ -50,7 +50,7 @@ NOTES: dict[str, tuple[AttitudeTrack | None, AttitudeTrack]] = {
         POSES,
         track(ODOMETRY, child="lidar"),
     ),
-    "There is no NEES: covariance: 0 on its diagonal: give positive variances.": (
+    "There is no NEES: covariance: 0 on its diagonal: give positive variances, 1e-200 at least.": (
         POSES,
         track(ODOMETRY, child="base_link", covariance=np.tile(np.diag([0.0, 0.0, 1e-4]), (2, 1, 1))),
     ),
