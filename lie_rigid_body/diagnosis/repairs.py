@@ -148,7 +148,7 @@ def _units(sensor: str) -> Iterator[Repair]:
 
 def factor(value: float) -> Repair:
     """Repair of a wrong time step: the gyro's readings multiplied by a factor; ½ and 2 are no fitted constants."""
-    plain = {2.0: ", the ½ of the quaternion's rate too often", 0.5: ", the ½ of the quaternion's rate too seldom"}
+    plain = {2.0: ", as with the ½ of the quaternion's rate twice", 0.5: ", as without the ½ of the quaternion's rate"}
     return Repair(
         "time_step",
         f"gyro × {value:.6g}",
