@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
@@ -123,8 +124,9 @@ class FilterRow:
                 for name, size in each.items()
                 if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
             ]
-            if not (all(map(str.isprintable, texts)) and row.filter and all(map(_is_size, sizes))):
-                raise ValueError("no words, or no size of an error")
+            flags = isinstance(row.sees_future, bool) and {*row.other_readings} <= {*map(str, CASES)}
+            if not (all(map(str.isprintable, texts)) and row.filter and all(map(_is_size, sizes)) and flags):
+                raise ValueError("no words, no size of an error, no flag or no case")
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             what = f"{error} is missing" if isinstance(error, KeyError) else "a value is unknown, or of another kind"
             raise InputError(f"no row of the league ({what}): give what 'league --json' writes") from None
@@ -133,7 +135,7 @@ class FilterRow:
 
 def _is_size(value: object) -> bool:
     """Whether a value of JSON is a finite number that is not below 0."""
-    return isinstance(value, int | float) and value is not True and 0 <= value < np.inf
+    return isinstance(value, int | float) and value is not True and 0 <= value <= sys.float_info.max
 
 
 def is_of(case: Case, grade: str, *, faults: bool = False) -> bool:

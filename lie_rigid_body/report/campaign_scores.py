@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from html import escape
 from typing import Any, Final
 
 import numpy as np
@@ -16,7 +15,18 @@ from lie_rigid_body.campaign.comparison import Comparison, Standing
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.report.drawing import DISTINCT
-from lie_rigid_body.report.html_page import axis, drawn, figure, grid, line, listing, logarithmic, paragraph, table
+from lie_rigid_body.report.html_page import (
+    axis,
+    drawn,
+    escaped,
+    figure,
+    grid,
+    line,
+    listing,
+    logarithmic,
+    paragraph,
+    table,
+)
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.wording import counted, listed, printable, shortened
 
@@ -120,7 +130,7 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iter
     shown = [(one, DISTINCT[at % len(DISTINCT)]) for at, one in enumerate(comparison.standings)]
     yield grid(_figures(comparison, shown, varied), wide=True)
     commands = [
-        f"{escape(one.name)}: <code>{escape(_command(campaign, run))}</code>"
+        f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
         for one in comparison.standings
         for run in one.worst(_WORST)
     ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from html import escape
 from typing import Any, Final
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.report import figures, html_page
+from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.thinned import RecordedSegment, ResidualsOverTime
 from lie_rigid_body.wording import counted, printable
 
@@ -274,7 +274,7 @@ def _parts(
         said = " ".join(verdict(certificate).split()).removeprefix("CERTIFIED: ")
         yield html_page.paragraph(said[:1].upper() + said[1:])
     else:
-        yield f"<ul>{''.join(f'<li>{escape(message)}</li>' for message in certificate.messages)}</ul>"
+        yield f"<ul>{''.join(f'<li>{escaped(message)}</li>' for message in certificate.messages)}</ul>"
     if proof is not None:
         yield html_page.paragraph(proved(proof))
     if pieces:
@@ -288,7 +288,7 @@ def _parts(
             "and so are laws that have no other: the tables have all."
         )
         yield html_page.grid(panels)
-    yield html_page.listing("Not certified", map(escape, certificate.not_certified))
+    yield html_page.listing("Not certified", map(escaped, certificate.not_certified))
     yield from (html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES])
 
 

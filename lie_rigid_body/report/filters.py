@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from html import escape
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -14,6 +13,7 @@ from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
+from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _cells_of_mistakes(found: FilterDiagnosis) -> list[tuple[str, ...]]:
 def page_of_diagnosis(name: str, found: FilterDiagnosis) -> bytes:
     """The page of the filter that is called so, as HTML."""
     probes = [
-        f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escape(p.message)}"
+        f"<strong>{'passed' if p.passed else 'FAILED'}</strong> <code>{p.code}</code> {escaped(p.message)}"
         for p in sorted(found.probes, key=lambda probe: probe.passed)
     ]
     parts = [
@@ -67,7 +67,7 @@ def page_of_diagnosis(name: str, found: FilterDiagnosis) -> bytes:
         html_page.picture(lambda width: _draw(found, width)) if found.errors else "",
         f"<h2>Mistakes</h2>{mistakes(found)}" if found.mistakes else "",
         html_page.listing("Probes", probes),
-        html_page.listing("Notes", (f"<code>{note.code}</code> {escape(note.message)}" for note in found.notes)),
+        html_page.listing("Notes", (f"<code>{note.code}</code> {escaped(note.message)}" for note in found.notes)),
         *map(html_page.paragraph, found.remarks),
         html_page.paragraph(
             f"{found.filter_runs} runs of the filter, with perfect sensors but where a probe says otherwise. Nothing "
@@ -150,7 +150,7 @@ def _heat_map(table: LeagueTable) -> str:
     """A table of all errors, each cell in a shade of its size."""
     cases = "".join(f'<th class="case"><span>{case}</span></th>' for case in CASES)
     body = "".join(
-        f"<tr><td>{escape(row.name)}</td>{''.join(_shaded(row.results[str(case)].total_deg) for case in CASES)}</tr>"
+        f"<tr><td>{escaped(row.name)}</td>{''.join(_shaded(row.results[str(case)].total_deg) for case in CASES)}</tr>"
         for row in table.rows
     )
     head = f"<thead><tr><th></th>{cases}</tr></thead>"

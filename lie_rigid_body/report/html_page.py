@@ -138,7 +138,7 @@ def document(title: str, parts: Iterable[str], *, with_figures: bool = False) ->
     hashes = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
     allowed = " ".join(f"'sha256-{each}'" for each in hashes) or "'none'"
     policy = f"default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; script-src {allowed}"
-    heading = escape(printable(title))
+    heading = escaped(title)
     lines = [
         "<!DOCTYPE html>",
         f'<html lang="en"><head><meta charset="utf-8"><title>{heading}</title>',
@@ -173,11 +173,11 @@ def figure(heading: str, content: Figure, caption: str = "", *, kind: str = "") 
     controls = times and (
         '<div class="controls"><button type="button">▶ play</button>'
         f'<input type="range" aria-label="time" min="0" max="{len(times) - 1}" value="0">'
-        f"<output>{escape(times[0])}</output></div>"
+        f"<output>{escaped(times[0])}</output></div>"
     )
-    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    below = f"<figcaption>{escaped(caption)}</figcaption>" if caption else ""
     return (
-        f'<figure><h3>{escape(heading)}</h3><div class="plot {kind}"></div>{controls or ""}'
+        f'<figure><h3>{escaped(heading)}</h3><div class="plot {kind}"></div>{controls or ""}'
         f'<script type="application/json">{data}</script>{below}</figure>'
     )
 
@@ -258,21 +258,26 @@ def grid(figures: Iterable[str], *, wide: bool = False) -> str:
     return f'<div class="grid{" wide" if wide else ""}">{"".join(figures)}</div>'
 
 
+def escaped(text: str) -> str:
+    """Plain text from outside as HTML, in which characters that control what is shown stand as escapes."""
+    return "\n".join(escape(printable(line)) for line in text.split("\n"))
+
+
 def badge(sentence: str, *, passed: bool) -> str:
     """Verdict in colour."""
-    return f'<p><span class="badge {"passed" if passed else "broken"}">{escape(sentence)}</span></p>'
+    return f'<p><span class="badge {"passed" if passed else "broken"}">{escaped(sentence)}</span></p>'
 
 
 def paragraph(text: str) -> str:
     """Paragraph of plain text."""
-    return f"<p>{escape(text)}</p>"
+    return f"<p>{escaped(text)}</p>"
 
 
 def table(headings: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
     """Table of plain text; each row comes with whether it passed."""
-    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    head = "".join(f"<th>{escaped(heading)}</th>" for heading in headings)
     body = "".join(
-        f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escape(cell)}</td>' for cell in cells)}</tr>"
+        f"<tr{'' if passed else ' class=broken'}>{''.join(f'<td>{escaped(cell)}</td>' for cell in cells)}</tr>"
         for cells, passed in rows
     )
     return f'<div class="table"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
@@ -293,4 +298,4 @@ def scenario(segment: Segment) -> str:
 def details(summary: str, content: str) -> str:
     """JSON that is shown on request, a line for each value."""
     text = json.dumps(json.loads(content), indent=2, ensure_ascii=False)
-    return f"<details><summary>{escape(summary)}</summary><pre>{escape(text)}</pre></details>"
+    return f"<details><summary>{escaped(summary)}</summary><pre>{escaped(text)}</pre></details>"

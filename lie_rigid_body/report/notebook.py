@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
-
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.evaluation.score import Score, verdict
 from lie_rigid_body.report import certificates, filters, html_page, scores
+from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.runs import Run
 
 
@@ -31,7 +30,7 @@ def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
         case Run(t_s=t_s):
             span = f"{t_s[-1] - t_s[0]:.6g} s from {t_s[0]:.13g} s on" if len(t_s) else "nothing"
             sentences, parts = [f"Run of {span}"], [_arrays(result)]
-    first, *others = map(escape, sentences)
+    first, *others = map(escaped, sentences)
     return "".join([f"<p><strong>{first}</strong></p>", *(f"<p>{text}</p>" for text in others), *parts])
 
 

@@ -7,12 +7,12 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from typing import Final
 
 from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.report import certificates, figures, html_page
+from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import counted, printable, shortened
 
@@ -215,7 +215,7 @@ def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
         "Not certified, besides what is not of any bag": uncovered(verdicts),
         "Not judged": unusable,
     }
-    more = [html_page.listing(heading, map(escape, sentences)) for heading, sentences in told.items()]
+    more = [html_page.listing(heading, map(escaped, sentences)) for heading, sentences in told.items()]
     lines = [Line((name,), each.passed, each.attitude_accuracy, each.residuals) for name, each in judged]
     return page(title, kind_of(verdicts), ("bag",), lines, more, len(unusable))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from html import escape
 from itertools import chain, combinations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -28,6 +27,7 @@ from lie_rigid_body.evaluation.score import (
 )
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
+from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.recorded_motion import curve_style, extremes
 from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.wording import counted, printable, shortened
@@ -178,7 +178,7 @@ def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
         html_page.paragraph(summary(score)),
         html_page.picture(lambda width: draw("", score, width)),
         _findings("Findings", score, "None."),
-        html_page.listing("Notes", map(escape, read.notes if read else ())),
+        html_page.listing("Notes", map(escaped, read.notes if read else ())),
         "<h2>Errors</h2>",
         *tables(score),
         html_page.paragraph(f"{extent(read, score)}."),
@@ -193,7 +193,7 @@ def page_of_several(title: str, scored: Scored) -> bytes:
     parts = [
         *map(html_page.paragraph, _sentences(scored)),
         html_page.picture(lambda width: curves("", scored, width)),
-        *(_findings(escape(read.track.topic), score, "No findings.") for read, score in scored),
+        *(_findings(escaped(read.track.topic), score, "No findings.") for read, score in scored),
         "<h2>Errors</h2>",
         html_page.table(_HEADINGS, [(_cells(*each), each[1].passed) for each in scored]),
         html_page.paragraph(f"{_SOURCE}; RMS and 95 % of the total error, degrees."),
@@ -202,7 +202,7 @@ def page_of_several(title: str, scored: Scored) -> bytes:
 
 
 def _findings(heading: str, score: Score, none: str) -> str:
-    return html_page.listing(heading, (f"<code>{f.code}</code> {escape(f.message)}" for f in score.findings), none)
+    return html_page.listing(heading, (f"<code>{f.code}</code> {escaped(f.message)}" for f in score.findings), none)
 
 
 def draw(title: str, score: Score, width: float = 10.0) -> Figure:

@@ -26,6 +26,7 @@ from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report import figures as of_pages
 from lie_rigid_body.report import html_page
+from lie_rigid_body.report.html_page import badge, escaped, paragraph, table
 from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import extremes, path
 from lie_rigid_body.report.thinned import thinned_segments
@@ -73,6 +74,13 @@ def test_one_file_holds_everything(report: Path) -> None:
     for content in drawn.values():
         content.pop("film", None)
         Figure(content)  # which refuses what plotly.js does not know
+
+
+def test_what_controls_a_terminal_or_the_direction_of_a_line_stands_as_an_escape() -> None:
+    text = "\x1b[2J\u202eabc<b>\0"
+    parts = [paragraph(text), badge(text, passed=True), table((text,), [((text,), True)]), escaped(text)]
+    assert all("\\x1b[2J\\u202eabc&lt;b&gt;\\x00" in part for part in parts)
+    assert escaped("two\nlines") == "two\nlines"
 
 
 @pytest.mark.long
