@@ -73,7 +73,7 @@ def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | 
         "--max-runs",
         metavar="N",
         type=int,
-        help="runs of the filter after which no more repairs are tried "
+        help="runs of the filter after which no constant is fitted and no pair of repairs is begun "
         f"(default: {MOST_RUNS}, and {MOST_RUNS_OF_NODE} of a node)",
     ),
     argument(

@@ -98,8 +98,8 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
     if best := comparison.best:
         left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
         of = {one.name: float(one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings}
-        errors = (f"{name} by {_number(error / best.rms_deg)} times as much" for name, error in of.items())
-        yield f"{left}; in it errs {', '.join(errors)}."
+        errors = (f"{name} {_number(error / best.rms_deg)}" for name, error in of.items())
+        yield f"{left}. In that run the errors are so many times as large: {', '.join(errors)}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
     elif comparison.has_covariances and any(one.covariance for one in comparison.standings):

@@ -209,7 +209,7 @@ def test_what_the_sensors_leave_is_told_of_one_run(comparison: Comparison, said:
     assert comparison.best.run == 1
     assert comparison.best.rms_deg == pytest.approx(np.degrees(np.sqrt(np.trace(bound.filtered, 0, 1, 2).mean())))
     [sentence] = [line for line in said if "at best" in line]
-    assert f" {2.0 / comparison.best.rms_deg:.3g} times" in " ".join(said)
+    assert f"two {2.0 / comparison.best.rms_deg:.3g}" in " ".join(said)
     assert "run 1 " in sentence
 
 

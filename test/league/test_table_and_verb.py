@@ -221,6 +221,8 @@ def test_whoever_gives_no_rows_is_told_what_to_give_and_nothing_of_the_code(tmp_
 
 
 WRONG_NAMES: list[Any] = [-1, True, None, [], "", "a\nb | forged row"]
+WRONG_FLAGS: list[Any] = [None, 1, "x", []]
+WRONG_CASES: list[Any] = [5, "flips mems", ["no case"], [[]]]
 WRONG_ERRORS: list[Any] = [None, -1.0, True, float("nan"), float("inf"), "1", [], {}, 10**400]
 
 
@@ -238,8 +240,8 @@ def changed(name: str, value: object) -> dict[str, object]:
         *[("filter", wrong) for wrong in WRONG_NAMES],
         *[(name, wrong) for name in ("total_deg", "heading_deg") for wrong in WRONG_ERRORS],
         *[("converged_s", wrong) for wrong in WRONG_ERRORS[1:]],
-        *[("sees_future", wrong) for wrong in (None, 1, "x", [])],
-        *[("other_readings", wrong) for wrong in (5, "flips mems", ["no case"], [[]])],
+        *[("sees_future", wrong) for wrong in WRONG_FLAGS],
+        *[("other_readings", wrong) for wrong in WRONG_CASES],
     ],
 )
 def test_row_with_a_value_of_another_kind_is_refused(name, value):
