@@ -34,6 +34,7 @@ from lie_rigid_body.recording.mcap_contents import (
 )
 from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
+    CHANGED,
     HEAD,
     LARGEST_RECORD,
     MAGIC,
@@ -128,7 +129,7 @@ def _read_again(
         except BagError:
             raise
         except Exception as error:  # the libraries' parsers fail in many ways on changed bytes
-            raise BagError(f"{path} changed while it was read: try again when nobody writes it") from error
+            raise BagError(f"{path} {CHANGED}") from error
 
 
 def _found_again(raw: bytes, channels: Mapping[TrackKey, Sequence[int]]) -> Found:

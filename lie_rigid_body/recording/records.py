@@ -46,6 +46,8 @@ from lie_rigid_body.recording.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
+CHANGED: Final = "changed while it was read: try again when nobody writes it"
+"""What is said of a file behind its path."""
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode of a record and length of its content."""
 HEAD: Final = np.dtype(
@@ -160,9 +162,12 @@ class FileBytes:
         begin, end, _ = part.indices(self._size)
         try:
             self._stream.seek(begin)
-            return self._stream.read(max(0, end - begin))
+            found = self._stream.read(max(0, end - begin))
         except OSError as error:
             raise BagError(f"{self.path} cannot be read: {reason(error)}: copy it to a better place") from None
+        if len(found) < end - begin:
+            raise BagError(f"{self.path} {CHANGED}")
+        return found
 
     def close(self) -> None:
         """Close the file."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,15 @@ from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.mcap_contents import RawMessages
-from lie_rigid_body.recording.records import NO_HINTS, ContradictionError, ExcessError, find_messages
+from lie_rigid_body.recording.records import (
+    MAGIC,
+    NO_HINTS,
+    ContradictionError,
+    ExcessError,
+    FileBytes,
+    find_messages,
+    records,
+)
 from lie_rigid_body.runs import Run
 
 POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
@@ -145,6 +154,13 @@ def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.Monkey
 def texts_alone(*given: Any) -> tuple[Any, ...]:
     assert {kind for _, kind in given[3]} == {STRING}
     return given
+
+
+def test_a_file_that_is_cut_while_it_is_read_has_changed(make_bag: MakeBag) -> None:
+    path = make_bag(count=700)
+    with closing(FileBytes(path)) as file, refused("changed"):
+        for place in records(file, len(MAGIC)):
+            os.truncate(path, place.end + 1)
 
 
 def test_a_bag_that_changes_between_two_readings_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
