@@ -44,7 +44,7 @@ def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
             array = array.astype(np.float64)
         if array.dtype.kind not in "biufc":
             raise TypeError
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
     return array
 

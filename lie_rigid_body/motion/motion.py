@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.array_input import as_numbers
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import shown
 
@@ -139,7 +140,7 @@ def nanoseconds(t_ns: ArrayLike) -> Integers:
     InputError
         If the times are not integers, or not of at most one axis.
     """
-    array = np.asarray(t_ns)
+    array = as_numbers("t_ns", t_ns)
     if array.size == 0 and array.ndim == 1:
         return np.empty(0, dtype=np.int64)
     if array.dtype.kind not in "iu" or array.ndim > 1:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import copy
 import math
+import sys
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Final
@@ -177,5 +178,5 @@ def require_stepper(method: object, max_step: object, methods: Collection[str]) 
     if not isinstance(method, str) or method not in methods:
         raise ParameterError("method", f"{shown(method)} is unknown: choose one of {', '.join(methods)}")
     number = isinstance(max_step, float | int | np.integer | np.floating) and not isinstance(max_step, bool)
-    if not (number and 0.0 < max_step < math.inf):  # type: ignore[operator]
+    if not (number and 0.0 < max_step <= sys.float_info.max):  # type: ignore[operator]
         raise ParameterError("max_step", f"{shown(max_step)} s is not a positive finite time: give for example 0.001")

@@ -17,6 +17,7 @@ from lie_rigid_body.mechanics import (
     rotated_second_moment,
     second_moment_about,
 )
+from lie_rigid_body.wording import shown
 
 UNIT = np.eye(3)
 
@@ -27,6 +28,10 @@ UNIT = np.eye(3)
         (
             lambda: RigidBody("heavy"),
             "inertia: 'heavy' is not numbers: give an array of them, in equal rows",
+        ),
+        (
+            lambda: RigidBody([10**400]),
+            f"inertia: {shown([10**400])} is not numbers: give an array of them, in equal rows",
         ),
         (lambda: RigidBody([1.0, 1.0, np.nan]), "inertia: nan is not finite: give finite numbers"),
         (
