@@ -41,8 +41,19 @@ Scored: TypeAlias = Sequence[tuple[RecordedEstimate, Score]]
 Panel: TypeAlias = "tuple[Callable[[Axes], None], str, int]"
 """Panel of a figure: what draws it, the label of its axis, and the number of columns of its legend."""
 
-_HEADINGS: Final = ("estimate", "total", "heading", "inclination", "95 %", "converges", "lag", "NEES", "findings")
-_WIDTHS: Final = "{:<28} {:>9} {:>9} {:>11} {:>9} {:>9} {:>9} {:>7}  {}"
+_HEADINGS: Final = (
+    "estimate",
+    "total",
+    "heading",
+    "inclination",
+    "95 %",
+    "converges",
+    "lag",
+    "NEES",
+    "gyro bias",
+    "findings",
+)
+_WIDTHS: Final = "{:<22} {:>8} {:>8} {:>11} {:>8} {:>9} {:>10} {:>6} {:>12}  {}"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
 COLUMNS: Final = 2000
@@ -80,6 +91,7 @@ def _cells(read: RecordedEstimate, score: Score) -> list[str]:
         "never" if converged is None else f"{converged:.3g} s",
         "" if lag is None else f"{lag:+.2g} s",
         "" if score.consistency is None else f"{score.consistency.mean:.3g}",
+        "" if score.gyro_bias_rad_s is None else f"{score.gyro_bias_rad_s.rms:.2g} rad/s",
         " ".join(finding.code for finding in score.findings),
     ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from estimates import beside
 from evaluating import HOW, IMU, POSE, refused, scored
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body import attitude_error, simulate
+from lie_rigid_body import Estimate, attitude_error, simulate
 from lie_rigid_body.cli.evaluate import main
 
 WORSE = 3.0
@@ -100,3 +101,14 @@ def test_they_share_a_picture_and_a_page(several, tmp_path, capsys):
 
 def test_a_topic_that_is_given_twice_is_refused(several, capsys):
     assert "/good" in refused(capsys, several[0], "--estimate", "/good", "--estimate", "/good")
+
+
+def test_a_bias_of_the_gyro_has_its_column(tmp_path, capsys):
+    run: Any = simulate("tumbling_cubesat", duration=2.0, imu_rate=50.0)
+    attitude, bias = run.attitude().at(run.imu.t_ns), np.full((len(run.imu.t_ns), 3), [3e-3, 0.0, 4e-3])
+    given = {"/with": Estimate(attitude, gyro_bias=bias), "/without": Estimate(attitude)}
+    run.to_bag(tmp_path / "both.mcap", estimates=given)
+    assert main([str(tmp_path / "both.mcap"), "--estimate", "/with", "--estimate", "/without"]) == 0
+    head, *rows = capsys.readouterr().out.splitlines()[2:5]
+    assert "gyro bias" in head
+    assert ["0.005 rad/s" in row for row in rows] == [True, False]
