@@ -79,12 +79,17 @@ def is_private(folder: Path) -> bool:
 
 def _others_write(state: os.stat_result) -> bool:
     """Whether others may write to a folder: all, or a group that is not that of this user alone."""
-    if not state.st_mode & stat.S_IWGRP:
-        return bool(state.st_mode & stat.S_IWOTH)
+    by_group = state.st_mode & stat.S_IWGRP and state.st_gid != 0 and not _is_of_one(state.st_gid)
+    return bool(state.st_mode & stat.S_IWOTH or by_group)
+
+
+def _is_of_one(group: int) -> bool:
+    """Whether a group is of this user alone, as its name says: who has it as primary group is not among its members."""
     import grp  # where users have numbers, groups have members
+    import pwd
 
     try:
-        members = {*grp.getgrgid(state.st_gid).gr_mem} - {getpass.getuser()}
+        name, found = pwd.getpwuid(os.getuid()).pw_name, grp.getgrgid(group)
     except (KeyError, OSError):  # a group or a user without a name
-        members = set()
-    return bool(state.st_mode & stat.S_IWOTH or state.st_gid not in (0, os.getgid()) or members)
+        return False
+    return found.gr_name == name and not {*found.gr_mem} - {name}

@@ -62,7 +62,8 @@ class Journal(AbstractContextManager["Journal"]):
             _require_own(folder)
             folder.mkdir(exist_ok=True)
             with ExitStack() as parts:
-                self._file = parts.enter_context(self.path.open("a+b"))  # before all else: a kill leaves a campaign
+                # before all else, as a kill then leaves a campaign
+                self._file = parts.enter_context(open(self.path, "a+b", opener=_no_link))
                 parts.enter_context(lock(self._file))
                 (folder / BAGS).mkdir(exist_ok=True)
                 self._read()
@@ -287,6 +288,11 @@ def _canonical(heading: bytes) -> str:
         return int(value) if value.is_integer() and str(value) != "-0.0" else value
 
     return json.dumps(json.loads(heading, parse_float=number))
+
+
+def _no_link(path: str, flags: int) -> int:
+    """Open a file of that name itself; a link is an error."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
 
 
 def _require_own(folder: Path) -> None:

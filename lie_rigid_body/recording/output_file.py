@@ -6,7 +6,6 @@ import contextlib
 import errno
 import os
 import secrets
-import stat
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -27,6 +26,8 @@ RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
 """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Numbers of errors by which a write fails for want of room."""
+_PERMISSIONS: Final = 0o777
+"""Bits of a mode that a new file takes from the older one; not those by which a program runs as its owner."""
 LARGEST_BACKLOG: Final = 32 * 1024**2
 """Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
@@ -85,6 +86,9 @@ class OutputFile:
 
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
+        for link in (self.path, self.path.parent):
+            if link.is_symlink() and link.lstat().st_uid not in (0, _user()):
+                raise BagError(f"{link} is a link of another user and is not followed: give another name")
         if self.path.is_dir():
             raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")
         if self.path.is_symlink() and not self.path.exists():
@@ -93,7 +97,8 @@ class OutputFile:
             return None
         if not self.path.is_file():
             raise BagError(f"{self.path} is not a regular file and is not replaced: give another name")
-        return self.path.resolve()
+        # the name itself where it is no link: one that somebody puts there meanwhile is replaced, and not followed
+        return self.path.resolve() if self.path.is_symlink() else self.path.parent.resolve() / self.path.name
 
     def sync(self) -> None:
         """Flush and fsync: what was written survives a loss of power."""
@@ -264,19 +269,30 @@ class _GrowingFile(FileIO):
 
 
 def _beside(target: Path) -> tuple[Path, _GrowingFile, contextlib.ExitStack]:
-    """Locked file of the same permissions in the same folder, which is on the same disk, and its lock."""
+    """Locked file in the same folder, which is on the same disk, and its lock.
+
+    It has the permissions of the older file, if that is of the same user; another's is not to say who may write.
+    """
     begin, end = _UNFINISHED
+    older = target.lstat()
+    is_own = older.st_uid == _user()
     while True:
         path = target.with_name(f"{begin}{secrets.token_hex(8)}{end}")
-        file = _GrowingFile(path, permissions=0o600)
+        file = _GrowingFile(path, permissions=0o600 if is_own else 0o666)
         held = contextlib.ExitStack()
         with contextlib.suppress(OSError):  # where there are no locks, nobody gets one either
             held = lock(file)
         if os.fstat(file.fileno()).st_nlink:
-            os.chmod(path, stat.S_IMODE(target.stat().st_mode))
+            if is_own:
+                os.chmod(file.fileno() if os.chmod in os.supports_fd else path, older.st_mode & _PERMISSIONS)
             return path, file, held
         file.close()  # it was taken for a rest before it was locked
         held.close()
+
+
+def _user() -> int:
+    """Number of the user whose rights this process has; 0, that of every file, where there are none."""
+    return os.geteuid() if hasattr(os, "geteuid") else 0
 
 
 def _remove_rests(folder: Path) -> None:

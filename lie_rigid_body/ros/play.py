@@ -59,14 +59,20 @@ def own_domain() -> Iterator[int]:
     """A ROS domain that no other player of this machine uses while the context lasts."""
     for domain in random.sample(DOMAINS, len(DOMAINS)):
         try:
-            with Path(tempfile.gettempdir(), f"ros-domain-{domain}.lock").open("ab") as file:
+            with open(Path(tempfile.gettempdir(), f"ros-domain-{domain}.lock"), "rb", opener=_shared) as file:
                 held = lock(file)
-        except OSError:  # it is in use, or of another user
+        except OSError:  # it is in use, or none of ours
             continue
         with held:
             yield domain
         return
     raise LieRigidBodyError(f"finds no free ROS domain among {len(DOMAINS)}: wait until other filters have ended")
+
+
+def _shared(path: str, flags: int) -> int:
+    """Open a file of any user for its lock, which needs reading alone; a link is an error, and a pipe no wait."""
+    created = 0 if os.path.exists(path) else os.O_CREAT  # which systems refuse for another's file
+    return os.open(path, flags | created | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
 
 
 @contextmanager

@@ -98,10 +98,10 @@ def test_a_campaign_that_ended_before_its_journal_began_is_begun_again(
     """As by a kill, or where no more files can be opened."""
     campaign = Campaign.from_file(written(tmp_path))
 
-    def fail(path: Path, *options: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+    def fail(path: str, flags: int) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
 
-    monkeypatch.setattr(Path, "open", fail)
+    monkeypatch.setattr("lie_rigid_body.campaign.journal._no_link", fail)
     with refused("not used", why="No space left on device"):
         Journal(campaign, tmp_path / "new")
     monkeypatch.undo()

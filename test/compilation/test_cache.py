@@ -98,19 +98,25 @@ def test_where_another_user_may_write_no_code_is_kept(
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="a folder has no mode here")
-@pytest.mark.parametrize("members", [[], ["another"]])
+@pytest.mark.parametrize(
+    ("name", "members", "chosen"),
+    [("mine", [], "open"), ("mine", ["mine"], "open"), ("mine", ["another"], "second"), ("users", [], "second")],
+)
 def test_where_a_group_may_write_code_is_kept_if_it_is_that_of_the_user_alone(
-    home: Path, members: list[str], monkeypatch: pytest.MonkeyPatch
+    home: Path, name: str, members: list[str], chosen: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Those whose primary group it is are not among its members: a group that is called as the user has no others."""
     import grp
+    import pwd
 
-    group = grp.struct_group(("own", "x", os.getgid(), members))
-    monkeypatch.setattr(grp, "getgrgid", lambda number: group)
+    number = os.getgid() or 4711
+    monkeypatch.setattr(grp, "getgrgid", lambda number: grp.struct_group((name, "x", number, members)))
+    monkeypatch.setattr(pwd, "getpwuid", lambda user: pwd.struct_passwd(("mine", "x", user, number, "", "/", "")))
     home.chmod(0o770)
-    os.chown(home, -1, os.getgid())
+    os.chown(home, -1, number)
     found = cache_folder(moser_veselov_loop.advance)
     assert found is not None
-    assert found.is_relative_to(home.parent / ("second" if members else "open"))
+    assert found.is_relative_to(home.parent / chosen)
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root may give folders away")

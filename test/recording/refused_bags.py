@@ -61,6 +61,7 @@ refused = refusals(
             # writing
             "exists": "exists and is kept: .*--force",
             "dangling link": "{name} is a link that leads to no file: remove it",
+            "link of another": "{name} is a link of another user and is not followed",
             "folder": "is a folder",
             "no folder": "folder .*none does not exist",
             "file as folder": "Not a directory",

@@ -24,7 +24,7 @@ from refused_bags import refused
 
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.output_file import OutputFile
+from lie_rigid_body.recording.output_file import OutputFile, write_file
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -211,6 +211,36 @@ def test_replacing_follows_links_and_keeps_permissions(make_bag: MakeBag) -> Non
     assert path.stat().st_mode & 0o777 == 0o640
     with refused("no message", topic="/pose"):
         read_bag(path)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives files to others")
+def test_nothing_of_another_user_says_where_a_file_goes_or_what_may_be_done_with_it(tmp_path: Path) -> None:
+    kept, link, planted = tmp_path / "kept.txt", tmp_path / "link.mcap", tmp_path / "planted"
+    (tmp_path / "folder").mkdir()
+    kept.write_text("precious")
+    link.symlink_to(kept)
+    planted.symlink_to(tmp_path / "folder")
+    for each in (link, planted):
+        os.chown(each, 65534, 65534, follow_symlinks=False)
+    for path, named in ((link, link), (planted / "a.mcap", planted)):
+        with refused("link of another", name=named.name):
+            write_file(path, b"new", overwrite=True)
+    assert (kept.read_text(), os.listdir(tmp_path / "folder")) == ("precious", [])
+    older = tmp_path / "older.mcap"
+    older.touch()
+    os.chown(older, 65534, 65534)
+    older.chmod(0o6777)
+    write_file(older, b"new", overwrite=True)
+    assert older.stat().st_uid == 0
+    assert older.stat().st_mode & 0o7022 == 0
+
+
+def test_a_new_file_runs_never_as_its_owner(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    path.touch()
+    path.chmod(0o6750)
+    write_file(path, b"new", overwrite=True)
+    assert path.stat().st_mode & 0o7777 == 0o750
 
 
 @pytest.mark.parametrize("overwrite", [False, True])
