@@ -221,6 +221,11 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
     """A cluster of processes of this machine, which only one with the keys of this process can reach.
 
     A thread that ignores Ctrl-C starts the cluster, so that all its threads and processes ignore it too.
+
+    Raises
+    ------
+    BagError
+        If a limit of this machine keeps it from starting.
     """
     import dask
     from distributed import LocalCluster, Security
@@ -228,7 +233,7 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
     # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
     no_pages: dict[str, list[str]] = {f"distributed.{of}.http.routes": [] for of in ("scheduler", "worker")}
     with dask.config.set(no_pages), ThreadPoolExecutor(1, initializer=_deafen) as thread:
-        return thread.submit(
+        begun = thread.submit(
             LocalCluster,
             n_workers=workers,
             threads_per_worker=1,
@@ -238,7 +243,12 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
             scheduler_kwargs={"dashboard": False},
             local_directory=folder,
             silence_logs=logging.CRITICAL,
-        ).result()
+        )
+        try:
+            return begun.result()
+        except (OSError, RuntimeError) as error:
+            why = shortened(str(error).rstrip("."), 90)
+            raise BagError(f"no workers start here: {why}: allow more open files, memory and disk space") from None
 
 
 def _deafen() -> None:

@@ -141,3 +141,21 @@ def test_its_processes_import_nothing_of_the_working_folder(tmp_path: Path) -> N
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert not (tmp_path / "imported").exists()
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no limits of processes here")
+def test_a_limit_that_keeps_workers_from_starting_is_one_line(tmp_path: Path) -> None:
+    import resource
+
+    def few_files() -> None:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))
+
+    (tmp_path / "campaign.yaml").write_text("{runs: 1, seed: 1, duration: 0.1}", encoding="utf-8")
+    command = [sys.executable, "-m", "lie_rigid_body", "campaign", "campaign.yaml", "--out", "out", "--workers", "1"]
+    done = subprocess.run(
+        command, cwd=tmp_path, preexec_fn=few_files, capture_output=True, text=True, timeout=DEADLINE, check=False
+    )
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "bug" not in line
