@@ -120,7 +120,7 @@ def _compiled(function: Callable[..., None], signature: str) -> Callable[..., No
             made: Callable[..., None] = numba.njit(
                 signature, cache=folder is not None, error_model="numpy", nogil=True
             )(function)
-        except OSError:  # no room for it, where a cache that is marked is of the same source at another place
+        except (OSError, RuntimeError):  # no room for a cache, whose mark is of another place, or a numba set up oddly
             return None
         finally:
             numba.config.CACHE_DIR = previous

@@ -49,8 +49,10 @@ if TYPE_CHECKING:
 
 OWN_TOPICS: Final = frozenset(
     {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
-)
-"""Topics of a bag with the run's own messages: truth, scenario and sensors."""
+) | {f"/{SOFTWARE}{POSE_TOPIC}", f"/{SOFTWARE}{TWIST_TOPIC}"}
+"""Topics of a bag with the run's own messages, truth, scenario and sensors, and those that readers take for such."""
+_TOPIC: Final = re.compile(r"(?=.{1,255}\Z)(/[A-Za-z_]\w*)+")
+"""Name of a topic of ROS, which has at most as many characters."""
 END_OF_TIME: Final = 2**63 - 1
 
 
@@ -236,7 +238,7 @@ class Run(_NamedSensors, Shown):
             if not isinstance(each, Mapping):
                 raise InputError(f"{name}: {shown(each)} has no topics: give it by its topic, as {{'/estimate': ...}}")
         for topic, given in estimates.items():
-            if not re.fullmatch(r"(/[A-Za-z_]\w*)+", str(topic)) or topic in OWN_TOPICS:
+            if not _TOPIC.fullmatch(str(topic)) or topic in OWN_TOPICS:
                 raise InputError(
                     f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
                 )

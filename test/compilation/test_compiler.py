@@ -42,3 +42,13 @@ def test_a_cache_without_room_leaves_the_plain_function(monkeypatch: pytest.Monk
         assert loaded(nothing, "void()") is None
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_numba_that_is_set_up_oddly_leaves_the_plain_function(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It reads a file of the working folder, which may be somebody else's."""
+    numba = pytest.importorskip("numba")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(numba.config, "CACHE_LOCATOR_CLASSES", "none_of_that.Name", raising=False)
+    assert loaded(nothing, "void()") is None

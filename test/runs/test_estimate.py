@@ -87,7 +87,7 @@ def test_what_is_no_estimate_is_one_line(change, name, run, attitude):
         Estimate(*change(attitude, run.t_ns))
 
 
-@pytest.mark.parametrize("topic", ["/pose", "estimate", "/a b", ""])
+@pytest.mark.parametrize("topic", ["/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a"])
 def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
     with pytest.raises(InputError):
         run.to_bag(tmp_path / "x.mcap", estimates={topic: (run.t_ns, attitude)})
