@@ -14,7 +14,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
-from pathlib import Path
 from typing import Any, BinaryIO, Final, NamedTuple
 
 import numpy as np
@@ -37,8 +36,9 @@ HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,m
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
 ANSWER: Final = "t_ns,x,y,z,w"
 """Columns that the program prints, with this line above them or without."""
-_LARGEST_OUTPUT: Final = 256 * 2**20
-"""Largest number of bytes that the program may print; an attitude takes about 100."""
+_FEWEST_BYTES: Final = 2**20
+_BYTES_OF_A_LINE: Final = 256
+"""Largest output of a program: so many bytes, and so many for each line of readings; a line of all digits has 120."""
 _PATIENCE_S: Final = 0.05
 """Time, s, after which it is looked at again how much the program has printed."""
 _LONGEST_WORDS: Final = 120
@@ -83,7 +83,7 @@ class CommandEstimator:
     timeout_s: float = 60.0
 
     def __post_init__(self) -> None:
-        if not words(self.command):
+        if not words(self.command) or "\0" in self.command:
             raise InputError(
                 f"{self._name}: give a program as in a shell, quotations closed, such as './my_filter --rate 100'"
             )
@@ -98,8 +98,8 @@ class CommandEstimator:
         """
         program = words(self.command)[0]
         if shutil.which(program) is None:
-            fault = "it is not executable" if Path(program).exists() else os.strerror(errno.ENOENT)
-            fault = "it is a folder" if Path(program).is_dir() else fault
+            fault = "it is not executable" if os.path.exists(program) else os.strerror(errno.ENOENT)
+            fault = "it is a folder" if os.path.isdir(program) else fault
             raise InputError(f"{place}{self._name} cannot be started: {fault}: give the path of a program")
 
     def load(self) -> CommandEstimator:
@@ -140,20 +140,20 @@ class CommandEstimator:
                     f"{self._name} cannot be started: {error.strerror}: give the path of a program"
                 ) from None
             try:
-                self._wait(process, output, errors)
+                self._wait(process, _FEWEST_BYTES + _BYTES_OF_A_LINE * readings.count("\n"), output, errors)
             finally:
                 kill_all(process)
                 process.wait()
             if process.returncode:
                 errors.seek(0)
-                text = errors.read(_LARGEST_OUTPUT).decode(errors="replace")
+                text = errors.read(_FEWEST_BYTES).decode(errors="replace")
                 told = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
                 raise InputError(f"{self._name} ended with status {process.returncode}: {told}: mend it")
             output.seek(0)
             return output.read().decode(errors="replace")
 
-    def _wait(self, process: subprocess.Popen[bytes], *files: BinaryIO) -> None:
-        """Wait for the end of a program; what it prints goes into files."""
+    def _wait(self, process: subprocess.Popen[bytes], most: int, *files: BinaryIO) -> None:
+        """Wait for the end of a program, which prints so many bytes at most into each of some files."""
         end = time.monotonic() + self.timeout_s
         while process.returncode is None:
             if time.monotonic() >= end:
@@ -162,10 +162,8 @@ class CommandEstimator:
                 )
             with suppress(subprocess.TimeoutExpired):
                 process.wait(_PATIENCE_S)
-            if any(os.fstat(file.fileno()).st_size > _LARGEST_OUTPUT for file in files):
-                raise InputError(
-                    f"{self._name} prints more than {_LARGEST_OUTPUT} bytes: print {ANSWER} once for each reading"
-                )
+            if any(os.fstat(file.fileno()).st_size > most for file in files):
+                raise InputError(f"{self._name} prints more than {most} bytes: print {ANSWER} once for each reading")
 
 
 def _lines(run: Run) -> Iterator[str]:
