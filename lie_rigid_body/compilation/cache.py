@@ -31,8 +31,9 @@ def cache_folder(function: Callable[..., None]) -> Path | None:
     for home in (*named, os.path.expanduser("~/.cache"), f"{tempfile.gettempdir()}/cache-{user()}"):
         folder = Path(home, "lie_rigid_body", _digest(function))
         with suppress(OSError):
-            folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            folder.mkdir(mode=0o700, exist_ok=True)
+            for each in reversed((folder, *folder.parents)):  # `mkdir` itself gives the mode to the last alone
+                if not each.exists():
+                    each.mkdir(mode=0o700, exist_ok=True)
             if is_private(folder := folder.resolve()):  # a link on the way to it may be set anew
                 return folder
             _say_that_others_write(folder.parent)
