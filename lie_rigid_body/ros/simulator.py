@@ -40,7 +40,7 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
             spinning(node),
             _lockstep(node, values, mailbox) as lockstep,
             closing(node.publisher),
-            _recording(node, values["record_path"]) as recorder,
+            _recording(node, values["record_path"], values["real_time_factor"]) as recorder,
         ):
             run = LiveRun(
                 Simulation(scenario),
@@ -74,8 +74,10 @@ def _lockstep(node: SimulatorNode, values: Mapping[str, Any], mailbox: Mailbox) 
 
 
 @contextmanager
-def _recording(node: SimulatorNode, path: str) -> Iterator[Recorder | None]:
+def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Recorder | None]:
     """Keep the bag of ``record_path`` open, and finish it whatever happens; None without a path.
+
+    A run that goes as fast as possible, at a real-time factor of 0, waits for the disk. Others are not held up by it.
 
     Raises
     ------
@@ -95,7 +97,7 @@ def _recording(node: SimulatorNode, path: str) -> Iterator[Recorder | None]:
         writer = BagWriter(
             path,
             stamped_twist=node.parameters.scenario().stamped_twist,
-            wait_for_disk=False,
+            wait_for_disk=not factor,
             pose_topic=node.names[POSE],
             twist_topic=node.names[TWIST],
             scenario_topic=node.names[SCENARIO],

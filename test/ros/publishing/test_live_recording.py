@@ -8,6 +8,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -111,6 +112,35 @@ def test_a_bag_that_is_deleted_is_told_at_once_while_the_node_goes_on(peer: Peer
         count = len(poses)
         peer.spin_until(lambda: len(poses) > count + 20, "more poses")
         end_of_a_lost_recording(simulator, bag)
+
+
+SMALL_BACKLOG = """
+import sys
+from lie_rigid_body.recording import output_file
+output_file.LARGEST_BACKLOG = 1
+from lie_rigid_body.__main__ import main
+sys.exit(main(["sim", *sys.argv[1:]]))
+"""
+
+
+@pytest.mark.parametrize(("factor", "status"), [(0.0, 0), (1.0, 2)])
+def test_only_a_run_that_promises_no_time_waits_for_a_disk_that_does_not_keep_up(
+    tmp_path: Path, factor: float, status: int
+) -> None:
+    bag = tmp_path / "whole.mcap"
+    arguments = ["-p", f"real_time_factor:={factor}", "-p", f"record_path:={bag}", "-p", "rate:=200.0"]
+    command = [sys.executable, "-c", SMALL_BACKLOG, *arguments]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            eventually(lambda: bag.exists() and bag.stat().st_size > 6000 * (status == 0), "samples")
+            if status:
+                assert process.stderr is not None
+                assert bag.name in process.stderr.readline()  # told in the log at once
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=DEADLINE)
+        finally:
+            process.kill()
+    assert process.returncode == status
 
 
 @pytest.mark.parametrize("stdout", sampled(["without a reader", "closed"], every=2))
