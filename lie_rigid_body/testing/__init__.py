@@ -146,7 +146,11 @@ def _names(chosen: dict[str, Any], name: str, every: Iterable[str]) -> list[str]
         return list(every)
     if not given:
         _fail(f"{name}={shown(given)} makes no run: leave it out for all")
-    return [given] if isinstance(given, str) else list(given)
+    try:
+        hash(names := (given,) if isinstance(given, str) else tuple(given))
+    except TypeError:
+        _fail(f"{name}={shown(given)} is no list of names: give such as [{next(iter(every))!r}]")
+    return list(names)
 
 
 def _fail(message: str) -> NoReturn:

@@ -223,6 +223,8 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
         'scenario="flat_plate"': "scenario='flat_plate' is no argument: did you mean scenarios=?",
         "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
         "grades=()": "grades=() makes no run: leave it out for all",
+        "scenarios=5": "scenarios=5 is no list of names: give such as ['",
+        "grades=[['mems']]": "grades=[['mems']] is no list of names: give such as ['",
         'grade="mems"': "grade='mems' is no argument: did you mean grades=?",
         '"flat_plate"': "'flat_plate' has no name: give scenarios=, grades= or arguments of simulate by name",
     }
