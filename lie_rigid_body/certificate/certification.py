@@ -283,8 +283,8 @@ def _notes(found: SurveyedSegment, held: HeldLaws, *, attitude_holds: bool) -> I
         yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
     if held.motion_error > ATTITUDE_CAP and not attitude_holds:
         yield (
-            f"the declared stepper errs by up to {held.motion_error:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} "
-            "at most: record with motion closed_form, a higher order or a smaller max_step"
+            f"the declared motion errs by up to {held.motion_error:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} "
+            "at most: record with motion closed_form, a higher order or a smaller max_step, or a slower body"
         )
 
 

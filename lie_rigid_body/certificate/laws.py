@@ -252,11 +252,11 @@ def _sign_continuity(compared: ComparedSamples) -> _Law:
 
 
 def _closed_form(compared: ComparedSamples) -> _Law:
-    """The attitude is that of the closed form from the segment's start."""
+    """The attitude is that of the closed form from the segment's start, with the closed form's own error."""
     return _Law(
         "closed form",
         "rad",
-        compared.found.turned,
+        compared.found.turned + compared.tolerance.phases(compared.t),
         compared.tolerance.attitude(compared.t),
         "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}",
     )

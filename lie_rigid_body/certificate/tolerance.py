@@ -41,7 +41,11 @@ ENERGY_CAP: Final = 1e-9
 """Largest limit of the relative error of energy and momentum."""
 
 CLOSED_FORM: Final = 2e-15
-"""Largest error of the closed form in every regime, rad, as its tests find by multiprecision."""
+"""Largest error of the closed form in every regime up to 1e15 rad, rad, as its tests find by multiprecision."""
+_PHASE: Final = 2.0**-101
+"""Error of a phase relative to what is gone through, or to half a turn a nanosecond (docs/closed_form.md, Phases)."""
+_PHASE_RATE: Final = 1e-48
+"""Relative error of the rates of phases, which have 50 digits: up to 8e-50 by enclosures of 1e36 to 1e45 rad."""
 
 NORM_LIMIT: Final = 8 * U
 """Limit of | |q| − 1 |, dimensionless."""
@@ -67,8 +71,8 @@ class Propagation:
     Parameters
     ----------
     body : RigidBody
-    duration, fastest : float
-        s, and bound of the body rate, rad/s.
+    duration, fastest, turning : float
+        s, bound of the body rate, rad/s, and sum of the mean rates of the phases, rad/s.
     states : State
         Shapes (K, 4) and (K, 3).
     growth : ErrorGrowth
@@ -77,6 +81,7 @@ class Propagation:
     body: RigidBody
     duration: float
     fastest: float
+    turning: float
     states: State
     growth: ErrorGrowth
 
@@ -85,11 +90,15 @@ class Propagation:
         """The propagation along the motion from a start."""
         near = State(start.attitude_xyzw, start.body_rate + _ASIDE * so3.norm(start.body_rate))
         circulation = MotionConstants.of(body, near).circulation
+        turning = float(so3.norm(start.body_rate))
+        if circulation is not None:
+            turning = circulation.precession_rate_rad_s + 2.0 * np.pi / circulation.period_s
         # energy and momentum do not tell a state from that half a period later
         period = duration if circulation is None else min(duration, 0.5 * circulation.period_s)
         t_ns = np.linspace(0.0, period * 1e9, _NODES).astype(np.int64)
         states = ClosedForm(body, near).at(t_ns)
-        return cls(body, duration, fastest, states, ErrorGrowth.of(body, np.asarray(1e-9 * t_ns), states, fastest))
+        growth = ErrorGrowth.of(body, np.asarray(1e-9 * t_ns), states, fastest)
+        return cls(body, duration, fastest, turning, states, growth)
 
     @cached_property
     def largest_growth(self) -> float:
@@ -134,7 +143,13 @@ class Tolerance:
 
     def attitude_uncapped(self, t: Array) -> Array:
         """Limit of the attitude error before the cap, rad, shape (N,)."""
-        return np.asarray(READING + self.drift.attitude(t))
+        return np.asarray(READING + self.drift.attitude(t) + self.phases(t))
+
+    def phases(self, t: Array) -> Array:
+        """Bound of the closed form's own error at times t beyond ``CLOSED_FORM``, rad, shape (N,)."""
+        turned = self.propagation.turning * t
+        reduced = np.minimum(turned, np.pi * 1e9 * t)
+        return np.asarray(np.minimum(np.maximum(_PHASE * reduced - CLOSED_FORM, 0.0) + _PHASE_RATE * turned, np.pi))
 
     def stepper_attitude(self, t: Array) -> Array:
         """Limit of the declared stepper's error of the attitude at times t, capped, rad, shape (N,)."""

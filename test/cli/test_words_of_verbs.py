@@ -201,7 +201,7 @@ SAID = {
             "NOT CERTIFIED - ",
             "BROKEN",
             "rad off the exact solution (limit 1e-07) at 48 ",
-            "note: the declared stepper errs by up to ",
+            "note: the declared motion errs by up to ",
         ],
     ),
     "check bag.mcap run.mcap": (0, ["CERTIFIED: all 2 bags, attitude within"]),

@@ -33,6 +33,26 @@ def test_the_closed_form_is_proved(regime):
             assert truth.rate_error(rate)[1] < RATE_BOUND * max(size, float(np.linalg.norm(rate)))
 
 
+@pytest.mark.parametrize("regime", REGIMES)
+@pytest.mark.parametrize(("size", "t_ns"), [(1e20, 999 * 10**15), (1e33, 492 * 10**6), (1e40, 499 * 10**6)])
+def test_the_closed_form_is_proved_to_keep_its_certificate_however_far_it_turns(regime, size, t_ns):
+    drawn = motion(regime, 0)
+    fast = drawn._replace(rate=drawn.rate * (size / max(float(np.linalg.norm(drawn.rate)), 1e-3)))
+    phases = tolerance(scenario_of(fast, motion="closed_form"), 1e-9 * t_ns).phases(np.array([1e-9 * t_ns]))
+    truth = enclose(*fast, t_ns)
+    assert truth.attitude_error(ClosedForm(fast.body, fast.start).at(t_ns).attitude_xyzw)[1] < CLOSED_FORM + phases[0]
+
+
+def scenario_of(drawn, **parameters):
+    inertia = drawn.inertia if drawn.inertia.ndim == 1 else drawn.body.inertia[np.triu_indices(3)]
+    drawn_parameters = {
+        "inertia": inertia.tolist(),
+        "initial_attitude_xyzw": drawn.attitude_xyzw.tolist(),
+        "initial_body_rate": drawn.rate.tolist(),
+    }
+    return Scenario.from_parameters({**drawn_parameters, **parameters})
+
+
 @pytest.mark.parametrize(
     ("steps", "regime"),
     [
@@ -43,15 +63,7 @@ def test_the_closed_form_is_proved(regime):
 )
 def test_the_default_stepper_is_proved_to_keep_its_certificate(steps, regime):
     drawn = motion(regime, steps)
-    matrix = drawn.body.inertia
-    parameters = {
-        "inertia": drawn.inertia if drawn.inertia.ndim == 1 else matrix[np.triu_indices(3)],
-        "initial_attitude_xyzw": drawn.attitude_xyzw,
-        "initial_body_rate": drawn.rate,
-        "max_step": 0.01,
-        "rate": 10.0,
-    }
-    scenario = Scenario.from_parameters({name: np.asarray(value).tolist() for name, value in parameters.items()})
+    scenario = scenario_of(drawn, max_step=0.01, rate=10.0)
     stamps = np.linspace(0, steps / 1000, 4).astype(np.int64)[1:] * 10**10
     states = MovingChart(scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step).at(
         stamps
