@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
-from lie_rigid_body.certificate.aside import aside
 from lie_rigid_body.certificate.law_result import LawResult, Watch
 from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
@@ -29,8 +28,6 @@ from lie_rigid_body.wording import listed
 
 Blocks: TypeAlias = Iterator[tuple[int, Block]]
 """Samples in the order of their stamps, each block with its segment's place."""
-_READINGS_FOR_A_THREAD: Final = 100_000
-"""Number of sensor readings from which on another thread computes them."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +166,7 @@ def certify(
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
     watch : Watch, optional
-        It is told of the residuals of all samples, and of all readings of sensors, perhaps by another thread.
+        It is told of the residuals of all samples, and of all readings of sensors.
 
     Returns
     -------
@@ -230,7 +227,7 @@ def _to_the_bit(
 
 
 def _any_numbers() -> np.errstate:
-    """A context, and decorator, for one thread: recorded numbers may be anything, and NaN breaks every law."""
+    """A context in which recorded numbers may be anything, and NaN breaks every law."""
     return np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
@@ -239,9 +236,7 @@ def _held(
 ) -> tuple[list[HeldLaws], SensorLaws]:
     """Laws held against the samples and the sensors of a surveyed bag, as they come."""
     of_sensors = SensorLaws(bag, surveyed, watch)
-    count = sum(bag.sensors[name].count for name in of_sensors.wanted)
-    with aside(_any_numbers()(of_sensors.add), is_worth_it=count > _READINGS_FOR_A_THREAD) as add:
-        return list(_of_segments(surveyed, read(of_sensors.wanted, add), watch)), of_sensors
+    return list(_of_segments(surveyed, read(of_sensors.wanted, of_sensors.add), watch)), of_sensors
 
 
 def _of_segments(surveyed: Survey, blocks: Blocks, watch: Watch | None) -> Iterator[HeldLaws]:

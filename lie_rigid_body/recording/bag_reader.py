@@ -11,6 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+import numpy as np
+
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
 from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of
@@ -44,6 +46,9 @@ _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
+_KEPT_FREE: Final = 2**25 - 2**16
+"""Bytes that are freed at once for glibc to keep what batches free, not to give it back: just below its 32 MiB
+(mallopt(3), M_MMAP_THRESHOLD)."""
 _MOST_OTHERS: Final = 1000
 """Largest number of topics that are named beside those of the bodies."""
 _RECORDER: Final = "libmcap "
@@ -157,8 +162,7 @@ class Bag(BagFacts):
         An MCAP file, or a rosbag2 folder of them, of one body; `all_of` reads several. It is read once to its end, and
         what is damaged refused.
     progress : callable, optional
-        Called with the number of bytes that were read since it was called last, in every pass, perhaps by another
-        thread.
+        Called with the number of bytes that were read since it was called last, in every pass.
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names. See `bodies`.
     in_memory : bool, optional
@@ -265,13 +269,14 @@ class Bag(BagFacts):
         keys = {name: self._tracks[name].key for name in (POSE, TWIST, *sensors)}
         before = Counter[str]()
         for raw in self._batched(keys):
-            counts = {name: len(messages) for name, messages in raw.items()}
+            counts = {name: sum(map(len, parts)) for name, parts in raw.items()}
             # popped, as large chunks would else stand in memory as bytes and as numbers
             yield {name: topic_messages(self._path, key, raw.pop(name), before[name]) for name, key in keys.items()}
             before.update(counts)
 
-    def _batched(self, keys: Mapping[str, TrackKey]) -> Iterator[dict[str, RawMessages]]:
-        """Messages by their relative names, of whole parts of the files, as many at a time as a batch has at least."""
+    def _batched(self, keys: Mapping[str, TrackKey]) -> Iterator[dict[str, list[RawMessages]]]:
+        """Messages by their relative names, in whole parts of the files, as many at a time as a batch has at least."""
+        np.empty(_KEPT_FREE, dtype=np.uint8)
         waiting, count = {name: list[RawMessages]() for name in keys}, 0
         parts = self._contents.read({*keys.values()}, self._progress)
         while (found := next(parts, None)) is not None:
@@ -281,9 +286,9 @@ class Bag(BagFacts):
                     count += len(found[key])
             del found
             if count >= _BATCH:
-                yield {name: RawMessages.joined(waiting.pop(name)) for name in keys}
+                yield waiting
                 waiting, count = {name: [] for name in keys}, 0
-        yield {name: RawMessages.joined(waiting[name]) for name in keys}
+        yield waiting
 
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
@@ -66,13 +67,28 @@ class RawMessages:
     def __len__(self) -> int:
         return len(self.sizes)
 
-    def pieces(self, count: int) -> Iterator[RawMessages]:
-        """Cut into pieces of so many messages; at least one piece."""
-        ends = np.append(0, np.cumsum(self.sizes))
-        for begin in range(0, max(len(self), 1), count):
-            rows = slice(begin, begin + count)
-            data = self.data[ends[begin] : ends[min(begin + count, len(self))]]
-            yield RawMessages(data, self.sizes[rows], self.log_times_ns[rows])
+    @classmethod
+    def regrouped(cls, parts: Iterable[RawMessages], count: int) -> Iterator[RawMessages]:
+        """Messages that follow each other, at least so many at a time and less than twice as many, but for the last."""
+        waiting, held = list[RawMessages](), 0
+        for part in parts:
+            waiting.append(part)
+            held += len(part)
+            if held >= count:
+                yield from cls.joined(waiting)._in_pieces(held // count)
+                waiting, held = [], 0
+        if waiting:
+            yield cls.joined(waiting)
+
+    def _in_pieces(self, count: int) -> Iterator[RawMessages]:
+        if count == 1:
+            yield self
+            return
+        bytes_before = np.append(0, np.cumsum(self.sizes))
+        bounds = np.linspace(0, len(self), count + 1).astype(np.int64).tolist()
+        for begin, end in itertools.pairwise(bounds):
+            data = self.data[bytes_before[begin] : bytes_before[end]]
+            yield RawMessages(data, self.sizes[begin:end], self.log_times_ns[begin:end])
 
     def payloads(self) -> Iterator[tuple[int, bytes]]:
         """Log time, ns, and bytes of each message."""

@@ -163,10 +163,13 @@ def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tup
                 yield time, decode_string(payload, next(numbers))
 
 
-def topic_messages(path: Path, key: TrackKey, found: RawMessages, first: int = 0) -> TopicMessages:
+def topic_messages(path: Path, key: TrackKey, parts: Iterable[RawMessages], first: int = 0) -> TopicMessages:
     """Decode messages of a topic, the first of which has a number, for errors."""
-    pieces = enumerate(found.pieces(_AT_ONCE))
-    return TopicMessages.joined([_decoded(path, *key, some, first + i * _AT_ONCE) for i, some in pieces])
+    decoded = [TopicMessages.none_of(key[1])]
+    for some in RawMessages.regrouped(parts, _AT_ONCE):
+        decoded.append(_decoded(path, *key, some, first))
+        first += len(some)
+    return TopicMessages.joined(decoded)
 
 
 def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:

@@ -164,7 +164,7 @@ def _with_bias(
     read: RecordedEstimate, path: Path, contents: McapContents, biases: RawTrack, truth_bag: str | Path
 ) -> RecordedEstimate:
     """An estimate with biases of the gyro beside the true ones, or with a note why these are not known."""
-    found = topic_messages(path, biases.key, contents.messages(biases.key))
+    found = topic_messages(path, biases.key, [contents.messages(biases.key)])
     try:
         truth = _run_of(read, truth_bag).gyro_bias_at(found.stamps_ns)
     except (BagError, InputError) as error:

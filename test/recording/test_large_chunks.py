@@ -40,7 +40,7 @@ def test_decoding_takes_little_more_than_what_is_kept() -> None:
     raw = RawMessages(memoryview(payload * count), np.full(count, size), np.arange(count))
     tracemalloc.start()
     try:
-        found = decoded(Path("bag"), ("/imu", IMU), raw)
+        found = decoded(Path("bag"), ("/imu", IMU), [raw])
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
