@@ -320,7 +320,10 @@ def _refuse_dependent(T: Matrix) -> None:
 def _refuse_sizes(largest: Array) -> None:
     """Refuse a generator that is zero, or whose products leave the range of a double."""
     if np.any(largest == 0.0):
-        raise InputError(f"T{int(np.argmin(largest))} is zero: leave it out")
+        raise InputError(
+            f"T{int(np.argmin(largest))} is zero: leave it out; for an algebra with a centre give other matrices than "
+            "the adjoint ones"
+        )
     beyond = (largest > SIZE_LIMIT) | (largest < 1.0 / SIZE_LIMIT)
     if np.any(beyond):
         worst = int(np.argmax(beyond))

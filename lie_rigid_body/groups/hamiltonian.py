@@ -67,7 +67,7 @@ class Hamiltonian(Immutable):
 
     def __init__(self, group: MatrixLieGroup, inverse_metric: ArrayLike) -> None:
         self.group = of_kind(group, MatrixLieGroup)
-        self.inverse_metric: Array = require_metric(inverse_metric, group.dimension)
+        self.inverse_metric: Array = require_metric(inverse_metric, group.dimension, "inverse_metric")
         self.inverse_metric.setflags(write=False)
 
     def __reduce__(self) -> tuple[type[Hamiltonian], tuple[MatrixLieGroup, Array]]:

@@ -34,7 +34,7 @@ from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
-from lie_rigid_body.mechanics.array_input import Immutable, symmetrised
+from lie_rigid_body.mechanics.array_input import Immutable, positive, symmetrised
 from lie_rigid_body.wording import call_repr
 
 
@@ -191,9 +191,9 @@ class Lagrangian(Immutable):
         Raises
         ------
         InputError
-            If an element is off the group, or neighbours are too far apart.
+            If an element is off the group, neighbours are too far apart, or the step is not positive.
         """
-        A = self.group.as_matrices(path)
+        A, step = self.group.as_matrices(path), float(positive("step", step, "s"))
         if A.ndim < 3:
             raise ParameterError("path", f"shape {A.shape} is one element: stack two or more, at equal intervals")
         chords = self.group.log(self.group.inverse(A[..., :-1, :, :]) @ A[..., 1:, :, :])

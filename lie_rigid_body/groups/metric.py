@@ -85,7 +85,7 @@ def metric_derivative(group: MatrixLieGroup, metric: ArrayLike) -> Array:
     return -change - np.swapaxes(change, 1, 2)
 
 
-def require_metric(metric: ArrayLike, dimension: int) -> Array:
+def require_metric(metric: ArrayLike, dimension: int, name: str = "metric") -> Array:
     """A given metric, checked to be symmetric and positive definite.
 
     Parameters
@@ -94,6 +94,8 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
         M, positive definite, and symmetric to within 64 units in the last place of its largest entry.
     dimension : int
         d of the group.
+    name : str, optional
+        Name of the argument.
 
     Returns
     -------
@@ -105,12 +107,12 @@ def require_metric(metric: ArrayLike, dimension: int) -> Array:
     InputError
         If M is of the wrong size, not finite, not symmetric or not positive definite.
     """
-    refuse_whole("metric", metric, "inertia")
-    m = symmetric_matrix("metric", real_array("metric", metric, f"({dimension}, {dimension})"))
+    refuse_whole(name, metric, "inertia")
+    m = symmetric_matrix(name, real_array(name, metric, f"({dimension}, {dimension})"))
     eigenvalues = np.linalg.eigvalsh(m)
     if not eigenvalues[0] > ROUND_OFF * eigenvalues[-1]:
         raise ParameterError(
-            "metric",
+            name,
             f"smallest eigenvalue {eigenvalues[0]:.6g} is not positive beside the largest, {eigenvalues[-1]:.6g} "
             f"(limit: {ROUND_OFF:.2g} of that): give inertia about every axis, or rescale",
         )

@@ -24,10 +24,11 @@ _RANK: Final = 1e-10
 
 
 class Stability(Enum):
-    """Stability of a steady rotation under a small disturbance that keeps the momentum on its coadjoint orbit."""
+    """Stability of a steady rotation under a small disturbance."""
 
     STABLE = "stable"
-    """The energy is a strict extremum on the orbit: the motion stays near the rotation for all time (V. I. Arnold)."""
+    """The energy is a strict extremum on the coadjoint orbit of the momentum, so that the motion on it stays near the
+    rotation for all time (V. I. Arnold), and what is linearised off the orbit does not grow."""
 
     LINEARLY_STABLE = "linearly stable"
     """The linearised motion stays bounded, as its eigenvalues are imaginary and semisimple, but the energy is no strict
@@ -50,7 +51,8 @@ class RelativeEquilibrium:
     rate : ndarray, shape (d,)
         ω in the body frame, 1/s.
     eigenvalues : ndarray, shape (m,)
-        Complex, of the linearised Euler equations on the coadjoint orbit of p = Mω, of dimension m; 1/s. Sorted by
+        Complex, of the linearised Euler equations on the coadjoint orbit of p = Mω, of dimension m; 1/s. Those off the
+        orbit are added where they are not all 0, as they are unless the orbits nearby have more dimensions. Sorted by
         real part, then by imaginary part.
     stability : Stability
     """
@@ -107,7 +109,9 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
 def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibrium:
     """The steady rotation at a given rate, with its stability.
 
-    Disturbances off the coadjoint orbit of p = Mω are left out: they lead to neighbouring steady motions.
+    Disturbances off the coadjoint orbit of p = Mω lead to neighbouring steady motions, unless the orbits nearby have
+    more dimensions. There they count as far as the linearised motion tells: it may grow, as on the affine group of the
+    line. If it does not, that is a proof of stability on compact groups only.
 
     The verdict depends on one relative tolerance ε: round-off, or the unsteadiness of the given rate if that is larger.
     Curvatures of the energy on the orbit, and linearised motions, within ε of their terms count as 0. Eigenvalues
@@ -138,13 +142,23 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates").copy()
     resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
     directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
-    tangent, algebra = _orbit(directions)
-    linear = tangent.T @ linearisation(lagrangian, w) @ tangent
+    tangent, algebra, normal = _orbit(directions)
+    whole = linearisation(lagrangian, w)
+    linear, off = tangent.T @ whole @ tangent, normal.T @ whole @ normal
     curvature, scale = _energy_curvature(lagrangian, w, directions)
     signs = _signs(algebra.T @ curvature @ algebra, resolution * scale)
-    eigenvalues = np.sort_complex(np.linalg.eigvals(linear))
-    zero = resolution * float(np.linalg.norm(np.tensordot(w, lagrangian.group.structure_constants, axes=1), 2))
-    return RelativeEquilibrium(w, eigenvalues, _verdict(linear, eigenvalues, signs, float(np.sqrt(resolution)), zero))
+    eigenvalues = np.linalg.eigvals(linear).astype(np.complex128)
+    turning = float(np.linalg.norm(np.tensordot(w, lagrangian.group.structure_constants, axes=1), 2))
+    split = float(np.sqrt(resolution))
+    stability = _verdict(linear, eigenvalues, signs, split, resolution * turning)
+    if np.linalg.norm(off, 2) > split * turning:
+        leaving = np.linalg.eigvals(off).astype(np.complex128)
+        eigenvalues = np.append(eigenvalues, leaving)
+        if leaving.real.max() > split * turning:
+            stability = Stability.UNSTABLE
+        elif stability is not Stability.UNSTABLE and not _semisimple(off, leaving, split * turning):
+            stability = Stability.MARGINAL
+    return RelativeEquilibrium(w, np.sort_complex(eigenvalues), stability)
 
 
 def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
@@ -181,11 +195,11 @@ def _signs(form: Array, zero: float) -> NDArray[np.int_]:
     return np.where(np.abs(values) > zero, np.sign(values), 0.0).astype(np.int_)
 
 
-def _orbit(directions: Array) -> tuple[Array, Array]:
-    """Orthonormal columns: the tangent space of the orbit of p, and the algebra elements that move p along it."""
+def _orbit(directions: Array) -> tuple[Array, Array, Array]:
+    """Orthonormal columns: tangents of the orbit of p, the algebra elements that move p along it, and normals."""
     tangent, sizes, algebra = np.linalg.svd(directions)
     on_orbit = sizes > _RANK * sizes.max(initial=0.0)
-    return tangent[:, on_orbit], algebra[on_orbit].T
+    return tangent[:, on_orbit], algebra[on_orbit].T, tangent[:, ~on_orbit]
 
 
 def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:

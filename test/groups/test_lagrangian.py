@@ -8,7 +8,7 @@ from group_bodies import COMPACT, GROUPS, diagonal_body, random_metric
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import (
     SO,
     SU,
@@ -221,3 +221,11 @@ def test_neither_a_lagrangian_nor_its_hamiltonian_takes_another_metric():
         with pytest.raises(AttributeError):
             setattr(made, name, np.eye(3))
         assert getattr(made, name) is kept
+
+
+@pytest.mark.parametrize("step", [0, -0.1, "a", np.nan])
+def test_an_action_wants_a_positive_step(step):
+    path = np.stack([np.eye(3)] * 3)
+    with pytest.raises(ParameterError) as caught:
+        Lagrangian(SO(3), np.eye(3)).action(path, step)
+    assert caught.value.name == "step"

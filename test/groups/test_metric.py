@@ -197,10 +197,11 @@ def test_impossible_inertias_are_refused(build, name):
     ],
 )
 def test_what_is_no_metric_is_refused(metric):
-    for function in (lambda m: require_metric(m, 3), partial(Lagrangian, SO(3)), partial(Hamiltonian, SO(3))):
+    asked = {"metric": partial(Lagrangian, SO(3)), "inverse_metric": partial(Hamiltonian, SO(3))}
+    for name, function in (("metric", lambda m: require_metric(m, 3)), *asked.items()):
         with pytest.raises(ParameterError) as caught:
             function(metric)
-        assert caught.value.name == "metric"
+        assert caught.value.name == name
 
 
 def test_a_metric_symmetric_to_round_off_is_averaged_and_others_are_kept_to_the_bit():

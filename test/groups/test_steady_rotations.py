@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from group_bodies import COMPACT, ROTATIONS, affine_line, diagonal_body, random_metric
-from sample_groups import sl2
+from sample_groups import heisenberg, sl2
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
@@ -201,6 +201,34 @@ def test_rest_and_the_circle_are_stable():
     assert steady_rotation(Lagrangian(U1(), [[2.0]]), [3.0]).stability is Stability.STABLE
     at_rest = steady_rotation(Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0])), np.zeros(3))
     assert (at_rest.stability, at_rest.growth_rate, len(at_rest.eigenvalues)) == (Stability.STABLE, 0.0, 0)
+
+
+def test_a_momentum_whose_orbit_has_fewer_dimensions_than_those_nearby():
+    """On the affine group of the line p₂ grows or decays at the rate ω₁. Heisenberg's p₃ turns the others."""
+    line = Lagrangian(affine_line(), np.eye(2))
+    shear = Lagrangian(MatrixLieGroup.from_generators(heisenberg()), np.eye(3))
+    for body, rate, verdict in (
+        (line, [1.0, 0.0], Stability.UNSTABLE),
+        (line, [-1.0, 0.0], Stability.STABLE),
+        (shear, [1.0, 0.0, 0.0], Stability.MARGINAL),
+        (shear, [0.0, 0.0, 1.0], Stability.STABLE),
+    ):
+        found = steady_rotation(body, rate)
+        assert found.stability is verdict
+        whole = np.linalg.eigvals(linearisation(body, np.array(rate)))
+        np.testing.assert_allclose(found.growth_rate, whole.real.max(), atol=1e-12)
+        grown = [float(np.abs(later(body, rate, e)).max()) for e in 1e-6 * np.eye(len(rate))]
+        assert (max(grown) > 3e-6) is (verdict in (Stability.UNSTABLE, Stability.MARGINAL))
+
+
+def later(body, rate, disturbance):
+    """How far a disturbed momentum is off the steady one after 8 s."""
+    p = body.momenta(np.array(rate))
+
+    def field(t, q):
+        return body.momentum_rate(body.rates(q))
+
+    return solve_ivp(field, (0.0, 8.0), p + disturbance, rtol=1e-11, atol=1e-14).y[:, -1] - p
 
 
 def test_a_rotation_that_is_not_steady_is_refused():

@@ -180,7 +180,7 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: from_generators([SO(3).generators[0], np.zeros((3, 3))]),
-            "T1 is zero: leave it out",
+            "T1 is zero: leave it out; for an algebra with a centre give other matrices than the adjoint ones",
         ),
         (
             lambda: from_generators([[[1.0]], [[1e60]]]),
