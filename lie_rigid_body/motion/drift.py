@@ -244,7 +244,8 @@ class MuntheKaasDrift:
         slopes = n[:, [1, 2, 0]] * rates[:, [2, 0, 1]] + n[:, [2, 0, 1]] * rates[:, [1, 2, 0]]
         repeated = step**2 * bend < REPEATED * U * n
         alike = BIAS_OF_SLOPE * U * slopes + np.where(repeated, 2.0 * np.minimum(U * n / step, slope), 0.0)
-        walk = np.where(repeated, 0.0, RANDOM_WALK_FACTOR * U * n / math.sqrt(step))
+        together = math.sqrt(max(1.0, _alike_in_momentum(rate_bound * step)) / step)
+        walk = np.where(repeated, 0.0, RANDOM_WALK_FACTOR * U * n * together)
         made = growth.frame.largest_components(alike) + truncated
         independent = growth.frame.largest_components(walk)
         energies = body.kinetic_energy(states) / growth.frame.size
@@ -279,17 +280,29 @@ class MuntheKaasDrift:
     def attitude_step(self, spans: Array) -> Array:
         """Bound of the attitude errors made in a time, rad, before any of them grows."""
         steps, turn = spans / self.step, self.rate_bound * self.step
-        alike = np.clip(U / turn**2 if turn > U else math.inf, 1.0, np.maximum(steps, 1.0))
+        # as in the momentum: q cos(θ/2) is q less qθ²/8, which changes by up to θ³/16, and this change by θ⁴/16
+        alike = 4.0 * math.sqrt(U) / max(turn, U) ** 2
         bias = (BIAS_OF_STEP + BIAS_OF_SLOPE * self.conditions.inverse * turn) * U * steps
-        return np.asarray(2.0 * self._walk(spans) * np.sqrt(alike) + bias + self.turned * spans)
+        return np.asarray(2.0 * self._walk(spans, alike) + bias + self.turned * spans)
 
     def rate_step(self, spans: Array) -> Array:
         """Bound of the errors of the body rate made in a time, divided by Ω, before any of them grows."""
         return np.asarray(self.conditions.rate_of_momentum * self._walk(spans) + self.quickened * spans)
 
-    def _walk(self, t: Array) -> Array:
-        """Bound of a random walk of one rounding a step."""
-        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(t / self.step))
+    def _walk(self, t: Array, alike: float | None = None) -> Array:
+        """Bound of a walk of one rounding a step, at random but for so many that are alike: those of the momentum."""
+        alike = _alike_in_momentum(self.rate_bound * self.step) if alike is None else alike
+        steps = t / self.step
+        return np.asarray(RANDOM_WALK_FACTOR * U * np.sqrt(steps * np.clip(alike, 1.0, np.maximum(steps, 1.0))))
+
+
+def _alike_in_momentum(turn: float) -> float:
+    """Number of steps whose roundings of the momentum are alike, where its increment differs by u at most from another.
+
+    An increment changes by up to x² a step, and this change by up to x³. Where it is a multiple of a unit in the last
+    place, the increments of √(u/x³) steps are alike but for such units.
+    """
+    return math.sqrt(U / max(turn, U) ** 3)
 
 
 def _derivatives(body: RigidBody, states: State, frame: PathFrame) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ import pytest
 from lie_rigid_body import simulate
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, tolerance
 from lie_rigid_body.motion import METHODS
+from lie_rigid_body.scenario import Scenario
 from stepper_bounds import DURATIONS, MOTIONS, STEPS, Run, runs
 
 SAMPLE = ("dzhanibekov", "separatrix, 1e-6", "about the equator", "nearly spherical", "slow", "products of inertia")
@@ -30,6 +31,25 @@ def test_errors_of_a_minute_stay_below_their_limits(method: str) -> None:
 def test_errors_of_short_steps_stay_below_their_limits(motion: str, rate: float) -> None:
     """Steps of a millisecond: here a bound that only adds up errors of the rate is passed."""
     require_bounds([Run(motion, "rkmk4", rate, 1e-3, 60.0)])
+
+
+@pytest.mark.parametrize("method", ["rkmk1", "rkmk2", "rkmk4"])
+@pytest.mark.parametrize(
+    ("inertia", "rate"),
+    [
+        ([1.0, 2.0, 3.0], [0.001, 0.0, 0.0]),
+        ([1.0, 2.0, 3.0], [0.0, 0.03, 0.0]),
+        ([2.0, 2.0, 2.0], [0.0, 0.033, 0.0]),
+        ([1.0, 0.1, -0.05, 1.4, 0.2, 1.9], [0.0, 1e-5, 0.0]),
+    ],
+)
+def test_slow_steps_whose_roundings_are_alike_stay_below_their_limits(
+    method: str, inertia: list[float], rate: list[float]
+) -> None:
+    attitude = [0.48, 0.6, 0.0, 0.64]
+    given = {"inertia": inertia, "initial_body_rate": rate, "initial_attitude_xyzw": attitude, "method": method}
+    run = simulate(Scenario.from_parameters({**given, "rate": 10.0, "max_step": 5e-4}), duration=60.0)
+    assert run.certificate().passed
 
 
 @pytest.mark.parametrize(("imu_rate", "gyro_rate"), [(100.0, "instantaneous"), (200.0, "integrated")])
