@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import socket
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
@@ -22,6 +23,9 @@ DOMAINS: Final = range(1, 102)
 """Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""
 ENDING_S: Final = 2.0
 """Time that a node has to end when it is asked to, s."""
+_PORTS: Final = (7400, 250, (0, *range(10, 250, 2)))
+"""UDP ports of the participants of a domain on one machine: the first of domain 0, how far the next domain's are, and
+those at which any of them listens for others (DDSI-RTPS 2.5, sec. 9.6.2.3)."""
 _LONGEST_WORDS: Final = 100
 """Largest number of bytes that are repeated of what the node prints."""
 
@@ -56,7 +60,7 @@ def _last_words(file: BinaryIO) -> str:
 
 @contextmanager
 def own_domain() -> Iterator[int]:
-    """A ROS domain that no other player of this machine uses while the context lasts."""
+    """A ROS domain that no other player uses while the context lasts, and in which no node of this machine is yet."""
     for domain in random.sample(DOMAINS, len(DOMAINS)):
         try:
             with open(Path(tempfile.gettempdir(), f"ros-domain-{domain}.lock"), "rb", opener=_shared) as file:
@@ -64,9 +68,23 @@ def own_domain() -> Iterator[int]:
         except OSError:  # it is in use, or none of ours
             continue
         with held:
+            if f"{domain}" == os.environ.get("ROS_DOMAIN_ID") or not _is_empty(domain):
+                continue
             yield domain
-        return
-    raise LieRigidBodyError(f"finds no free ROS domain among {len(DOMAINS)}: wait until other filters have ended")
+            return
+    raise LieRigidBodyError(f"finds no free ROS domain among {len(DOMAINS)}: end other filters and nodes")
+
+
+def _is_empty(domain: int) -> bool:
+    """Whether no participant of a domain runs on this machine."""
+    first, distance, places = _PORTS
+    for place in places:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as port:
+            try:
+                port.bind(("", first + distance * domain + place))
+            except OSError:
+                return False
+    return True
 
 
 def _shared(path: str, flags: int) -> int:
