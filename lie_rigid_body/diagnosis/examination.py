@@ -12,7 +12,7 @@ from typing import Final, cast
 import numpy as np
 
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, told
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, told
 from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
 from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees, with_unit
 from lie_rigid_body.diagnosis.search import NEAR, Each, Search, or_else, plain, settled
@@ -180,6 +180,8 @@ def _notes(search: Search) -> Iterator[Note]:
     if chosen.joint and without > max(search.floor, NEAR * chosen.error):
         value, left = np.degrees([without, chosen.error]).tolist()
         ahead = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
+        if value > NEAR * (turn := float(np.degrees(search.course.turn))):
+            ahead += f" A sample makes {with_unit(turn)} of turn: the filter makes that error larger, {WRONG_SIGN}."
         yield Note(JOINT.code, f"{JOINT.fact}: {ahead}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import KINDS, REST, Course
+from lie_rigid_body.diagnosis.course import KINDS, LONG_REST, REST, Course
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
     JOINT,
@@ -154,9 +154,10 @@ Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
 """Function that runs the filter once for each job."""
 
 
-def settled(whole: Track) -> Track:
-    """The last two thirds of the samples, in which a filter has converged."""
-    return whole.part(slice(len(whole.stamps_ns) // 3, None))
+def settled(whole: Track, rest_s: float = REST) -> Track:
+    """The last two thirds of the samples, in which a filter has converged; of a longer rest the last second at most."""
+    rested = int(np.searchsorted(whole.stamps_ns, round(1e9 * (rest_s - REST))))
+    return whole.part(slice(max(len(whole.stamps_ns) // 3, rested), None))
 
 
 class Search:
@@ -178,6 +179,8 @@ class Search:
         Whether an estimate of the filter tells one.
     is_broken : bool
         Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
+    slow_error : float
+        Error after `LONG_REST`, rad; below the floor the filter only comes slowly from afar. Infinite if not measured.
     change : float
         Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
         what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
@@ -202,7 +205,7 @@ class Search:
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
         self.runs, self.is_cut, self.is_broken, self.has_covariance = 0, False, False, False
-        self.change = 0.0
+        self.slow_error, self.change = np.inf, 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
@@ -237,7 +240,10 @@ class Search:
         rested = list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))
         if plain(rested).error <= self.floor:
             self.courses, self.trials = longer, rested
-        else:
+            return
+        longer = tuple(replace(course, rest_s=LONG_REST) for course in self.courses)
+        self.slow_error = plain(list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))).error
+        if self.slow_error > self.floor:
             self.look()
 
     def changes(self) -> Iterator[float]:
@@ -380,7 +386,7 @@ class Search:
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
-            tracks = [settled(answer.track) for answer in right]
+            tracks = [settled(answer.track, course.rest_s) for answer, course in zip(right, courses, strict=True)]
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]

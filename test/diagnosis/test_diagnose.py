@@ -378,6 +378,23 @@ def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
 
 
 @pytest.mark.slow
+def test_right_filter_that_comes_slowly_from_afar_has_no_mistake() -> None:
+    """Another sign of the accelerometer and a world turned by half a turn together only move its first attitude."""
+    found = diagnose(textbook.from_afar, workers=2)
+    assert found.mistakes == ()
+    assert failed(found)[0] == "follows"
+    assert "comes slowly" in found.probes[0].message
+    assert found.filter_runs < 200
+
+
+@pytest.mark.slow
+def test_correction_of_the_wrong_sign_is_no_lead_of_a_sample() -> None:
+    found = diagnose(textbook.corrects_before_the_step, workers=2)
+    (note,) = (note for note in found.notes if note.code == "ahead_by_a_sample")
+    assert "wrong sign" in note.message
+
+
+@pytest.mark.slow
 def test_bias_of_the_wrong_sign_is_told_beside_the_probe() -> None:
     found = diagnose(textbook.bias_of_wrong_sign, max_runs=1, workers=2)
     assert found.mistakes == ()

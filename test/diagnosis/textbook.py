@@ -63,14 +63,20 @@ def triad(run: Any) -> Array:
 
 
 def mahony(
-    run: Any, kp: float = 2.0, ki: float = 0.2, *, nominal: float | None = None, signs: Vector = (1.0, 1.0, 1.0)
+    run: Any,
+    kp: float = 2.0,
+    ki: float = 0.2,
+    *,
+    nominal: float | None = None,
+    signs: Vector = (1.0, 1.0, 1.0),
+    begin: Quaternion | None = None,
 ) -> Array:
-    """Mahony's filter with the gyro's step first; it begins with TRIAD.
+    """Mahony's filter with the gyro's step first; it begins with TRIAD, unless an attitude is given.
 
     The signs of its corrections, by the accelerometer, by the magnetometer and of the bias, can be wrong.
     """
     field = unit(run.scenario.parameters()["magnetic_field"])
-    q: Quaternion = tuple(triad(run)[0].tolist())
+    q: Quaternion = begin or tuple(triad(run)[0].tolist())
     steps = np.diff(run.imu.t_ns, prepend=2 * run.imu.t_ns[0] - run.imu.t_ns[1]) / 1e9
     bx = by = bz = 0.0
     out = []
@@ -95,6 +101,11 @@ def as_it_is(vectors: Array) -> Array:
 
 def late(samples: int) -> Change:
     return lambda vectors: np.concatenate([vectors[:1]] * samples + [vectors[:-samples]])
+
+
+def sooner(vectors: Array) -> Array:
+    """Readings a sample before their time, as a filter takes them that compares them with the attitude before."""
+    return np.concatenate([vectors[1:], vectors[-1:]])
 
 
 def changed(run: Any, gyro: Change = as_it_is, force: Change = as_it_is, field: Change = as_it_is) -> Any:
@@ -228,6 +239,11 @@ def peeks(run: Any) -> Array:
     return run.attitude().at(run.imu.t_ns)
 
 
+def from_afar(run: Any) -> Array:
+    """A right filter that begins at the identity, and takes most of a minute to come from there."""
+    return mahony(run, kp=1.0, ki=0.1, begin=(0.0, 0.0, 0.0, 1.0))
+
+
 def stuck(run: Any) -> Array:
     attitude = triad(run)
     attitude[:] = attitude[0]
@@ -350,6 +366,12 @@ def hat(v: Array) -> Array:
 def corrects_the_wrong_way(run: Any) -> Array:
     """Mahony's filter that turns away from the accelerometer, which shows only where it errs."""
     return mahony(run, signs=(-1.0, 1.0, 1.0))
+
+
+def corrects_before_the_step(run: Any) -> Array:
+    """Mahony's filter that compares readings with the attitude before, and turns away from the magnetometer."""
+    ahead = changed(run, force=sooner, field=sooner)
+    return mahony(ahead, signs=(1.0, -1.0, 1.0))
 
 
 def bias_of_wrong_sign(run: Any) -> Array:
