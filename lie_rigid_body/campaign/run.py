@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections import defaultdict
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from threading import local
 from typing import Any, Final, TypeAlias
@@ -19,7 +20,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Entry
-from lie_rigid_body.errors import BagError, said
+from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
@@ -27,7 +28,7 @@ from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import STARTING_S, FilterError, Interpreter
+from lie_rigid_body.runs.processes import STARTING_S, Interpreter
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import shortened
@@ -55,7 +56,7 @@ _BIAS: Final = 3 + 6
 LONGEST_S: Final = 60.0
 """Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
-"""State of each thread of a worker: its campaign, and the second Python interpreter that calls the estimators."""
+"""State of each thread of a worker: its campaign, and a Python interpreter for each estimator, which calls it."""
 
 
 @dataclass(frozen=True)
@@ -153,32 +154,25 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
 
 def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     """What the campaign's estimators are worth in a run; another Python calls each, which may exit or hang."""
+    if not campaign.entries:
+        return []
     limit_s, found = STARTING_S + max(LONGEST_S, campaign.duration), []
-    for place in range(len(campaign.entries)):
+    given = simulate(campaign.scenario_of(run), duration=campaign.duration)
+    for entry in campaign.entries:
         try:
-            found.append(_interpreter(campaign).ask(partial(judged_in, campaign, run, place), limit_s))
-        except FilterError as error:  # of a process that the estimator has spoilt in an earlier run
+            found.append(_interpreter(campaign, entry).ask(partial(judged, entry, given), limit_s))
+        except InputError as error:  # of a process that the estimator has spoilt in an earlier run
             found.append(_without_score(str(error)))
         except (EOFError, TimeoutError) as error:
             found.append(_without_score(f"it {error}"))
     return [vars(each) for each in found]
 
 
-def _interpreter(campaign: Campaign) -> Interpreter:
-    """Another Python for this thread and campaign: of an earlier one it may have imported what has changed since."""
+def _interpreter(campaign: Campaign, entry: Entry) -> Interpreter:
+    """Another Python for this thread, campaign and estimator: an earlier one has what others have changed in it."""
     if getattr(_of_thread, "campaign", None) != campaign:
-        _of_thread.campaign, _of_thread.interpreter = campaign, Interpreter()
-    return _of_thread.interpreter  # type: ignore[no-any-return]
-
-
-def judged_in(campaign: Campaign, run: int, place: int) -> Judgement:
-    """What one of the campaign's entries is worth in a run, which is the same for all."""
-    return judged(campaign.entries[place], _run_of(campaign, run))
-
-
-@lru_cache(maxsize=1)
-def _run_of(campaign: Campaign, run: int) -> Run:
-    return simulate(campaign.scenario_of(run), duration=campaign.duration)
+        _of_thread.campaign, _of_thread.interpreters = campaign, defaultdict[str | None, Interpreter](Interpreter)
+    return _of_thread.interpreters[entry.contender.function or entry.contender.command]  # type: ignore[no-any-return]
 
 
 @short_dataclass(frozen=True)

@@ -7,13 +7,15 @@ import resource
 import signal
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.run import SCORES, judged_in, judgements
+from lie_rigid_body.campaign.run import SCORES, judged, judgements
+from lie_rigid_body.runs import simulate
 
 MODULE = """
 import os
@@ -88,7 +90,11 @@ def starts_a_program(run):
     return run.truth.attitude_xyzw
 
 def spoils_its_process(run):
-    np.asarray = None
+    np.asarray = np.sqrt = np.arcsin = np.arctan2 = None
+    return run.truth.attitude_xyzw
+
+def moves_away(run):
+    os.chdir("/")
     return run.truth.attitude_xyzw
 
 def lowers_a_limit(run):
@@ -114,7 +120,12 @@ def campaign_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[st
 @pytest.fixture
 def scored(campaign_of: Callable[[str], Campaign]) -> Callable[[str], dict[str, Any]]:
     """Scores of an estimator that is called in this process."""
-    return lambda function: judged_in(campaign_of(function), 0, 0).scores
+
+    def of(function: str) -> dict[str, Any]:
+        campaign = campaign_of(function)
+        return judged(campaign.entries[0], simulate(campaign.scenario_of(0), duration=campaign.duration)).scores
+
+    return of
 
 
 @pytest.fixture
@@ -188,8 +199,16 @@ def test_an_estimator_that_hangs_costs_the_score_of_its_run_only(asked: Any, mon
     assert [each["estimator_error"] for each in found] == [None, "it did not return within 12 s", None]
 
 
-def test_an_estimator_that_spoils_its_process_costs_scores_only(asked: Any) -> None:
-    assert all(each["estimator_error"] for each in asked("spoils_its_process", runs=2))
+def test_an_estimator_that_spoils_its_process_costs_its_own_scores_only(campaign_of: Any) -> None:
+    """Others are called, and scored, in a process of their own; so is what is true of the next run."""
+    names = {"a": "spoils_its_process", "b": "moves_away", "c": "turned"}
+    entries = {name: {"function": f"some_estimators:{function}"} for name, function in names.items()}
+    alone = campaign_of("turned", 2)
+    beside = replace(alone, estimator=None, estimators=entries)
+    for run in range(2):
+        (expected,), (_, moving, right) = judgements(alone, run), judgements(beside, run)
+        assert right["scores"] == expected["scores"]
+        assert moving["scores"]["estimator_error"] is None
 
 
 def test_a_copy_of_the_process_that_comes_back_ends_there(asked: Any) -> None:
