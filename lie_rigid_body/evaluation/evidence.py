@@ -37,7 +37,8 @@ in each."""
 FOLLOWING: Final = 0.125
 """Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
 UNLIKE: Final = 0.5
-"""Largest error of an explanation, as a share of the error of a constant attitude; with a mounting half of it."""
+"""Largest error of an explanation with constants, as a share of that of a constant attitude; with a mounting half of
+it."""
 LEAST_TILT: Final = float(np.radians(10.0))
 """Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
 about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
@@ -253,7 +254,9 @@ class Evidence:
         """Whether an explanation leaves little beside the body's turn, and needs each cause in each quarter."""
         left, lag_s = counted(explanation.left), explanation.lag_s
         unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
-        if left.mean() > max(unlike**2 * self.still, counted(np.zeros(1))[0]) or not explanation.explains:
+        # a constant fits a body that hardly turns; a cause without one does not
+        most = unlike**2 * self.still if len(explanation.causes) > len(explanation.form) else 1.0
+        if left.mean() > max(most, counted(np.zeros(1))[0]) or not explanation.explains:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
         tilts = [
