@@ -177,12 +177,12 @@ def test_two_conventions_beside_the_errors_of_mems_sensors_are_both_named_and_no
 @pytest.mark.parametrize("code", ["inverted", "scalar_first"])
 def test_a_convention_is_named_where_the_body_turns_by_little_more_than_the_sensors_err(code):
     """No constant is fitted, so that the little turn is enough; four causes that leave less had the name."""
-    run = simulate("tumbling_cubesat", duration=10.0, rate=50.0, imu_rate=50.0)
-    t_s, turn = run.imu.t_s[:, np.newaxis], np.array([[0.5, -0.3, 1.0]])
+    run = simulate("tumbling_cubesat", duration=10.0, rate=50.0)
+    t_s, turn = run.t_s[:, np.newaxis], np.array([[0.5, -0.3, 1.0]])
     drift = np.radians(4.0 * UP + 1.5 * np.sin(0.9 * t_s + turn))
     estimate = quaternion.multiply(quaternion.exp(drift), run.truth.attitude_xyzw)
     change = OF_THE_OUTPUT["conjugate" if code == "inverted" else "scalar first"][0]
-    score = evaluate(run.imu.t_ns, change(estimate), run)
+    score = evaluate(run.t_ns, change(estimate), run)
     assert [finding.code for finding in score.findings] == [code]
 
 
