@@ -20,6 +20,7 @@ from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
 if TYPE_CHECKING:
     from tqdm import tqdm
 
+    tqdm.monitor_interval = 0  # no thread for bars that stand still
 SUCCESS: Final = 0
 BROKEN: Final = 1
 UNUSABLE: Final = 2
@@ -31,6 +32,7 @@ _OUT_OF_MEMORY: Final = (
     "failed to map segment",
     "annot allocate memory",
     "can't start new thread",
+    "cannot join thread before it is started",
     "exception set",
     "setting an exception",
 )
@@ -253,7 +255,7 @@ def explanation(error: Exception) -> str:
     if isinstance(error, LieRigidBodyError):
         return str(error)
     if isinstance(error, MemoryError) or any(words in str(error) for words in _OUT_OF_MEMORY):
-        return "there is not enough memory: give less at once, or free some"
+        return "there is not enough memory, or no room for a thread (ulimit -u): give less at once, or free some"
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""
         return f"the system says {error.strerror or error}{where}: see to that, and try again"

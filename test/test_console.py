@@ -69,6 +69,7 @@ def test_too_little_memory_is_told_in_one_line(command: str, kilobytes: int, bag
         ImportError("libx.so: failed to map segment from shared object"),
         OSError(12, "Cannot allocate memory"),
         RuntimeError("can't start new thread"),
+        RuntimeError("cannot join thread before it is started"),
         SystemError("error return without exception set"),
         MemoryError(),
     ],

@@ -188,11 +188,12 @@ class SegmentSensor:
         is_whole : bool
             Whether the bag is to have all readings; of a recorder's only those before a reset can be missing.
         """
-        if not is_last and all(self._name in later.scenario.sensors.on for later in self._successors):
+        goes_on = all(self._name in later.scenario.sensors.on for later in self._successors)
+        if goes_on and not is_last:
             return self._arrived_until(self._end_ns) - 1
         if not is_whole:
             return high
-        if not is_last:  # a reset that takes the sensor away leaves out what it would have read after the last sample
+        if not goes_on:  # a reset that takes the sensor away leaves out what it would have read after the last sample
             clock = self._segment.clock()
             end_ns = clock.stamp_ns(clock.count_until(self._end_ns) - 1)
         return max(high, self._arrived_until(min(end_ns, self._end_ns)) - 1)
