@@ -114,6 +114,14 @@ def test_readings_after_the_truth_have_the_limits_of_their_own_time(tmp_path):
     assert broken(verdict(path, tmp_path, lambda ms: late(change(shifted(ms))))) == {"gyro"}
 
 
+def test_a_reset_that_takes_a_sensor_away_leaves_its_readings_out_if_the_bag_ends_before_the_next_sample(tmp_path):
+    """The other sensor goes on until the sample that does not come any more."""
+    slow: dict[str, object] = {**START, "rate": 0.2}
+    found = certify(write(tmp_path / "a.mcap", (slow, 7.0), ({**slow, "imu_rate": 0.0}, 1.0)))
+    assert found.passed, found.messages
+    assert len(found.segments) == 1
+
+
 def keep_truth(until_ns: int) -> Change:
     return lambda ms: [m for m in ms if m.topic not in ("/pose", "/twist") or m.log_time < until_ns]
 
