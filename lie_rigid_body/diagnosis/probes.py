@@ -114,6 +114,8 @@ def _follows(search: Search, answers: Answers) -> Probe:
         known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
         found = evaluate(track.stamps_ns, track.attitude_xyzw, known).findings
         said += "".join(f"; {each.code}: {each.message}" for each in found if each.code in WITHOUT_REPAIR)
+        if search.chosen.parts[0] <= search.floor:
+            said += "; its vertical is right, and its heading alone is wrong: does it use the magnetometer?"
     return Probe("follows", passed, said, value)
 
 

@@ -156,6 +156,8 @@ class Score(Shown):
         Limits with which the errors were compared.
     of_sensors_deg : float or None
         Largest constant turn that these sensors leave to a right filter, degrees; None unless such a turn was found.
+    gyro_at_limit : float
+        Share of the gyro's readings that are at the limit of its range, from 0 to 1.
     """
 
     stamps_ns: Integers
@@ -176,6 +178,7 @@ class Score(Shown):
     best: BestPossible | None = None
     limits: Limits = field(default_factory=Limits)
     of_sensors_deg: float | None = None
+    gyro_at_limit: float = 0.0
 
     def __repr__(self) -> str:
         """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
@@ -322,6 +325,14 @@ FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
             None
             if score.of_sensors_deg is None
             else f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°"
+        ),
+    ),
+    (
+        "gyro",
+        lambda score: (
+            f"at the limit of its range in {100.0 * score.gyro_at_limit:.3g} % of the readings: the body turns faster"
+            if score.gyro_at_limit
+            else None
         ),
     ),
     (

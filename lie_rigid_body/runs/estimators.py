@@ -75,7 +75,7 @@ class NamedFunction:
             If there is no such module or function.
         """
         module, _, function = self.name.partition(":")
-        if not (module and function):
+        if not (module and function) or module.endswith(".py"):
             raise InputError(f"estimator {shown(self.name)}: give MODULE:FUNCTION, such as my_filter:estimate")
         if os.getcwd() not in sys.path:
             sys.path.append(os.getcwd())  # an executable has its own folder there, not where it was started

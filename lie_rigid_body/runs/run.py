@@ -35,7 +35,7 @@ from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.runs.estimate import BIAS, Estimate, messages_of_score, vectors
 from lie_rigid_body.runs.readings import SensorArrays, read_only
-from lie_rigid_body.runs.truth import ScenarioTruth, bound_of, left_by_errors_of, unavoidable_error_of
+from lie_rigid_body.runs.truth import ScenarioTruth, at_limit, bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.showing import Shown, data_frame
@@ -377,6 +377,8 @@ class Run(_NamedSensors, Shown):
             bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
             sensors=left_by_errors_of(self.segments),
         )
+        if self.imu is not None:
+            score = replace(score, gyro_at_limit=at_limit(self.imu.gyro, self.scenario))
         if estimate.gyro_bias is None:
             return score
         bias = numbers("gyro_bias", estimate.gyro_bias, 3)

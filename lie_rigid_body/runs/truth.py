@@ -259,6 +259,12 @@ def _in_turn(parts: Sequence[UnavoidableError]) -> UnavoidableError | None:
     )
 
 
+def at_limit(gyro: Array, scenario: Scenario) -> float:
+    """Share of readings, shape (N, 3), of which an axis is at the limit of the gyro's range; 0 without a range."""
+    reach, step = (float(str(scenario.parameters()[f"gyro_{name}"])) for name in ("range", "resolution"))
+    return float(np.mean((np.abs(gyro) > reach - (step or 1e-9 * reach)).any(axis=1))) if reach and len(gyro) else 0.0
+
+
 def bound_of(segments: Sequence[Segment], truth: Truth, stamps_ns: Integers) -> UnavoidableError | None:
     """The bound for the score of an estimate at some stamps, thinned; None where it is not known.
 

@@ -387,6 +387,12 @@ def test_right_filter_that_comes_slowly_from_afar_has_no_mistake() -> None:
     assert found.filter_runs < 200
 
 
+def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> None:
+    found = diagnose(textbook.without_a_magnetometer, max_runs=1)
+    assert found.mistakes == ()
+    assert "heading alone" in found.probes[0].message
+
+
 @pytest.mark.slow
 def test_correction_of_the_wrong_sign_is_no_lead_of_a_sample() -> None:
     found = diagnose(textbook.corrects_before_the_step, workers=2)

@@ -244,6 +244,12 @@ def from_afar(run: Any) -> Array:
     return mahony(run, kp=1.0, ki=0.1, begin=(0.0, 0.0, 0.0, 1.0))
 
 
+def without_a_magnetometer(run: Any) -> Array:
+    """A right filter of gyro and accelerometer, which begins with any heading."""
+    north = changed(run, field=lambda field: np.tile([1.0, 0.2, 0.1], (len(field), 1)))
+    return mahony(north, signs=(1.0, 0.0, 1.0), ki=0.0)
+
+
 def stuck(run: Any) -> Array:
     attitude = triad(run)
     attitude[:] = attitude[0]
