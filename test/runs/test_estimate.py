@@ -161,6 +161,6 @@ def test_a_gyro_at_the_limit_of_its_range_is_told_beside_the_score(rate, share):
     """Tactical grade reads up to 400 °/s, 6.98 rad/s."""
     spin = [0.0, 0.0, rate]
     run = simulate("spherical_top", duration=1.0, sensor_grade="tactical", imu_rate=100.0, initial_body_rate=spin)
-    score = run.score(run.attitude().at(run.imu.t_ns))
+    score = run.score(run.truth.attitude_xyzw, run.t_ns)
     assert score.gyro_at_limit == share
     assert ("limit of its range" in str(score)) is bool(share)
