@@ -153,6 +153,7 @@ class SegmentSensor:
         self._replays, self._duration, self.is_too_far = replays, (last_ns - segment.start_ns) * 1e-9, False
         self._delivery = segment.scenario.sensors.on[name].delivery
         self._end_ns = successors[0].start_ns - 1 if successors else MAX_EPOCH_NS
+        self._goes_on = all(name in later.scenario.sensors.on for later in successors)
         self.clock = SampleClock(segment.scenario.epoch_ns, segment.scenario.sensors.on[name].rate)
         self.first = self.clock.count_until(segment.start_ns - 1)
         told = _told(segment.scenario, name)
@@ -188,15 +189,18 @@ class SegmentSensor:
         is_whole : bool
             Whether the bag is to have all readings; of a recorder's only those before a reset can be missing.
         """
-        goes_on = all(self._name in later.scenario.sensors.on for later in self._successors)
-        if goes_on and not is_last:
+        if self._goes_on and not is_last:
             return self._arrived_until(self._end_ns) - 1
         if not is_whole:
             return high
-        if not goes_on:  # a reset that takes the sensor away leaves out what it would have read after the last sample
+        if not self._goes_on:  # a reset leaves out what the sensor would have read after the last sample
             clock = self._segment.clock()
             end_ns = clock.stamp_ns(clock.count_until(self._end_ns) - 1)
         return max(high, self._arrived_until(min(end_ns, self._end_ns)) - 1)
+
+    def unsent(self, last: int) -> int:
+        """Number of readings after number ``last`` until a reset that takes the sensor away; 0 without such a reset."""
+        return 0 if self._goes_on else max(0, self._arrived_until(self._end_ns) - 1 - last)
 
     def _arrived_until(self, time_ns: int) -> int:
         """Number of the clock's readings, from number 0 on, that arrive at or before a time, ns."""

@@ -239,6 +239,9 @@ class SensorLaws:
                 begun.add(relative)
                 if end - last > lost.count(last + 1, end):
                     notes.append(f"readings on {topic.topic} end with {last}: {self._why_silent(0)}")
+                elif more := sensor.unsent(last):
+                    why = f"a reset takes the sensor away, before which up to {more} more may have been sent"
+                    notes.append(f"readings on {topic.topic} end with {last}: {why}")
             elif not wrong:
                 notes.append(f"no reading on {topic.topic}: {self._why_silent(lost.count(sensor.first, end))}")
         if checked or faults:

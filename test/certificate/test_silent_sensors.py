@@ -120,6 +120,8 @@ def test_a_reset_that_takes_a_sensor_away_leaves_its_readings_out_if_the_bag_end
     found = certify(write(tmp_path / "a.mcap", (slow, 7.0), ({**slow, "imu_rate": 0.0}, 1.0)))
     assert found.passed, found.messages
     assert len(found.segments) == 1
+    for topic in (IMU, BIAS):  # of both more may have been sent
+        assert telling(found, "ends", topic=topic)
 
 
 def keep_truth(until_ns: int) -> Change:
