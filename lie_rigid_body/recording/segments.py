@@ -176,7 +176,7 @@ class SensorClocks:
         self._segments = segments
         self._models = [segment.scenario.sensors.on.get(name) for segment in segments]
         self._starts = np.array([segment.start_ns for segment in segments])
-        self._previous_ns = int(self._starts[0])
+        self._previous_ns = int(self._starts[0]) - 1
         deliveries = [model.delivery for model in self._models if model is not None]
         self.err = any(delivery is not None and delivery.is_off for delivery in deliveries)
         shown = [self._shown_ns(place, self._starts[place : place + 2]) for place in range(len(segments))]
@@ -192,8 +192,7 @@ class SensorClocks:
         messages : TopicMessages
         in_order : bool
             Whether their log times are those at which the readings arrived, which tell the segments. Otherwise, of
-            several clocks that show a stamp, the right one is that which shows it at the time nearest to the reading
-            before.
+            several clocks that show a stamp, the right one is that which shows it first after the reading before.
         """
         stamps, left = messages.stamps_ns, np.ones(len(messages), dtype=np.bool_)
         for place, rows, numbers, times_ns in self.parts(messages.log_times_ns, stamps, in_order=in_order):
@@ -224,7 +223,8 @@ class SensorClocks:
         _, chosen, counts = np.unique(rows, return_index=True, return_counts=True)
         for i in np.flatnonzero(counts > 1).tolist():
             before = times[chosen[i - 1]] if i else self._previous_ns
-            chosen[i] += np.argmin(np.abs(times[chosen[i] : chosen[i] + counts[i]] - before))
+            since = times[chosen[i] : chosen[i] + counts[i]] - before  # readings arrive in the order of their times
+            chosen[i] += np.argmin(np.where(since > 0, since, _FAR + since))
         if len(chosen):
             self._previous_ns = int(times[chosen[-1]])
         for place in np.unique(places[chosen]).tolist():

@@ -66,6 +66,24 @@ def test_resets_that_change_the_clock(tmp_path, grade, motion):
         assert found.sensors == ALL
 
 
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ({"imu_clock_offset": 0.2, "imu_latency": 0.1}, {"imu_latency": 0.1}),
+        ({"imu_clock_offset": 0.5}, {}),
+        ({"imu_clock_skew": 0.01}, {}),
+        ({"imu_clock_skew": 0.01}, {"imu_clock_skew": 0.01, "rate": 30.0}),
+    ],
+)
+def test_the_order_of_a_recorder_tells_which_clock_shows_a_stamp(tmp_path, before, after):
+    """Before the reset and after it the clocks show the very same stamps."""
+    even: dict[str, object] = {"motion": "closed_form", "rate": 50.0, "imu_rate": 100.0, "magnetometer_rate": 0.0}
+    path = write(tmp_path / "a.mcap", ({**even, **before}, 1.0), ({**even, **after}, 0.7))
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", recorded(0.0))))
+    assert found.passed, found.messages
+    assert len(found.segments) == 2
+
+
 @pytest.mark.parametrize("offset", [0.15, -0.15])
 def test_readings_of_a_clock_that_errs_are_not_those_of_a_segment_without_the_sensor(tmp_path, offset):
     """Their stamps lie in the segment before or after their own, which has no such sensor."""
