@@ -159,7 +159,7 @@ class Run(_NamedSensors, Shown):
         sensors = SENSORS.values()
         found = {each.key: SensorArrays.of_recording(each, recording, surveyed.declared) for each in sensors}
         told = recording.readings.get(FAULTS)
-        has_faults = any(segment.scenario.sensors.have_faults for segment in segments)  # else they are of others
+        has_faults = any(each.scenario.sensors.have_faults for each in surveyed.declared)  # else they are of others
         texts = dict.fromkeys(text for _, text in told) if has_faults and isinstance(told, list) else ()
         try:
             faults = tuple(map(Fault.from_json, texts))

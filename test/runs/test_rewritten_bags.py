@@ -131,16 +131,19 @@ def test_an_orientation_that_begins_with_a_reset_is_kept(tmp_path: Path) -> None
     assert rewritten(source).read_bytes() == source.read_bytes()
 
 
-def test_a_reset_without_a_sample_is_kept(tmp_path: Path) -> None:
-    """A recorder that heard the scenario of a reset, and a reading after it, but no sample."""
-    given = {"motion": "closed_form", "rate": 10.0, "imu_rate": 20.0}
-    source = bag_of(tmp_path / "a.mcap", given, {**given, "initial_body_rate": [0.0, 0.0, 2.0]})
+@pytest.mark.parametrize("after", [{"initial_body_rate": [0.0, 0.0, 2.0]}, {"imu_dropout_probability": 0.5}])
+def test_a_reset_without_a_sample_is_kept(after: dict[str, Any], tmp_path: Path) -> None:
+    """A recorder that heard the scenario of a reset, readings after it and their faults, but no sample."""
+    given: dict[str, Any] = {"motion": "closed_form", "rate": 10.0, "imu_rate": 20.0}
+    source = bag_of(tmp_path / "a.mcap", given, {**given, **after})
     no_sample = recorded(
         source,
         tmp_path / "heard.mcap",
         lambda time, topic: None if time >= NS // 2 and topic in ("/pose", "/twist") else time + NS,
     )
-    rewritten(no_sample)
+    again = Run.from_bag(rewritten(no_sample))
+    assert again.faults == Run.from_bag(no_sample).faults
+    assert bool(again.faults) is ("imu_dropout_probability" in after)
 
 
 def test_scenarios_keep_their_words_and_the_software_that_computed_the_readings(tmp_path: Path) -> None:
