@@ -81,9 +81,6 @@ class RawMessages:
             yield cls.joined(waiting)
 
     def _in_pieces(self, count: int) -> Iterator[RawMessages]:
-        if count == 1:
-            yield self
-            return
         bytes_before = np.append(0, np.cumsum(self.sizes))
         bounds = np.linspace(0, len(self), count + 1).astype(np.int64).tolist()
         for begin, end in itertools.pairwise(bounds):
