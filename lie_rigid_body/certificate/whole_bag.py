@@ -132,6 +132,8 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     if not surveyed.as_written:
         yield "log times: a recorder's"
         yield "what came before its first sample"
+        if not bag.stamped:
+            yield "which twist is of which pose: without stamps they are paired in their order"
     yield "what came after its last sample" + (
         "" if bag.expected_samples is None else ": whoever cuts samples off can lower their count"
     )

@@ -11,6 +11,7 @@ PHRASES = {
     "before": "what came before its first sample",
     "after": "what came after its last sample",
     "shortened": "what came after its last sample: whoever cuts samples off can lower their count",
+    "bare twists": "which twist is of which pose",
     "recorder's log times": "log times: a recorder's",
     "no checksum": "parts without a checksum: {count}",
     "attachments": "{count} attachments",

@@ -230,7 +230,9 @@ def test_bare_twists_are_paired_by_log_time_or_by_order():
     piece = part(simulation, 50)
     own, foreign = recording(piece, stamped=False), recording(piece, stamped=False, log_delay=123_457)
     assert certify(own).passed
+    assert telling(certify(own), "bare twists") == []
     assert certify(foreign).passed
+    assert telling(certify(foreign), "bare twists")
     with refused("unpaired", twists=49, poses=50):
         certify(replace(foreign, twists=foreign.twists[0:49]))
 
