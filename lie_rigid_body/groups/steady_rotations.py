@@ -20,7 +20,7 @@ STEADY_TOLERANCE: Final = 1e-9
 """Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
 
 _RANK: Final = 1e-10
-"""Singular values of the orbit's tangent map below this, relative to the largest, count as 0."""
+"""Singular values of the orbit's tangent map below this, relative to |p| and the structure constants, count as 0."""
 
 
 class Stability(Enum):
@@ -141,14 +141,15 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     """
     w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates").copy()
     resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
-    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
-    tangent, algebra, normal = _orbit(directions)
+    momentum, f = lagrangian.momenta(w), lagrangian.group.structure_constants
+    directions = coadjoint_directions(lagrangian.group, momentum)
+    tangent, algebra, normal = _orbit(directions, float(np.linalg.norm(momentum) * np.abs(f).max(initial=0.0)))
     whole = linearisation(lagrangian, w)
     linear, off = tangent.T @ whole @ tangent, normal.T @ whole @ normal
     curvature, scale = _energy_curvature(lagrangian, w, directions)
     signs = _signs(algebra.T @ curvature @ algebra, resolution * scale)
     eigenvalues = np.linalg.eigvals(linear).astype(np.complex128)
-    turning = float(np.linalg.norm(np.tensordot(w, lagrangian.group.structure_constants, axes=1), 2))
+    turning = float(np.linalg.norm(np.tensordot(w, f, axes=1), 2))
     split = float(np.sqrt(resolution))
     stability = _verdict(linear, eigenvalues, signs, split, resolution * turning)
     if np.linalg.norm(off, 2) > split * turning:
@@ -195,10 +196,10 @@ def _signs(form: Array, zero: float) -> NDArray[np.int_]:
     return np.where(np.abs(values) > zero, np.sign(values), 0.0).astype(np.int_)
 
 
-def _orbit(directions: Array) -> tuple[Array, Array, Array]:
+def _orbit(directions: Array, scale: float) -> tuple[Array, Array, Array]:
     """Orthonormal columns: tangents of the orbit of p, the algebra elements that move p along it, and normals."""
     tangent, sizes, algebra = np.linalg.svd(directions)
-    on_orbit = sizes > _RANK * sizes.max(initial=0.0)
+    on_orbit = sizes > _RANK * scale
     return tangent[:, on_orbit], algebra[on_orbit].T, tangent[:, ~on_orbit]
 
 

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from group_bodies import COMPACT, ROTATIONS, affine_line, diagonal_body, random_metric
+from group_bodies import COMPACT, GROUPS, ROTATIONS, affine_line, diagonal_body, random_metric
 from sample_groups import heisenberg, sl2
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
@@ -219,6 +219,19 @@ def test_a_momentum_whose_orbit_has_fewer_dimensions_than_those_nearby():
         np.testing.assert_allclose(found.growth_rate, whole.real.max(), atol=1e-12)
         grown = [float(np.abs(later(body, rate, e)).max()) for e in 1e-6 * np.eye(len(rate))]
         assert (max(grown) > 3e-6) is (verdict in (Stability.UNSTABLE, Stability.MARGINAL))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_round_off_of_a_momentum_does_not_tell_its_orbit(seed):
+    """The rate is solved for, so that other components of the momentum are a last bit off 0."""
+    rng = np.random.default_rng(seed)
+    for group, p, verdict in (
+        (affine_line(), [-1.0, 0.0], Stability.STABLE),
+        (GROUPS["SE2"], [1.0, 0.0, 0.0], Stability.STABLE),
+        (MatrixLieGroup.from_generators(heisenberg()), [0.3, 0.4, 0.0], Stability.MARGINAL),
+    ):
+        metric = random_metric(rng, len(p))
+        assert steady_rotation(Lagrangian(group, metric), np.linalg.solve(metric, p)).stability is verdict
 
 
 def later(body, rate, disturbance):
