@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor, survey
-from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM
+from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, ENERGY_CAP
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
@@ -26,6 +26,7 @@ from lie_rigid_body.showing import Shown
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
 
+_BETTER: Final = "record with motion closed_form, a higher order or a smaller max_step"
 Blocks: TypeAlias = Iterator[tuple[int, Block]]
 """Samples in the order of their stamps, each block with its segment's place."""
 
@@ -279,7 +280,12 @@ def _notes(found: SurveyedSegment, held: HeldLaws, *, attitude_holds: bool) -> I
     if held.motion_error > ATTITUDE_CAP and not attitude_holds:
         yield (
             f"the declared motion errs by up to {held.motion_error:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} "
-            "at most: record with motion closed_form, a higher order or a smaller max_step, or a slower body"
+            f"at most: {_BETTER}, or a slower body"
+        )
+    elif any(not law.holds and law.limit == ENERGY_CAP for law in held.results):
+        yield (
+            "the declared stepper may keep energy and momentum less well than a ground truth has to, to "
+            f"{ENERGY_CAP:g}: {_BETTER}"
         )
 
 

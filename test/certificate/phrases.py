@@ -28,6 +28,7 @@ PHRASES = {
     "all lost": "no reading on {topic}: the scenario loses all {count} of this segment",
     "none arrives": "no reading on {topic}: none arrives within this segment",
     "recorder lacks": "no reading on {topic}: what a recorder lacks",
+    "keeps less": "the declared stepper may keep energy and momentum less well",
     "motion errs": "the declared motion errs by up to ",
     "ends": "readings on {topic} end with ",
     # what is wrong

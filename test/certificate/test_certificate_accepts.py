@@ -249,6 +249,12 @@ def test_samples_before_the_first_declaration_are_refused():
         certify(early)
 
 
+def test_a_stepper_that_keeps_the_momentum_too_badly_is_told_as_the_reason():
+    found = certify(run({"method": "rkmk2", "inertia": [1.0, 2.0, 3.0], "initial_body_rate": [2.0, 3.0, 1.0]}, 2))
+    assert {law.name.partition(" ")[0] for law in found.laws if not law.holds} <= {"kinetic", "world"}
+    assert telling(found, "keeps less")
+
+
 def test_a_poor_stepper_is_not_called_ground_truth():
     """The limits never grow beyond 1e-7 rad and 1e-9 relative: a first-order bag fails, and is told why."""
     found = certify(run({"method": "rkmk1"}, 1000))
