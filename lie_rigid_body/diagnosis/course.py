@@ -29,8 +29,6 @@ KINDS: Final = ("integrated", "instantaneous")
 
 REST: Final = 1.0
 """Time at rest before the motion, s."""
-LONG_REST: Final = 120.0
-"""Time at rest, s, in which a right filter is there, wherever it began."""
 RAMP: Final = 0.5
 """Time in which the motion gathers speed, s."""
 MOVING: Final = 12.0

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import LONG_REST, MARGIN, NOISE, REST, TINY, Course, readings
+from lie_rigid_body.diagnosis.course import MARGIN, NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.result import Probe, with_unit
 from lie_rigid_body.diagnosis.search import NEAR, Search
@@ -103,12 +103,11 @@ def _follows(search: Search, answers: Answers) -> Probe:
     what = "with its mistakes repaired" if search.chosen.codes else "with perfect sensors"
     value, floor = np.degrees([error, search.floor]).tolist()
     said = f"{what} it errs by {with_unit(value)} (limit {with_unit(floor)})"
+    if search.begins_alike:
+        said += "; it begins with one attitude whatever it reads, and so do the bodies here"
     if search.change and not passed:
         off, change = f"{TINY * search.course.turn:.1g}", with_unit(float(np.degrees(search.change)))
         said += f"; it is unstable: sensors off by {off} of what they read change it by {change}, {WRONG_SIGN}"
-    elif search.slow_error <= search.floor:
-        slow = with_unit(float(np.degrees(search.slow_error)))
-        said += f"; after {LONG_REST:g} s at rest it errs by {slow}: it begins far off and comes slowly"
     elif not passed:
         track = answers[0].track
         known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))

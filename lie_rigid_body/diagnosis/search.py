@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import KINDS, LONG_REST, REST, Course
+from lie_rigid_body.diagnosis.course import KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
     JOINT,
@@ -54,6 +54,11 @@ BEAM: Final = 8
 """Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
 UNCHANGED: Final = 1e-6
 """Change of the estimate, rad, below which a repair has no effect."""
+WORLD: Final = [0.0, 0.0, 0.0, 1.0]
+"""Attitude at which most filters begin that do not begin with their readings."""
+ALIKE: Final = 0.25
+"""Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not
+begin with its readings."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
@@ -154,10 +159,9 @@ Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
 """Function that runs the filter once for each job."""
 
 
-def settled(whole: Track, rest_s: float = REST) -> Track:
-    """The last two thirds of the samples, in which a filter has converged; of a longer rest the last second at most."""
-    rested = int(np.searchsorted(whole.stamps_ns, round(1e9 * (rest_s - REST))))
-    return whole.part(slice(max(len(whole.stamps_ns) // 3, rested), None))
+def settled(whole: Track) -> Track:
+    """The last two thirds of the samples, in which a filter has converged."""
+    return whole.part(slice(len(whole.stamps_ns) // 3, None))
 
 
 class Search:
@@ -179,8 +183,8 @@ class Search:
         Whether an estimate of the filter tells one.
     is_broken : bool
         Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
-    slow_error : float
-        Error after `LONG_REST`, rad; below the floor the filter only comes slowly from afar. Infinite if not measured.
+    begins_alike : bool
+        Whether the filter begins with one attitude, whatever it reads. Then the courses begin there too.
     change : float
         Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
         what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
@@ -205,7 +209,7 @@ class Search:
         self._exact = exact_repairs()
         self.trials: list[Trial] = []
         self.runs, self.is_cut, self.is_broken, self.has_covariance = 0, False, False, False
-        self.slow_error, self.change = np.inf, 0.0
+        self.begins_alike, self.change = False, 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
@@ -234,17 +238,31 @@ class Search:
         nearly = list(self.fully([()]))
         if self.is_broken or plain(nearly).error <= self.floor:
             return
-        self.trials = nearly
+        first = self._first_attitude()
+        for begin in [] if first is None else [first, WORLD]:  # it may tell its first attitude in another convention
+            self.courses = tuple(course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses)
+            self.short = (self.short[0].of_scenario(initial_attitude_xyzw=begin),)
+            nearly = list(self.fully([()]))
+            if plain(nearly).error <= self.floor:
+                break
+        self.begins_alike, self.trials = first is not None, nearly
+        if plain(nearly).error <= self.floor:
+            return
         self.change = max(self.changes(), default=0.0)
         longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
         rested = list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))
         if plain(rested).error <= self.floor:
             self.courses, self.trials = longer, rested
-            return
-        longer = tuple(replace(course, rest_s=LONG_REST) for course in self.courses)
-        self.slow_error = plain(list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))).error
-        if self.slow_error > self.floor:
+        else:
             self.look()
+
+    def _first_attitude(self) -> list[float] | None:
+        """The attitude with which the filter begins, if that is nearly the same where the bodies begin with others."""
+        tracks = [each.track for each in self.ask([Job(course) for course in self.courses]) if isinstance(each, Answer)]
+        told = [track.attitude_xyzw[:1] for track in tracks]
+        true = [track.truth.at(track.stamps_ns[:1]) for track in tracks]
+        apart, allowed = (float(angles_between(each[0], each[-1])[0]) for each in (told, true))
+        return told[0][0].tolist() if apart < ALIKE * allowed else None
 
     def changes(self) -> Iterator[float]:
         """Changes of the estimate by nearly perfect sensors, rad, above the floor and the scatter of equal runs."""
@@ -386,7 +404,7 @@ class Search:
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
-            tracks = [settled(answer.track, course.rest_s) for answer, course in zip(right, courses, strict=True)]
+            tracks = [settled(answer.track) for answer in right]
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]

@@ -378,13 +378,24 @@ def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
 
 
 @pytest.mark.slow
-def test_right_filter_that_comes_slowly_from_afar_has_no_mistake() -> None:
+def test_right_filter_that_begins_at_the_identity_and_comes_slowly_has_no_mistake() -> None:
     """Another sign of the accelerometer and a world turned by half a turn together only move its first attitude."""
     found = diagnose(textbook.from_afar, workers=2)
     assert found.mistakes == ()
-    assert failed(found)[0] == "follows"
-    assert "comes slowly" in found.probes[0].message
+    assert failed(found) == ["half_turn", "converges"]
+    assert "begins with one attitude" in found.probes[0].message
     assert found.filter_runs < 200
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [({"gyro": np.radians}, "gyro_units"), ({"field": lambda v: v[:, [1, 0, 2]]}, "magnetometer_axes")],
+)
+def test_mistake_of_a_filter_that_begins_at_the_identity_is_named_alone(changes: dict[str, Any], code: str) -> None:
+    found = diagnose(lambda run: textbook.from_afar(textbook.changed(run, **changes)))
+    assert [mistake.code for mistake in found.mistakes] == [code]
+    assert found.mistakes[0].rms_deg_after < 0.1
 
 
 def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> None:
