@@ -233,7 +233,10 @@ class Search:
         return self.courses[0].of_scenario(gyro_rate=self.chosen.kind)
 
     def run(self) -> None:
-        """Look for repairs if the filter is wrong, unless a longer rest makes it right: then go on with that."""
+        """Look for repairs if the filter is wrong.
+
+        If it is right from its own first attitude, or after a longer rest, go on with that.
+        """
         self.trials += self.fully([()], courses=self.courses)
         nearly = list(self.fully([()]))
         if self.is_broken or plain(nearly).error <= self.floor:
@@ -259,10 +262,12 @@ class Search:
     def _first_attitude(self) -> list[float] | None:
         """The attitude with which the filter begins, if that is nearly the same where the bodies begin with others."""
         tracks = [each.track for each in self.ask([Job(course) for course in self.courses]) if isinstance(each, Answer)]
-        told = [track.attitude_xyzw[:1] for track in tracks]
-        true = [track.truth.at(track.stamps_ns[:1]) for track in tracks]
-        apart, allowed = (float(angles_between(each[0], each[-1])[0]) for each in (told, true))
-        return told[0][0].tolist() if apart < ALIKE * allowed else None
+        if len(tracks) < 2:
+            return None
+        told = [track.attitude_xyzw[0] for track in tracks]
+        true = [track.truth.at(track.stamps_ns[:1])[0] for track in tracks]
+        apart, expected = (float(angles_between(first, second)) for first, second in (told, true))
+        return told[0].tolist() if apart < ALIKE * expected else None
 
     def changes(self) -> Iterator[float]:
         """Changes of the estimate by nearly perfect sensors, rad, above the floor and the scatter of equal runs."""
