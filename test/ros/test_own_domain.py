@@ -28,6 +28,7 @@ def test_what_others_have_left_holds_no_domain_and_leads_nowhere(
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(play, "DOMAINS", range(1, 5))
     monkeypatch.setattr(play, "_is_empty", lambda domain: True)  # other tests may be there
+    monkeypatch.delenv("ROS_DOMAIN_ID")
     os.mkfifo(tmp_path / "ros-domain-1.lock")  # whoever opens it to read would wait for a writer
     (tmp_path / "ros-domain-2.lock").symlink_to(tmp_path / "made elsewhere")
     (tmp_path / "ros-domain-3.lock").touch(mode=0o444)
