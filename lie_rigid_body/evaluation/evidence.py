@@ -18,7 +18,17 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
 from lie_rigid_body.evaluation.causes import BY_CODE
-from lie_rigid_body.evaluation.explanations import FORMS, NEGLIGIBLE, PRICES, Explanation, Form, Turned, counted, matrix
+from lie_rigid_body.evaluation.explanations import (
+    FORMS,
+    LEFT_BY_THREE,
+    NEGLIGIBLE,
+    PRICES,
+    Explanation,
+    Form,
+    Turned,
+    counted,
+    matrix,
+)
 from lie_rigid_body.evaluation.track import Track, products, spins, still
 from lie_rigid_body.lie import quaternion
 
@@ -254,9 +264,9 @@ class Evidence:
         """Whether an explanation leaves little beside the body's turn, and needs each cause in each quarter."""
         left, lag_s = counted(explanation.left), explanation.lag_s
         unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
-        # a constant fits a body that hardly turns; a cause without one does not
-        most = unlike**2 * self.still if len(explanation.causes) > len(explanation.form) else 1.0
-        if left.mean() > max(most, counted(np.zeros(1))[0]) or not explanation.explains:
+        # a constant fits a body that hardly turns, and a chain without one by chance: one of all in 0.2 % of turns
+        least = NEGLIGIBLE if len(explanation.causes) > len(explanation.form) else LEFT_BY_THREE
+        if left.mean() > max(unlike**2 * self.still, np.sin(0.5 * least) ** 2) or not explanation.explains:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
         tilts = [
