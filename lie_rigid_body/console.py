@@ -20,7 +20,6 @@ from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
 if TYPE_CHECKING:
     from tqdm import tqdm
 
-    tqdm.monitor_interval = 0  # no thread for bars that stand still
 SUCCESS: Final = 0
 BROKEN: Final = 1
 UNUSABLE: Final = 2
@@ -137,6 +136,7 @@ def progress(
     """
     from tqdm import tqdm
 
+    tqdm.monitor_interval = 0  # no thread for bars that stand still
     with suppress(OSError):  # of what is no terminal, or none of the system
         if not all(os.get_terminal_size(sys.stderr.fileno())):
             more |= {"ncols": 79, "nrows": 23}  # one less than usual, as tqdm has it: this terminal tells no size

@@ -296,3 +296,11 @@ def test_the_traceback_of_a_bug_is_shown_on_request(
     monkeypatch.setenv(console.DEBUG, "1")
     assert console.status_of("verb", lambda: fail(ZeroDivisionError())) == 2
     assert "in fail" in capsys.readouterr().err
+
+
+def test_a_progress_bar_starts_no_thread() -> None:
+    """Where no more threads are allowed, the library would warn about it on stderr."""
+    code = "import threading; from lie_rigid_body.console import progress as bar; bar(unit='B')"
+    code += "; print(threading.active_count())"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (found.stdout, found.stderr) == ("1\n", "")

@@ -242,15 +242,13 @@ class Search:
         if self.is_broken or plain(nearly).error <= self.floor:
             return
         first = self._first_attitude()
+        self.begins_alike, self.trials = first is not None, nearly
         for begin in [] if first is None else [first, WORLD]:  # it may tell its first attitude in another convention
             self.courses = tuple(course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses)
             self.short = (self.short[0].of_scenario(initial_attitude_xyzw=begin),)
-            nearly = list(self.fully([()]))
-            if plain(nearly).error <= self.floor:
-                break
-        self.begins_alike, self.trials = first is not None, nearly
-        if plain(nearly).error <= self.floor:
-            return
+            self.trials = list(self.fully([()]))
+            if plain(self.trials).error <= self.floor:
+                return
         self.change = max(self.changes(), default=0.0)
         longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
         rested = list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))

@@ -25,7 +25,7 @@ ENDING_S: Final = 2.0
 """Time that a node has to end when it is asked to, s."""
 _PORTS: Final = (7400, 250, (0, *range(10, 250, 2)))
 """UDP ports of a domain on one machine: the first of domain 0, how far the next domain's are, and places of those at
-which participants listen. See DDSI-RTPS 2.5, table 9.8."""
+which participants listen (DDSI-RTPS 2.5, 9.6.2.3)."""
 _LONGEST_WORDS: Final = 100
 """Largest number of bytes that are repeated of what the node prints."""
 
