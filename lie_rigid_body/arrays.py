@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from numbers import Real
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,19 @@ Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
 
 
-def plain(value: object) -> object:
-    """A number or an array of NumPy as those of Python."""
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+def plain(value: object) -> Any:
+    """A number or an array of NumPy, or a view of memory, as numbers and lists of Python."""
+    return value.tolist() if isinstance(value, np.ndarray | np.generic | memoryview) else value
+
+
+def as_double(value: object) -> float:
+    """A real number of Python or NumPy in double precision: NaN for what is none, infinity for one beyond doubles."""
+    if isinstance(value, bool | np.timedelta64) or not isinstance(value, Real):
+        return np.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return np.inf
 
 
 def same_bits(one: Array, other: Array) -> bool:

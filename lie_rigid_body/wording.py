@@ -117,7 +117,7 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
     -------
     str
     """
-    words = _without_middle(" ".join(text.splitlines()), _MOST_READ * most).split(" ")
+    words = printable(_without_middle(" ".join(text.splitlines()), _MOST_READ * most)).split(" ")
     remedy = max((i for i, word in enumerate(words, 1) if word.endswith(":")), default=0)
     for end in (remedy, len(words)):
         while (excess := len(" ".join(words)) - most) > 0:

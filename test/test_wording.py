@@ -35,6 +35,14 @@ def test_a_value_is_shown_in_one_short_line(value: object) -> None:
     assert len(shown(value).splitlines()) == 1
 
 
+def test_a_value_that_would_control_a_terminal_is_shown_with_escapes() -> None:
+    class Hostile:
+        def __repr__(self) -> str:
+            return "\x1b[2J\n\u202e"
+
+    assert shown(Hostile()) == r"\x1b[2J \u202e"
+
+
 def test_a_short_value_is_shown_as_it_is() -> None:
     for value in (0.1, -3, "base_link", [1.0, 2.0, 3.0], True, None, (1, 2)):
         assert shown(value) == repr(value)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from operator import attrgetter
@@ -16,6 +15,7 @@ from typing import Any, Final, TypeAlias, TypeGuard
 
 import numpy as np
 
+from lie_rigid_body.arrays import as_double
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.sensors.noise import uniform
 from lie_rigid_body.wording import shortened, shown, suggestion
@@ -101,7 +101,7 @@ def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
 
 def _is_finite(value: object) -> TypeGuard[int | float]:
     """Whether a value is a number that a double can hold."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+    return math.isfinite(as_double(value))
 
 
 def _number(what: str, value: object) -> float:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from numbers import Real
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Integers, as_double
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import shown
@@ -40,11 +39,11 @@ def quantity(name: str, value: Any, unit: str, example: str, *, or_zero: bool = 
     InputError
         If it is anything else; a text is, and so are NaN and infinity.
     """
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    if not is_number or not (0.0 < value <= sys.float_info.max or (value == 0.0 and or_zero)):
+    number = as_double(value)
+    if not (0.0 < number < np.inf or (number == 0.0 and or_zero)):
         above = "from 0 on" if or_zero else "above 0"
         raise InputError(f"{name}: {shown(value)} is not a finite number of {unit} {above}: give for example {example}")
-    return float(value)
+    return number
 
 
 def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:

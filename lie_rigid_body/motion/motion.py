@@ -9,7 +9,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array, Integers, plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.array_input import as_numbers
@@ -235,7 +235,7 @@ def require_memory(least: int, memory_limit: int, what: str) -> None:
     InputError
         Also if the limit is no integer.
     """
-    if not isinstance(memory_limit, int | np.integer) or isinstance(memory_limit, bool):
+    if type(plain(memory_limit)) is not int:
         raise InputError(f"memory_limit {shown(memory_limit)} is not a number of bytes: give an integer")
     if memory_limit < least:
         raise InputError(

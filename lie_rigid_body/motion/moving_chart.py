@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import copy
 import math
-import sys
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Final
@@ -26,6 +25,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import as_double
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
@@ -177,6 +177,5 @@ def require_stepper(method: object, max_step: object, methods: Collection[str]) 
     """
     if not isinstance(method, str) or method not in methods:
         raise ParameterError("method", f"{shown(method)} is unknown: choose one of {', '.join(methods)}")
-    number = isinstance(max_step, float | int | np.integer | np.floating) and not isinstance(max_step, bool)
-    if not (number and 0.0 < max_step <= sys.float_info.max):  # type: ignore[operator]
+    if not 0.0 < as_double(max_step) < np.inf:
         raise ParameterError("max_step", f"{shown(max_step)} s is not a positive finite time: give for example 0.001")

@@ -113,7 +113,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
             raise InputError(f"--{name} goes only {'with' if live else 'without'} a bag: {remedy}")
     if not live and given.estimate is None:
         parser.error("the following arguments are required: --estimate")
-    if given.estimate and len(set(given.estimate)) < len(given.estimate):
+    if given.estimate and len({topic.lstrip("/") for topic in given.estimate}) < len(given.estimate):
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
     if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")

@@ -162,7 +162,7 @@ def _start(start: State | None) -> dict[str, object]:
 def _chosen(seeds: Iterable[int], most: int) -> list[int]:
     """Seeds as a list, cut off at one more than the memory has room for."""
     try:
-        chosen = list(islice(seeds, most + 1))
+        chosen = list(islice(plain(seeds), most + 1))
     except TypeError:
         raise InputError(f"seeds {shown(seeds)} are no numbers in a row: give for example seeds=range(3)") from None
     if not chosen:

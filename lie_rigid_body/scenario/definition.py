@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array, plain
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
@@ -85,7 +85,15 @@ class Scenario:
 
     @classmethod
     def from_parameters(cls, given: Mapping[str, object] | None = None) -> Scenario:
-        """Make the scenario of a mapping of parameters, with values as a YAML file or a ROS parameter gives them."""
+        """Make the scenario of a mapping of parameters, with values as a YAML file or a ROS parameter gives them.
+
+        Raises
+        ------
+        InputError
+            If they are no mapping, or `Scenario` refuses one.
+        """
+        if not isinstance(given, Mapping | None):
+            raise InputError(f"parameters {shown(given)} are no mapping: give for example {{'rate': 100.0}}")
         return cls(**{str(name): value for name, value in (given or {}).items()})
 
     def resampled(self, *, rate: float | None = None, epoch_ns: int | None = None) -> Scenario:

@@ -59,3 +59,8 @@ def test_damaged_messages_are_refused(own, stamps, noisy, tmp_path, capsys):
                 writer.add_message(channel, 0, data, 0)
                 writer.finish()
             assert "/estimate" in refused(capsys, tmp_path / "bad.mcap", "--estimate", "/estimate", "--truth", own)
+
+
+def test_one_topic_with_its_slash_and_without_is_refused(own, stamps, noisy, tmp_path, capsys):
+    bag = beside(own, tmp_path / "twice.mcap", (POSE, HOW[POSE], "/estimate", stamps, noisy))
+    assert "/estimate" in refused(capsys, bag, "--estimate", "/estimate", "--estimate", "estimate")

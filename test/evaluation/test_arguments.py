@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from lie_rigid_body import attitude_error
+from lie_rigid_body import Limits, attitude_error, simulate
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.remarks import of_series
 
@@ -22,3 +25,17 @@ def test_a_mask_of_nothing_and_numbers_as_objects_are_read():
 def test_a_norm_whose_square_overflows_is_remarked():
     for factor, codes in ((1e200, ["not_unit"]), (1.0009, []), (0.9989, ["not_unit"])):
         assert [remark.code for remark in of_series(np.arange(3), np.full(3, True), factor * Q)] == codes
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_number_of_another_type_is_read_or_refused():
+    limits: Any = Limits
+    assert limits(np.float32(1.0)).max_rms_deg == Limits(1).max_rms_deg == 1.0
+    for value in (np.timedelta64(1, "s"), np.bool_(True), "1", 10**400, np.nan, 0):
+        with pytest.raises(InputError):
+            limits(value)
+    view: Any = memoryview(np.ones((2, 1, 1)))
+    with pytest.raises(InputError):
+        simulate(duration=0.1, inertia=view)
+    with pytest.raises(InputError):
+        simulate(duration=0.1, seeds=view)

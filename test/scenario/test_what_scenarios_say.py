@@ -69,6 +69,7 @@ SAID: list[tuple[Scene, str]] = [
     (loop, "cannot be read: Too many levels"),
     (lambda folder: read_parameter_file(folder / "nul\0l"), "cannot be read: embedded null"),
     (lambda folder: Scenario.from_parameters(gather(None, [], ["other:rate:=40.0"])), "no such parameter"),
+    (lambda folder: Scenario.from_parameters(5), "parameters 5 are no mapping"),  # type: ignore[arg-type]
     (
         lambda folder: scenario_file("dzanibekov"),
         r"did you mean dzhanibekov or slow_dzhanibekov\?; 'scenarios' lists all$",
