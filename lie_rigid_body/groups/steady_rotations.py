@@ -17,11 +17,11 @@ from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
 from lie_rigid_body.short_dataclass import short_dataclass
 
 STEADY_TOLERANCE: Final = 1e-9
-"""Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants."""
+"""Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants.
 
-_RANK: Final = 1e-10
-"""Singular values of the orbit's tangent map below this, relative to |p| and the structure constants, count as 0."""
-
+So far off may its momentum p be, and singular values of the orbit's tangent map up to that, relative to |p| and the
+structure constants, count as 0.
+"""
 
 class Stability(Enum):
     """Stability of a steady rotation under a small disturbance."""
@@ -143,7 +143,8 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
     momentum, f = lagrangian.momenta(w), lagrangian.group.structure_constants
     directions = coadjoint_directions(lagrangian.group, momentum)
-    tangent, algebra, normal = _orbit(directions, float(np.linalg.norm(momentum) * np.abs(f).max(initial=0.0)))
+    size = float(np.linalg.norm(momentum) * np.abs(f).max(initial=0.0))
+    tangent, algebra, normal = _orbit(directions, STEADY_TOLERANCE * size)
     whole = linearisation(lagrangian, w)
     linear, off = tangent.T @ whole @ tangent, normal.T @ whole @ normal
     curvature, scale = _energy_curvature(lagrangian, w, directions)
@@ -196,10 +197,13 @@ def _signs(form: Array, zero: float) -> NDArray[np.int_]:
     return np.where(np.abs(values) > zero, np.sign(values), 0.0).astype(np.int_)
 
 
-def _orbit(directions: Array, scale: float) -> tuple[Array, Array, Array]:
-    """Orthonormal columns: tangents of the orbit of p, the algebra elements that move p along it, and normals."""
+def _orbit(directions: Array, zero: float) -> tuple[Array, Array, Array]:
+    """Orthonormal columns: tangents of the orbit of p, the algebra elements that move p along it, and normals.
+
+    Singular values of the tangent map up to `zero` count as 0.
+    """
     tangent, sizes, algebra = np.linalg.svd(directions)
-    on_orbit = sizes > _RANK * scale
+    on_orbit = sizes > zero
     return tangent[:, on_orbit], algebra[on_orbit].T, tangent[:, ~on_orbit]
 
 
