@@ -23,6 +23,7 @@ So far off may its momentum p be, and singular values of the orbit's tangent map
 structure constants, count as 0.
 """
 
+
 class Stability(Enum):
     """Stability of a steady rotation under a small disturbance."""
 
