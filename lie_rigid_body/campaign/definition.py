@@ -17,6 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arrays import plain
+from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
@@ -27,7 +28,7 @@ from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown, suggestion
+from lie_rigid_body.wording import printable, shown, suggestion
 
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
@@ -159,13 +160,16 @@ class Campaign:
         InputError
             If the file cannot be read, or is no table of a campaign.
         """
-        from pyarrow import parquet
+        from pyarrow import ArrowException, parquet
 
         try:
-            metadata = parquet.read_schema(path).metadata or {}
+            with open_file(path) as file:
+                metadata = parquet.read_schema(file).metadata or {}
             return cls(**json.loads(metadata[OF_TABLE])["campaign"])
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
-            raise InputError(f"{path} is no table of a campaign: give its {TABLE}") from None
+        except InputError:
+            raise
+        except (ArrowException, OSError, ValueError, KeyError, TypeError, RecursionError):
+            raise InputError(f"{printable(str(path))} is no table of a campaign: give its {TABLE}") from None
 
     @cached_property
     def _draws(self) -> Mapping[str, Draw]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -106,6 +107,11 @@ def table_of_another(folder: Path) -> None:
     Campaign.from_table(folder / "runs.parquet")
 
 
+def no_table(folder: Path) -> None:
+    os.mkfifo(folder / "runs.parquet")
+    Campaign.from_table(folder / "runs.parquet")
+
+
 SHORT = "runs: 1\nseed: 1\nduration: 1.0\n"
 SAID: list[tuple[Scene, str]] = [
     (
@@ -126,6 +132,8 @@ SAID: list[tuple[Scene, str]] = [
     (failed, "000002.mcap is a folder; 0 are kept: mend that, and the same command does the rest"),
     (without_a_score, "estimator a:b gave no score in any run: a:b is lost: mend it, and give a new folder"),
     (table_of_another, "runs.parquet is no table of a campaign: give its runs.parquet"),
+    (no_table, "is a pipe: give a regular file"),
+    (lambda folder: Campaign.from_table("\ud800"), r"\ud800 is no table of a campaign"),
     (lambda folder: Campaign(3, 1, 1.0).drawn(3), "run 3 is none of this campaign: give a number from 0 to 2"),
 ]
 CAMPAIGNS = [
