@@ -248,7 +248,8 @@ class MuntheKaasDrift:
         walk = np.where(repeated, 0.0, RANDOM_WALK_FACTOR * U * n * together)
         made = growth.frame.largest_components(alike) + truncated
         independent = growth.frame.largest_components(walk)
-        energies = body.kinetic_energy(states) / growth.frame.size
+        # divided first: the energy of a slow body may be below what a double holds
+        energies = 0.5 * np.sum(states.body_rate * (body.body_momentum(states) / growth.frame.size), axis=-1)
         return cls(
             rate_bound,
             step,
