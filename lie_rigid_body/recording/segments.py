@@ -237,7 +237,8 @@ class SensorClocks:
         Shape (5, K).
         """
         numbers, times, off = self._read(place, stamps_ns)
-        rows = np.flatnonzero(np.searchsorted(self._starts, times - off, side="right") - 1 == place)
+        is_early = times < self._starts[0] - _ROUNDING_NS  # near a reading, but of an untold scenario
+        rows = np.flatnonzero((np.searchsorted(self._starts, times - off, side="right") - 1 == place) & ~is_early)
         if self._models[place] is None:
             off = np.full_like(off, _FAR)  # where there is no sensor, any clock of one shows a stamp rather
         return np.stack([rows, off[rows], np.full(len(rows), place), numbers[rows], times[rows]])

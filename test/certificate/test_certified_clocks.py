@@ -84,6 +84,26 @@ def test_the_order_of_a_recorder_tells_which_clock_shows_a_stamp(tmp_path, befor
     assert len(found.segments) == 2
 
 
+def test_a_reading_just_before_the_first_scenario_is_none_of_it(tmp_path):
+    """A recorder began between it and a reset: half a period from the first reading, whose clock is known."""
+    even: dict[str, object] = {
+        "motion": "closed_form",
+        "rate": 50.0,
+        "magnetometer_rate": 0.0,
+        "imu_clock_offset": 1e-6,
+    }
+    path = write(tmp_path / "a.mcap", ({**even, "imu_rate": 240.0}, 0.5), ({**even, "imu_rate": 100.0}, 0.5))
+
+    def begun_just_before(messages: list[Message]) -> list[Message]:
+        reset = max(i for i, m in enumerate(messages) if m.topic.endswith("scenario"))
+        late = next(i for i in range(reset - 1, 0, -1) if messages[i].topic == IMU)
+        return recorded(0.0)([messages[late], *messages[reset:]])
+
+    found = certify(Bag(tamper(path, tmp_path / "b.mcap", begun_just_before)))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, BIAS)
+
+
 @pytest.mark.parametrize("offset", [0.15, -0.15])
 def test_readings_of_a_clock_that_errs_are_not_those_of_a_segment_without_the_sensor(tmp_path, offset):
     """Their stamps lie in the segment before or after their own, which has no such sensor."""
