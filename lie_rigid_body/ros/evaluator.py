@@ -87,7 +87,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             judged = live.judge()
             if judged is not None:
                 scores.errors(*judged)
-            if live.tally.count > compared:
+            if live.tally.count != compared:
                 if not compared:
                     _say(f"comparing {following.estimate} with the truth")
                 compared, compared_at = live.tally.count, now

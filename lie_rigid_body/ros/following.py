@@ -52,18 +52,27 @@ class Following:
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
         self._subscriptions: dict[str, tuple[Subscription, Hear]] = {}
+        self._true_kinds: dict[str, str] = {}
         self._crowd: dict[str, int] = {}
         self._unreadable: dict[str, tuple[int, str]] = {}
 
     def look(self) -> None:
-        """Subscribe to what has appeared.
+        """Subscribe to what has appeared; begin anew where that is the truth, and another was taken for it.
 
         Raises
         ------
         InputError
-            If a topic is of no type that can be used, or it is not clear which is meant.
+            If a topic is of no type that can be used, or it is not clear which is meant when the comparison begins.
         """
         there = self.published()
+        try:
+            kinds = self._true_topics(there)
+        except InputError:
+            if self.live is None or not self.live.tally.count:
+                raise
+            kinds = self._true_kinds  # it was clear; who comes later does not end the comparison
+        if not self._true_kinds.keys() <= kinds.keys():
+            self._forget(kinds)
         if self.live is None:
             if self.estimate not in there:
                 return
@@ -71,12 +80,20 @@ class Following:
             subscription = subscribe(self._node, self.estimate, kind)
             self.live = self._begin(self.estimate, kind)
             self._subscriptions[self.estimate] = subscription, self.live.hear_estimates
-        truth = self.live.truth
-        for topic, kind in self._true_topics(there):
+        self._true_kinds, truth = kinds, self.live.truth
+        for topic, kind in kinds.items():
             if topic not in self._subscriptions:
                 hear = truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind)
                 self._subscriptions[topic] = subscribe(self._node, topic, kind), hear
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
+
+    def _forget(self, nearer: Collection[str]) -> None:
+        """Forget what was heard, as a truth has appeared that is nearer to the estimate."""
+        told = f"the truth is on {listed(sorted(nearer))}, not on {listed(sorted(self._true_kinds))}"
+        self._node.get_logger().warning(f"{told}: the comparison of {self.estimate} begins anew")
+        for subscription, _ in self._subscriptions.values():
+            self._node.destroy_subscription(subscription)
+        self.live, self._subscriptions, self._crowd = None, {}, {}
 
     def notes(self) -> Iterator[str]:
         """Sentences about the topics that a reader of the score should know."""
@@ -137,22 +154,23 @@ class Following:
             return f"nobody publishes {listed(gone)} any more"
         return f"nothing more of {self.estimate} can be compared: is its node busy, or the simulation paused?"
 
-    def _true_topics(self, there: dict[str, list[str]]) -> list[tuple[str, str]]:
-        """Names and types of the topics of the truth, as far as they are there."""
+    def _true_topics(self, there: dict[str, list[str]]) -> dict[str, str]:
+        """Types of the topics of the truth by their names, as far as they are there or have been."""
+        there = {topic: [kind] for topic, kind in self._true_kinds.items()} | there
         if self._truth in there:
             kind = self._type(self._truth, there[self._truth], (STRING, *ATTITUDE_TYPES))
             beside = pose_beside(self._truth)
             poses = kind == STRING and POSE_STAMPED in there.get(beside, [])
-            return [(self._truth, kind), *([(beside, POSE_STAMPED)] if poses else [])]
-        if not self._truth.endswith(f"/{TRUTH}"):
-            return []  # it was remapped, and is not there yet
+            return {self._truth: kind, **({beside: POSE_STAMPED} if poses else {})}
+        if not self._truth.endswith(f"/{TRUTH}") or self.estimate not in there:
+            return {**self._true_kinds}  # it was remapped, and is not there yet
         others = {topic: kinds for topic, kinds in there.items() if topic != self.estimate}
         scenario = self._nearest(others, "scenario", STRING)
         if scenario is not None:
             others = {topic: kinds for topic, kinds in others.items() if topic == pose_beside(scenario)}
         pose = self._nearest(others, "pose", POSE_STAMPED)
         found = {scenario: STRING, pose: POSE_STAMPED}
-        return [(topic, kind) for topic, kind in found.items() if topic is not None]
+        return {topic: kind for topic, kind in found.items() if topic is not None}
 
     def _nearest(self, there: dict[str, list[str]], ending: str, kind: str) -> str | None:
         try:

@@ -6,7 +6,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,13 +22,15 @@ from ros_domains import own_domain
 from said import numbers
 
 if find_spec("rclpy"):
+    from builtin_interfaces.msg import Time
     from diagnostic_msgs.msg import DiagnosticArray
     from geometry_msgs.msg import PoseStamped, Vector3Stamped
     from peer import Peer
+    from rclpy.publisher import Publisher
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from rclpy.serialization import serialize_message
     from sensor_msgs.msg import Imu
-    from std_msgs.msg import String
+    from std_msgs.msg import Header, String
 
     from lie_rigid_body.ros.following import Following
     from lie_rigid_body.ros.node import OF_EVERY_NODE
@@ -211,3 +213,59 @@ def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
         following.estimate, following.live = "/imu/data", None
         with pytest.raises(InputError):
             following.look()
+
+
+@pytest.mark.ros
+def test_a_truth_that_appears_later_takes_the_place_of_another_body(peer: Peer) -> None:
+    """Before it, the only truth is that of a body in another namespace. Where it is no nearer, nothing changes."""
+    from lie_rigid_body import Scenario
+    from lie_rigid_body.evaluation import Limits
+    from lie_rigid_body.messages import encode_string
+    from lie_rigid_body.runs.live_estimate import LiveEstimate
+
+    begin, body = partial(LiveEstimate, limits=Limits()), ("{}/lie_rigid_body/scenario", "{}/pose")
+
+    def published(name: str) -> list[Publisher]:
+        kinds = dict(zip(body, (String, PoseStamped), strict=True))
+        made = [peer.node.create_publisher(kind, topic.format(name), 1) for topic, kind in kinds.items()]
+        looked(lambda there: {topic.format(name) for topic in body} <= there)
+        return made
+
+    def looked(until: Callable[[set[str]], bool]) -> None:
+        eventually(lambda: until({*own.published()}), "topics")
+        for each in (own, rooted):
+            each.look()
+
+    def truth(following: Following) -> set[str]:
+        return following._subscriptions.keys() - {following.estimate}
+
+    def compared(following: Following) -> LiveEstimate:
+        live = following.live
+        assert live is not None
+        assert not live.tally.count
+        live.truth.hear_scenarios([encode_string(Segment(Scenario(), 0, 0).to_json())])
+        live.hear_estimates([serialize_message(Imu(header=Header(stamp=Time(sec=s)))) for s in range(3)])
+        live.judge()  # of what came before the last call
+        assert live.judge() is not None
+        return live
+
+    with Peer("evaluator") as other:
+        own, rooted = (Following(other.node, begin) for _ in range(2))
+        own.estimate, rooted.estimate = "/a/imu/data", "/imu/data"
+        for following in (own, rooted):
+            peer.node.create_publisher(Imu, following.estimate, 1)
+        looked(lambda there: {own.estimate, rooted.estimate} <= there)
+        published("/b")
+        assert truth(own) == truth(rooted) == {topic.format("/b") for topic in body}
+        compared(own)
+        live = compared(rooted)
+        made = published("/a")
+        assert truth(own) == {topic.format("/a") for topic in body}
+        assert truth(rooted) == {topic.format("/b") for topic in body}
+        assert rooted.live is live
+        live = compared(own)
+        for publisher in made:
+            peer.node.destroy_publisher(publisher)
+        looked(lambda there: "/a/pose" not in there)
+        assert truth(own) == {topic.format("/a") for topic in body}
+        assert own.live is live
