@@ -1,11 +1,10 @@
-"""Parts of an operating system that not all have: locks, the cores of a process, owners and modes of folders.
+"""Parts of an operating system that not all have: locks, the cores of a process, links, owners and modes of folders.
 
 Each part is asked for by its name, not by that of the system.
 """
 
 from __future__ import annotations
 
-import getpass
 import os
 import stat
 from contextlib import ExitStack
@@ -53,9 +52,14 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def user() -> str:
-    """Number of this user, or the name where users have none."""
-    return str(os.getuid()) if hasattr(os, "getuid") else getpass.getuser()
+def open_itself(path: str, flags: int, mode: int = 0o666) -> int:
+    """Open a file of that name itself, as an ``opener``; a link is an error."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), mode)
+
+
+def user() -> int:
+    """Number of the user whose rights this process has; 0, that of every file, where users have none."""
+    return os.geteuid() if hasattr(os, "geteuid") else 0
 
 
 def is_private(folder: Path) -> bool:
@@ -63,17 +67,18 @@ def is_private(folder: Path) -> bool:
 
     Where users have no numbers, the folders of a user are their own.
     """
-    if not hasattr(os, "getuid"):
-        return os.access(folder, os.W_OK)
+    may_write = os.access(folder, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
+    if not hasattr(os, "geteuid"):
+        return may_write
     above = [parent.stat() for parent in folder.resolve().parents]
     open_to_others = any(_others_write(state) and not state.st_mode & stat.S_ISVTX for state in above)
     own = folder.stat()
     return (
-        own.st_uid == os.getuid()
+        own.st_uid == user()
         and not _others_write(own)
-        and os.access(folder, os.W_OK)
+        and may_write
         and not open_to_others
-        and all(state.st_uid in (0, os.getuid()) for state in above)
+        and all(state.st_uid in (0, user()) for state in above)
     )
 
 
@@ -89,7 +94,7 @@ def _is_of_one(group: int) -> bool:
     import pwd
 
     try:
-        name, found = pwd.getpwuid(os.getuid()).pw_name, grp.getgrgid(group)
+        name, found = pwd.getpwuid(user()).pw_name, grp.getgrgid(group)
     except (KeyError, OSError):  # a group or a user without a name
         return False
     return found.gr_name == name and not {*found.gr_mem} - {name}

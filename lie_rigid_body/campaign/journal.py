@@ -19,7 +19,7 @@ from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, Judgem
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.system import lock
+from lie_rigid_body.system import lock, open_itself
 
 JOURNAL: Final = "runs.jsonl"
 """File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""
@@ -63,7 +63,7 @@ class Journal(AbstractContextManager["Journal"]):
             folder.mkdir(exist_ok=True)
             with ExitStack() as parts:
                 # before all else, as a kill then leaves a campaign
-                self._file = parts.enter_context(open(self.path, "a+b", opener=_no_link))
+                self._file = parts.enter_context(open(self.path, "a+b", opener=open_itself))
                 parts.enter_context(lock(self._file))
                 (folder / BAGS).mkdir(exist_ok=True)
                 self._read()
@@ -288,11 +288,6 @@ def _canonical(heading: bytes) -> str:
         return int(value) if value.is_integer() and str(value) != "-0.0" else value
 
     return json.dumps(json.loads(heading, parse_float=number))
-
-
-def _no_link(path: str, flags: int) -> int:
-    """Open a file of that name itself; a link is an error."""
-    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
 
 
 def _require_own(folder: Path) -> None:

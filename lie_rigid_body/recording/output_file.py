@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 
 from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.system import lock
+from lie_rigid_body.system import lock, user
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -87,7 +87,7 @@ class OutputFile:
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
         for link in (self.path, self.path.parent):
-            if link.is_symlink() and link.lstat().st_uid not in (0, _user()):
+            if link.is_symlink() and link.lstat().st_uid not in (0, user()):
                 raise BagError(f"{link} is a link of another user and is not followed: give another name")
         if self.path.is_dir():
             raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")
@@ -275,7 +275,7 @@ def _beside(target: Path) -> tuple[Path, _GrowingFile, contextlib.ExitStack]:
     """
     begin, end = _UNFINISHED
     older = target.lstat()
-    is_own = older.st_uid == _user()
+    is_own = older.st_uid == user()
     while True:
         path = target.with_name(f"{begin}{secrets.token_hex(8)}{end}")
         file = _GrowingFile(path, permissions=0o600 if is_own else 0o666)
@@ -288,11 +288,6 @@ def _beside(target: Path) -> tuple[Path, _GrowingFile, contextlib.ExitStack]:
             return path, file, held
         file.close()  # it was taken for a rest before it was locked
         held.close()
-
-
-def _user() -> int:
-    """Number of the user whose rights this process has; 0, that of every file, where there are none."""
-    return os.geteuid() if hasattr(os, "geteuid") else 0
 
 
 def _remove_rests(folder: Path) -> None:

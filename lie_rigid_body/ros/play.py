@@ -16,7 +16,7 @@ from typing import BinaryIO, Final
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.runs.programs import Answered, Play, words
-from lie_rigid_body.system import lock
+from lie_rigid_body.system import lock, open_itself
 from lie_rigid_body.wording import printable
 
 DOMAINS: Final = range(1, 102)
@@ -90,7 +90,7 @@ def _is_empty(domain: int) -> bool:
 def _shared(path: str, flags: int) -> int:
     """Open a file of any user for its lock, which needs reading alone; a link is an error, and a pipe no wait."""
     created = 0 if os.path.exists(path) else os.O_CREAT  # which systems refuse for another's file
-    return os.open(path, flags | created | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644)
+    return open_itself(path, flags | created | os.O_NONBLOCK, 0o644)
 
 
 @contextmanager

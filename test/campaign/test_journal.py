@@ -101,7 +101,7 @@ def test_a_campaign_that_ended_before_its_journal_began_is_begun_again(
     def fail(path: str, flags: int) -> int:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
 
-    monkeypatch.setattr("lie_rigid_body.campaign.journal._no_link", fail)
+    monkeypatch.setattr("lie_rigid_body.campaign.journal.open_itself", fail)
     with refused("not used", why="No space left on device"):
         Journal(campaign, tmp_path / "new")
     monkeypatch.undo()
