@@ -70,21 +70,13 @@ class Batch:
 
     Parameters
     ----------
-    samples : Samples, N of them
-    poses, twists : Payloads, N each
-    sensors : tuple of Messages
+    samples : Samples
+    topics : tuple of Messages
+        Those of every topic. Messages of equal times come in this order: the truth before sensors.
     """
 
     samples: Samples
-    poses: Payloads
-    twists: Payloads
-    sensors: tuple[Messages, ...] = ()
-
-    @property
-    def topics(self) -> tuple[Messages, ...]:
-        """Messages of every topic. Messages of equal times come in this order: the truth before sensors."""
-        stamps_ns = self.samples.stamps_ns
-        return Messages(POSE, stamps_ns, self.poses), Messages(TWIST, stamps_ns, self.twists), *self.sensors
+    topics: tuple[Messages, ...]
 
     def in_order(self) -> list[tuple[int, str, bytes]]:
         """Time, topic and payload of every message; where times are equal, in the order of `topics`."""
@@ -165,10 +157,11 @@ class BatchEncoder:
         """Encode samples and readings that were taken at once, with the frames of their own scenario."""
         if taken.scenario is not None and taken.scenario is not self._scenario:
             self._begin(taken.scenario)
-        samples = taken.samples
-        return Batch(samples, self._truth.poses(samples), self._truth.twists(samples), tuple(self._of_sensors(taken)))
+        return Batch(taken.samples, tuple(self._topics(taken)))
 
-    def _of_sensors(self, taken: Taken) -> Iterator[Messages]:
+    def _topics(self, taken: Taken) -> Iterator[Messages]:
+        yield Messages(POSE, taken.samples.stamps_ns, self._truth.poses(taken.samples))
+        yield Messages(TWIST, taken.samples.stamps_ns, self._truth.twists(taken.samples))
         for name, samples in taken.sensors.items():
             for encoder in self._sensors[name] if len(samples) else ():
                 yield Messages(encoder.topic.name, samples.times_ns, encoder.encode(samples))

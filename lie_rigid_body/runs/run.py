@@ -227,7 +227,7 @@ class Run(_NamedSensors, Shown):
                 bag.begin_segment(segment, text)
                 batch = BatchEncoder(segment.scenario).encode(taken)
                 others = (messages.between(begin, end) for messages, _ in beside)
-                bag.write(replace(batch, sensors=(*batch.sensors, *others)))
+                bag.write(replace(batch, topics=(*batch.topics, *others)))
 
     def _beside(
         self, estimates: Mapping[str, Estimate | tuple[ArrayLike, ArrayLike]], scores: Mapping[str, Score]

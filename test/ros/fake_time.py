@@ -35,7 +35,7 @@ class KeepingSink:
         self.events.append(segment)
 
     def write(self, batch: Batch) -> None:
-        assert len(batch.poses) == len(batch.twists) == len(batch.samples)
+        assert [len(messages.payloads) for messages in batch.topics[:2]] == [len(batch.samples)] * 2
         self.batches.append(batch)
         self.events.append(batch.samples.stamps_ns.tolist())
         self.sent_at += [self.steady()] * len(batch.samples)
@@ -61,7 +61,7 @@ class KeepingSink:
         return [
             stamp
             for batch in self.batches
-            for messages in batch.sensors
+            for messages in batch.topics
             if messages.topic == topic
             for stamp in messages.times_ns
         ]

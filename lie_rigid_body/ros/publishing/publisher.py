@@ -127,7 +127,7 @@ class SamplePublisher(Sink):
         """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
         self._rest.extend(self._in_order(batch))
         self.ready()
-        self._unconfirmed += max(len(batch.samples), *(len(messages.payloads) for messages in batch.sensors), 0)
+        self._unconfirmed += max(len(messages.payloads) for messages in batch.topics)
         if self._unconfirmed >= LARGEST_BATCH and self._history is HistoryPolicy.KEEP_LAST:
             self._wait_for_confirmation(BATCH_CONFIRMATION_NS)
 

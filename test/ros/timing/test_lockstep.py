@@ -62,7 +62,7 @@ class PairingFilter(KeepingSink):
 
     def write(self, batch: Batch) -> None:
         super().write(batch)
-        for messages in batch.sensors:
+        for messages in batch.topics:
             if messages.topic in self.topics:
                 for payload in messages.payloads:
                     self.hear(messages.topic, stamp_of(payload))
