@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
 """Rounding error allowed in a given or computed matrix, relative to its largest entry or eigenvalue."""
@@ -226,3 +229,24 @@ class Immutable:
         if hasattr(self, name):
             raise AttributeError(f"a {type(self).__name__} is immutable: build a new one instead of setting {name}")
         super().__setattr__(name, value)
+
+
+class ArraysOnly(Immutable):
+    """Base class of what is arrays alone: its slots, each of which is read only."""
+
+    __slots__: tuple[str, ...] = ()
+
+    @classmethod
+    def trusted(cls, *arrays: Array) -> Self:
+        """Make it of arrays that are not checked or copied, in the order of the slots."""
+        made = cls.__new__(cls)
+        made._hold(*arrays)
+        return made
+
+    def _hold(self, *arrays: Array) -> None:
+        for name, array in zip(self.__slots__, arrays, strict=True):
+            array.setflags(write=False)
+            setattr(self, name, array)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self).trusted, tuple(getattr(self, name) for name in self.__slots__)

@@ -5,14 +5,12 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.array_input import Immutable
+from lie_rigid_body.mechanics.array_input import ArraysOnly
 from lie_rigid_body.mechanics.inertia import (
     apply_tensor,
     diagonal_matrix,
@@ -25,7 +23,7 @@ from lie_rigid_body.mechanics.state import State
 from lie_rigid_body.wording import LONGEST_LINE, shown
 
 
-class RigidBody(Immutable):
+class RigidBody(ArraysOnly):
     """A free rigid body, given by its inertia about its centre of mass, eq. (28), or a batch of bodies.
 
     Parameters
@@ -122,18 +120,6 @@ class RigidBody(Immutable):
         if not self.batch_shape:
             raise TypeError("one RigidBody cannot be indexed")
         return RigidBody.trusted(*(getattr(self, name)[index] for name in self.__slots__))
-
-    @classmethod
-    def trusted(cls, *arrays: Array) -> RigidBody:
-        """The body of arrays that are not checked or copied: inertia, its inverse, principal axes and moments."""
-        body = cls.__new__(cls)
-        for name, array in zip(cls.__slots__, arrays, strict=True):
-            array.setflags(write=False)
-            setattr(body, name, array)
-        return body
-
-    def __reduce__(self) -> tuple[Callable[..., RigidBody], tuple[Array, ...]]:
-        return RigidBody.trusted, tuple(getattr(self, name) for name in self.__slots__)
 
     def __repr__(self) -> str:
         return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), LONGEST_LINE - 12)})"

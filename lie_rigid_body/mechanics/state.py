@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -11,14 +10,14 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.array_input import Immutable, real_array
+from lie_rigid_body.mechanics.array_input import ArraysOnly, real_array
 from lie_rigid_body.wording import call_repr
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""
 
 
-class State(Immutable):
+class State(ArraysOnly):
     """Attitude and body rate, of one instant or of many: A of eq. (3), and ω of eq. (11) in the body frame.
 
     Parameters
@@ -54,20 +53,7 @@ class State(Immutable):
                 "body_rate",
                 f"shape {rate.shape} does not go with attitudes of shape {attitude.shape}: give equal leading axes",
             )
-        self._set(_unit(attitude), rate)
-
-    @classmethod
-    def trusted(cls, attitude_xyzw: Array, body_rate: Array) -> State:
-        """A state of arrays that are not checked or copied: float64, of equal leading axes, unit quaternions."""
-        state = cls.__new__(cls)
-        state._set(attitude_xyzw, body_rate)
-        return state
-
-    def _set(self, attitude: Array, rate: Array) -> None:
-        attitude.setflags(write=False)
-        rate.setflags(write=False)
-        object.__setattr__(self, "attitude_xyzw", attitude)
-        object.__setattr__(self, "body_rate", rate)
+        self._hold(_unit(attitude), rate)
 
     def __len__(self) -> int:
         if self.body_rate.ndim < 2:
@@ -79,9 +65,6 @@ class State(Immutable):
         if self.body_rate.ndim < 2:
             raise TypeError("a State of one instant cannot be indexed")
         return State.trusted(self.attitude_xyzw[index], self.body_rate[index])
-
-    def __reduce__(self) -> tuple[Callable[[Array, Array], State], tuple[Array, Array]]:
-        return State.trusted, (self.attitude_xyzw, self.body_rate)
 
     def __repr__(self) -> str:
         return call_repr(self, {name: getattr(self, name) for name in self.__slots__})
