@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import multiprocessing
 import os
-import signal
-import threading
 import traceback
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, as_completed
+from collections.abc import Mapping, Sequence
+from contextlib import closing
 from functools import partial
-from multiprocessing.connection import wait as wait_for
 from pathlib import Path
+from threading import TIMEOUT_MAX
 from typing import Final
 
 from lie_rigid_body import console
@@ -22,7 +19,6 @@ from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.cli.bags import progress_bar, size
 from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.interruption import ENDING, Interruption
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
@@ -136,14 +132,20 @@ def judge_all(
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names.
     """
-    one = partial(judge, inertia, topics or {})
-    with Interruption.current().noted() as interruption:
-        found = _by_processes(one, bags, cores(), interruption)
-        for i, verdicts in enumerate(found):
-            if verdicts is None:  # a process that died took others with it: each again, in a process of its own
-                (again,) = _by_processes(one, [bags[i]], 1, interruption)
-                found[i] = again or [Verdict(bags[i], None, None, f"{bags[i]}: {_KILLED}")]
-    return [verdict for verdicts in found for verdict in verdicts or []]
+    from lie_rigid_body.runs.processes import (
+        Interpreter,
+        Interpreters,
+    )  # only for several bags: it loads what runs need
+
+    def judged(interpreter: Interpreter, bag: str) -> list[Verdict]:
+        try:
+            return interpreter.ask(partial(judge, inertia, topics or {}, bag), TIMEOUT_MAX)  # type: ignore[no-any-return]
+        except EOFError:
+            return [Verdict(bag, None, None, f"{bag}: {_KILLED}")]
+
+    with closing(Interpreters(min(cores(), len(bags)))) as pool:
+        found = console.progress(pool.map(judged, bags), total=len(bags), unit=" bags")
+        return [verdict for verdicts in found for verdict in verdicts]
 
 
 def judge(inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str) -> list[Verdict]:
@@ -175,39 +177,3 @@ def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
         traceback.print_exc()
     reason = console.explanation(error)
     return Verdict(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")
-
-
-def _by_processes(
-    one: Callable[[str], list[Verdict]], bags: Sequence[str], most: int, interruption: Interruption
-) -> list[list[Verdict] | None]:
-    """Verdicts on each bag by so many processes at most; None for a bag whose process died.
-
-    The processes have ended when this does, at once if it is left by an exception.
-    """
-    from lie_rigid_body.runs.processes import safe_path  # only for several bags: it loads what runs need
-
-    others = set(multiprocessing.active_children())
-    pool = ProcessPoolExecutor(min(most, len(bags)), multiprocessing.get_context(), _begin)
-    try:
-        with safe_path():
-            futures = [pool.submit(one, bag) for bag in bags]  # all processes begin here
-        with interruption.allowed():  # not before: what a fork calls would swallow a KeyboardInterrupt
-            for _ in console.progress(as_completed(futures), total=len(bags), unit=" bags"):
-                pass
-        return [None if isinstance(future.exception(), BrokenExecutor) else future.result() for future in futures]
-    except BaseException:
-        for process in set(multiprocessing.active_children()) - others:
-            process.kill()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _begin() -> None:
-    """Begin a process that leaves Ctrl-C, and a terminal that closes, to its parent, and ends with it."""
-    for number in ENDING:
-        signal.signal(number, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-    threading.Thread(target=lambda: (wait_for([parent.sentinel]), os._exit(1)), daemon=True).start()

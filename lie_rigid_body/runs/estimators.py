@@ -6,19 +6,17 @@ import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
-from queue import SimpleQueue
 from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
 from lie_rigid_body.errors import InputError, said
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import STARTING_S, FilterError, Interpreter, time_limit, told
+from lie_rigid_body.runs.processes import STARTING_S, FilterError, Interpreter, Interpreters, time_limit, told
 from lie_rigid_body.runs.programs import CommandEstimator
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -120,8 +118,8 @@ def each_alone(estimate: Estimator, jobs: Sequence[Job[T]]) -> Iterator[T | Filt
             yield error
 
 
-class Workers:
-    """Jobs done by processes; one that hangs or dies is ended, and another takes its place.
+class Workers(Interpreters):
+    """Jobs done by processes.
 
     Parameters
     ----------
@@ -136,28 +134,14 @@ class Workers:
     def __init__(self, source: Source, count: int, timeout_s: float) -> None:
         self._source, grace_s = source, _GRACE_S * isinstance(source, CommandEstimator)
         self._timeout_s = time_limit(timeout_s) + grace_s
-        self._threads = ThreadPoolExecutor(count)
-        self._processes = [Interpreter() for _ in range(count)]
-        self._idle = SimpleQueue[Interpreter]()
-        for process in self._processes:
-            self._idle.put(process)
+        super().__init__(count)
 
     def each(self, jobs: Sequence[Job[T]]) -> Iterator[T | FilterError]:
         """Results of jobs in their order; for a job that fails its error."""
-        return self._threads.map(self._done, jobs)
+        return self.map(self._done, jobs)
 
-    def close(self) -> None:
-        """End all processes, at once."""
-        self._threads.shutdown(wait=False, cancel_futures=True)
-        for process in self._processes:
-            process.kill()
-        self._threads.shutdown()
-        for process in self._processes:
-            process.end()
-
-    def _done(self, job: Job[Any]) -> Any:
+    def _done(self, process: Interpreter, job: Job[Any]) -> Any:
         """Result of a job in a process, or the error by which it fails."""
-        process = self._idle.get()
         try:
             if not process.is_running:
                 process.ask(partial(_with_estimator, self._source), max(STARTING_S, self._timeout_s))
@@ -168,8 +152,6 @@ class Workers:
             return FilterError(f"the filter {error}: look for an endless loop, or give more --timeout")
         except EOFError as error:
             return FilterError(f"the filter {error}: run it alone to see why")
-        finally:
-            self._idle.put(process)
 
 
 def _with_estimator(source: Source, job: Job[object] = lambda estimate: None) -> object:

@@ -1,4 +1,4 @@
-"""Processes in which estimators are called: other Python interpreters, which may hang or die."""
+"""Processes in which estimators are called, and bags are judged: other Python interpreters, which may hang or die."""
 
 from __future__ import annotations
 
@@ -9,15 +9,21 @@ import subprocess
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread, Timer
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, TypeVar
 
+from lie_rigid_body.console import DEBUG
 from lie_rigid_body.errors import PACKAGE, InputError, LieRigidBodyError, said
 from lie_rigid_body.evaluation.arguments import quantity
+
+R = TypeVar("R")
+T = TypeVar("T")
 
 STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
@@ -93,6 +99,7 @@ class Interpreter:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._is_closed = False
 
     @property
     def is_running(self) -> bool:
@@ -113,10 +120,12 @@ class Interpreter:
             [sys.executable, "-c", _SERVE.format(repr(sys.path))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
+            stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
             env=_environment_of_user(),
             start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
         )
+        if self._is_closed:  # meanwhile
+            self.kill()
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
         timer.start()
         try:
@@ -139,6 +148,11 @@ class Interpreter:
         if self._process is not None:
             kill_all(self._process)
 
+    def close(self) -> None:
+        """Kill it, and at once any that would be started in its place."""
+        self._is_closed = True
+        self.kill()
+
     def end(self) -> None:
         """Kill it and close its streams."""
         self.kill()
@@ -149,6 +163,41 @@ class Interpreter:
 
     def __del__(self) -> None:
         self.end()
+
+
+class Interpreters:
+    """Interpreters that work side by side; one that hangs or dies is ended, and another takes its place.
+
+    Parameters
+    ----------
+    count : int
+    """
+
+    def __init__(self, count: int) -> None:
+        self._threads, self._all = ThreadPoolExecutor(count), [Interpreter() for _ in range(count)]
+        self._idle = SimpleQueue[Interpreter]()
+        for each in self._all:
+            self._idle.put(each)
+
+    def map(self, do: Callable[[Interpreter, T], R], items: Iterable[T]) -> Iterator[R]:
+        """Results of a function, in the order of the items: each call gets an idle interpreter and an item."""
+        return self._threads.map(partial(self._with_idle, do), items)
+
+    def _with_idle(self, do: Callable[[Interpreter, T], R], item: T) -> R:
+        interpreter = self._idle.get()
+        try:
+            return do(interpreter, item)
+        finally:
+            self._idle.put(interpreter)
+
+    def close(self) -> None:
+        """End all of them, at once."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for each in self._all:
+            each.close()
+        self._threads.shutdown()
+        for each in self._all:
+            each.end()
 
 
 def kill_all(process: subprocess.Popen[Any]) -> None:

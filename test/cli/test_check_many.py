@@ -24,8 +24,6 @@ from lie_rigid_body.cli.checking import judge_all
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.report.overview import Verdict
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")  # of the threads of pytest's plugins
-
 
 @pytest.fixture
 def runs(tmp_path: Path) -> Path:
