@@ -144,6 +144,21 @@ def progress(
         return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 
 
+def progress_of_bags(bags: Iterable[str | Path], passes: int = 3) -> tqdm[Any]:
+    """Progress bar of the bytes to be read of bags in so many passes, as a context; its ``update`` takes those read.
+
+    A bag is read three times at most: to open it, to find its segments, and to take its samples.
+    """
+    return progress(total=passes * sum(map(bytes_of, bags)), unit="B", unit_scale=True, delay=0.5)
+
+
+def bytes_of(bag: str | Path) -> int:
+    """Number of bytes of a bag's files; 0 where there are none."""
+    path = Path(bag)
+    files = path.glob("*.mcap") if path.is_dir() else [path]
+    return sum(file.stat().st_size for file in files if file.is_file())
+
+
 def silence(stream: TextIO) -> None:
     """Discard what a stream still holds: else the interpreter would try to write it at its end, and fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

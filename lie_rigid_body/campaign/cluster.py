@@ -22,7 +22,7 @@ from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.output_file import write_file
-from lie_rigid_body.runs.processes import safe_path
+from lie_rigid_body.runs.processes import safe_path, variable
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 
@@ -197,7 +197,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     with (
         Interruption.current().noted() as interruption,
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own,
-        _marked(own),
+        variable(_MARK, own),  # of all processes that begin here
         safe_path(),
     ):
         try:
@@ -255,16 +255,6 @@ def _deafen() -> None:
     """Block SIGINT in this thread, where a system has masks of signals: Ctrl-C goes to all processes of a terminal."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-
-
-@contextmanager
-def _marked(mark: str) -> Iterator[None]:
-    """A context in which processes begin with a mark in their environment, which those that they begin inherit."""
-    os.environ[_MARK] = mark
-    try:
-        yield
-    finally:
-        del os.environ[_MARK]
 
 
 def _end_what_is_left(mark: str) -> None:

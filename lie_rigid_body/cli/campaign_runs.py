@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -23,7 +24,7 @@ from lie_rigid_body.campaign.cluster import (
 from lie_rigid_body.campaign.comparison import compare
 from lie_rigid_body.campaign.definition import SCORES_TABLE
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import ERROR, SCORES
+from lie_rigid_body.campaign.run import ERROR, SCORES, Row
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
@@ -195,18 +196,19 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
             f"keep others away, also the estimator; {RESUMED}"
         )
     path, has_page = journal.write_table(), given.report is not None
-    lines: list[Line] = []
-    varied: dict[int, Mapping[str, Any]] = {}
-    errors: list[list[str | None]] = []
-    totals: list[float] = []
-    for row in journal.rows():
-        # what only the page tells of a million runs would take gigabytes
-        varied[row.run] = row.parameters if has_page else {}
-        cells = (str(row.run), *(_cell(varied[row.run][name]) for name in campaign.vary if has_page))
-        lines.append(Line(cells, row.certified, row.attitude_accuracy_rad, row.residuals if has_page else {}))
-        scores = [judgement["scores"] for judgement in row.judgements]
-        errors.append([of_entry[ERROR] for of_entry in scores])
-        totals += [of_entry[SCORES[0]] or 0.0 for of_entry in scores if of_entry[ERROR] is None]
+    rows = [_outline(row, whole=has_page) for row in journal.rows()]
+    varied = {row.run: row.parameters for row in rows}
+    lines = [
+        Line(
+            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary if has_page)),
+            row.certified,
+            row.attitude_accuracy_rad,
+            row.residuals,
+        )
+        for row in rows
+    ]
+    errors = [[scores[ERROR] for scores in row.judgements] for row in rows]
+    totals = [scores[SCORES[0]] or 0.0 for row in rows for scores in row.judgements if scores[ERROR] is None]
     broken = [line.cells[0] for line in lines if not line.certified]
     told = [
         f"{counted(len(lines), 'run')}, {len(lines) - len(broken)} certified, attitudes within "
@@ -236,6 +238,12 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         return console.BROKEN
     _require_scores(campaign, errors, "any run")
     return console.SUCCESS
+
+
+def _outline(row: Row, *, whole: bool) -> Row:
+    """A row with its scores alone for judgements: of a million runs what only a page tells would take gigabytes."""
+    scores = [judgement["scores"] for judgement in row.judgements]
+    return replace(row, judgements=scores) if whole else replace(row, judgements=scores, parameters={}, residuals={})
 
 
 def _cell(value: Value | Sequence[float]) -> str:

@@ -16,7 +16,6 @@ from lie_rigid_body import console
 from lie_rigid_body.bounded_input import real
 from lie_rigid_body.certificate.certification import certify, passes
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
-from lie_rigid_body.cli.bags import progress_bar, size
 from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.mechanics import RigidBody
@@ -44,15 +43,17 @@ def check(given: argparse.Namespace) -> int:
     if given.prove is not None:
         require_count(given.prove)
     name, residuals = given.bags[0], None if given.report is None else ResidualsOverTime()
-    with progress_bar(given.bags) as bar:
+    with console.progress_of_bags(given.bags) as bar:
         bodies = Bag.all_of(name, bar.update, topics)
         first, *others = bodies.values()
         if others or isinstance(first, BagError):
             _refuse_proof(given)
-            bar.total = size(name) * (1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag)))
+            bar.total = console.bytes_of(name) * (
+                1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag))
+            )
             verdicts = judge_bodies(name, bodies, inertia)
         else:
-            bar.total = size(name) * (1 + passes(first, residuals) + (residuals is not None))
+            bar.total = console.bytes_of(name) * (1 + passes(first, residuals) + (residuals is not None))
             certificate = certify(first, inertia, residuals)
             pieces = thinned_segments(first, certificate) if residuals and certificate.segments else []
     if others or isinstance(first, BagError):

@@ -6,15 +6,13 @@ A filter is a function, a program that reads and writes CSV, or a ROS 2 node.
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from lie_rigid_body import console
 from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
-
-if TYPE_CHECKING:
-    from lie_rigid_body.runs.programs import CommandEstimator
+from lie_rigid_body.runs.programs import CommandEstimator, NodeEstimator
 
 ESTIMATOR: Final = (
     argument(
@@ -52,12 +50,8 @@ def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | 
     if len(there) > 1:
         raise InputError(f"{len(there)} estimators, {' and '.join(there)}: give one of them")
     if given.node is not None:
-        from lie_rigid_body.runs.programs import NodeEstimator
-
         return given.node, NodeEstimator(given.node, given.timeout)
     if given.command is not None:
-        from lie_rigid_body.runs.programs import CommandEstimator
-
         return given.command, CommandEstimator(given.command, given.timeout)
     return given.estimator or "", given.estimator
 

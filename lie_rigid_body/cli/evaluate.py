@@ -6,7 +6,6 @@ import sys
 from collections.abc import Sequence
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.bags import progress_bar
 from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.report.request import answer, parse, require_room
 
@@ -22,6 +21,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
     topics = topic_names(given.topic, TRUE_TOPICS)
-    with progress_bar(filter(None, (given.run, given.truth)), passes=len(given.estimate)) as bar:
+    with console.progress_of_bags(filter(None, (given.run, given.truth)), passes=len(given.estimate)) as bar:
         reads = [recorded_estimate(given.run, topic, given.truth, topics, bar.update) for topic in given.estimate]
     return answer(given, given.run, [(read, read.score(limits, given.covariance_axes)) for read in reads])

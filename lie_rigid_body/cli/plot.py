@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from lie_rigid_body.cli.bags import progress_bar
+from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, argument, file_name, require_suffix, topic_names, verb
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording.output_file import require_room
@@ -41,7 +41,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.drawing import answer, png
     from lie_rigid_body.report.thinned import thinned_segments
 
-    with progress_bar([given.bag]) as bar:
+    with console.progress_of_bags([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))
 
     def picture() -> bytes:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.array_input import ArraysOnly, real_array
@@ -60,7 +60,7 @@ class State(ArraysOnly):
             raise TypeError("a State of one instant has no length")
         return len(self.body_rate)
 
-    def __getitem__(self, index: int | slice) -> State:
+    def __getitem__(self, index: int | slice | Booleans) -> State:
         """The states at an index of the first leading axis."""
         if self.body_rate.ndim < 2:
             raise TypeError("a State of one instant cannot be indexed")

@@ -37,18 +37,26 @@ _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 
 
 @contextmanager
+def variable(name: str, value: str) -> Iterator[None]:
+    """Context in which a variable of the environment has a value, which processes that begin in it inherit."""
+    former = os.environ.pop(name, None)
+    os.environ[name] = value
+    try:
+        yield
+    finally:
+        del os.environ[name]
+        os.environ.update({} if former is None else {name: former})
+
+
+@contextmanager
 def safe_path() -> Iterator[None]:
     """Context whose Python processes import nothing from their working folder, which may be somebody else's.
 
     Python 3.10 does not heed that.
     """
     name, value = _SAFE_PATH
-    before = os.environ.setdefault(name, value)
-    try:
+    with variable(name, os.environ.get(name, value)):
         yield
-    finally:
-        if before == value:
-            os.environ.pop(name, None)
 
 
 def _environment_of_user() -> dict[str, str]:

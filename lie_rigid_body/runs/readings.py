@@ -150,19 +150,17 @@ class SensorArrays:
         InputError
             If something that is told on a topic of its own, as biases are, is not known.
         """
-        arrays = self.arrays
+        arrays, count = self.arrays, len(self.t_ns)
         for topic in sensor.topics[1:]:
-            columns = [arrays[field.array] for field in topic.fields]
-            none = np.zeros(len(self.t_ns), dtype=np.bool_)
-            told = [none if column is None else np.isfinite(column).all(axis=1) for column in columns]
-            missing = int(np.count_nonzero(~np.logical_and.reduce(told)))
-            if missing:
+            told = [arrays[field.array] for field in topic.fields]
+            known = np.hstack([np.full((count, 1), np.nan) if array is None else array for array in told])
+            if missing := count - np.count_nonzero(np.isfinite(known).all(axis=1)):
                 raise InputError(
-                    f"the run does not tell {topic.name} of {missing} of {len(self.t_ns)} readings of its "
+                    f"the run does not tell {topic.name} of {missing} of {count} readings of its "
                     f"{sensor.title}, which a bag holds: record all of {topic.name} as well"
                 )
         readings = {name: array for name, array in arrays.items() if array is not None}
-        lost = np.zeros(len(self.t_ns), dtype=np.bool_)
+        lost = np.zeros(count, dtype=np.bool_)
         inside = (self.arrival_ns >= begin_ns) & (self.arrival_ns < end_ns)
         return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside]
 

@@ -438,9 +438,11 @@ class Run(_NamedSensors, Shown):
     def _within(self, segment: Segment, begin_ns: int, end_ns: int) -> Taken:
         """Truth and readings of a segment from one time on and before another one, ns."""
         kept = (self.t_ns >= begin_ns) & (self.t_ns < end_ns)
-        states = State.trusted(self.truth.attitude_xyzw[kept], self.truth.body_rate[kept])
-        there = {name: sensor for name, sensor in SENSORS.items() if sensor.key in self.sensors}
-        sensors = {name: self.sensors[each.key].samples(each, begin_ns, end_ns) for name, each in there.items()}
+        sensors = {
+            name: self.sensors[sensor.key].samples(sensor, begin_ns, end_ns)
+            for name, sensor in SENSORS.items()
+            if sensor.key in self.sensors
+        }
         for name, samples in sensors.items():
             if len(samples) and name not in segment.scenario.sensors.on:
                 raise InputError(
@@ -448,4 +450,4 @@ class Run(_NamedSensors, Shown):
                     "take their topic out of the bag that it is from"
                 )
         faults = tuple(fault for fault in self.faults if begin_ns <= fault.begin_ns < end_ns)
-        return Taken(Samples(self.t_ns[kept], states), sensors, faults)
+        return Taken(Samples(self.t_ns, self.truth)[kept], sensors, faults)

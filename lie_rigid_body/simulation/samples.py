@@ -38,8 +38,8 @@ class Samples:
     def __len__(self) -> int:
         return len(self.stamps_ns)
 
-    def __getitem__(self, index: slice) -> Samples:
-        return Samples(self.stamps_ns[index], self.states[index])
+    def __getitem__(self, rows: slice | Booleans) -> Samples:
+        return Samples(self.stamps_ns[rows], self.states[rows])
 
     def joined(self, later: Samples) -> Samples:
         """Join these samples and later ones."""

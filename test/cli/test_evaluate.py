@@ -12,7 +12,7 @@ import pytest
 from estimates import beside
 from evaluating import HOW, IMU, ODOMETRY, POSE, refused, scored
 
-from lie_rigid_body.cli.bags import progress_bar
+from lie_rigid_body.console import progress_of_bags
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.report.drawing import svg
@@ -62,7 +62,7 @@ def test_progress_tells_every_byte_read(own, bag):
     recorded_estimate(bag, "/filter/Imu", own, progress=steps.append)
     size = bag.stat().st_size + own.stat().st_size
     assert 0.3 * size < sum(steps) <= size  # all but the index at the end, which is much of a small file
-    with progress_bar([bag, own], passes=1) as bar:
+    with progress_of_bags([bag, own], passes=1) as bar:
         assert bar.total == size
         assert bar.disable  # as stderr is no terminal
 
