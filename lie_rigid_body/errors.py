@@ -40,6 +40,10 @@ class InputError(LieRigidBodyError, ValueError):
     """An argument, a parameter or a command line is at fault."""
 
 
+class FilterError(InputError):
+    """The filter raised an exception, did not return, or returned what is no estimate."""
+
+
 class ParameterError(InputError):
     """A parameter of a scenario, or another argument that has a name, is at fault.
 

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.interpreters import safe_path, variable
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.recording.output_file import write_file
-from lie_rigid_body.runs.processes import safe_path, variable
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 

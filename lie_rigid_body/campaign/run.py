@@ -24,11 +24,11 @@ from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, rotation_block
+from lie_rigid_body.interpreters import STARTING_S, Interpreter
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import STARTING_S, Interpreter
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import shortened

@@ -18,6 +18,7 @@ from lie_rigid_body.certificate.certification import certify, passes
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.interpreters import Interpreter, Interpreters
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
@@ -133,10 +134,6 @@ def judge_all(
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names.
     """
-    from lie_rigid_body.runs.processes import (
-        Interpreter,
-        Interpreters,
-    )  # only for several bags: it loads what runs need
 
     def judged(interpreter: Interpreter, bag: str) -> list[Verdict]:
         try:

@@ -20,8 +20,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of
-from lie_rigid_body.runs.processes import time_limit
-from lie_rigid_body.runs.programs import NodeEstimator
+from lie_rigid_body.runs.programs import NodeEstimator, time_limit
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.system import cores

@@ -14,7 +14,7 @@ from lie_rigid_body.diagnosis.course import MARGIN, NOISE, REST, TINY, Course, r
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.result import Probe, with_unit
 from lie_rigid_body.diagnosis.search import NEAR, Search
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import FilterError, InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.consistency import rotation_block
@@ -24,7 +24,6 @@ from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
-from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.sensors import GRADES
 
 GYRO_BIAS: Final = float(np.radians(1.0))

@@ -12,6 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
+from lie_rigid_body.errors import FilterError
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import BY_CODE, UP, Cause, undone
@@ -20,7 +21,6 @@ from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator, called
-from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
 
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}

@@ -27,10 +27,10 @@ from lie_rigid_body.diagnosis.repairs import (
     of_output,
     scaled,
 )
+from lie_rigid_body.errors import FilterError
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of
-from lie_rigid_body.runs.processes import FilterError
 from lie_rigid_body.short_dataclass import short_dataclass
 
 FLOOR: Final = 0.1

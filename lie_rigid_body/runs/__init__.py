@@ -8,8 +8,7 @@
 - `recorded_estimate`, `live_estimate`: an estimate and its truth in a bag, and message by message from topics;
 - `kept_attitudes`: what counts of an estimate, and of its truth;
 - `estimate`: what an estimator returns;
-- `estimators`, `programs`: functions of a run that estimate, and programs and nodes that do;
-- `processes`: other Pythons, in which estimators are called.
+- `estimators`, `programs`: functions of a run that estimate, and programs and nodes that do.
 """
 
 from lie_rigid_body.runs.ensemble import simulate

@@ -21,11 +21,12 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.bounded_input import real
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.evaluation.arguments import quantity
+from lie_rigid_body.interpreters import Interpreter, kill_all
 from lie_rigid_body.messages.encoding import ReadingEncoder
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.processes import Interpreter, kill_all, time_limit
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -36,6 +37,8 @@ HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,m
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
 ANSWER: Final = "t_ns,x,y,z,w"
 """Columns that the program prints, with this line above them or without."""
+LONGEST_TIMEOUT_S: Final = 1e6
+"""Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
 _FEWEST_BYTES: Final = 2**20
 _BYTES_OF_A_LINE: Final = 256
 """Largest output of a program: so many bytes, and so many for each line of readings; a line of all digits has 120."""
@@ -53,6 +56,20 @@ _BEGIN_NS: Final = 10**9
 """Time added to the stamps of a run, ns, as a stamp of 0 means that there is no time yet."""
 _GRACE_S: Final = 1.0
 """Time that a player has beyond that of its run, s."""
+
+
+def time_limit(timeout: object) -> float:
+    """Read a limit of the time of one run of a filter, s, above 0 and at most `LONGEST_TIMEOUT_S`.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    limit_s = quantity("timeout", timeout, "seconds", "60")
+    if limit_s > LONGEST_TIMEOUT_S:
+        raise InputError(f"timeout: {limit_s:g} s is more than {LONGEST_TIMEOUT_S:g}: give less")
+    return limit_s
 
 
 def words(command: str) -> list[str]:

@@ -12,8 +12,8 @@ import pytest
 from estimates import beside
 from evaluating import HOW, IMU, ODOMETRY, POSE, refused, scored
 
-from lie_rigid_body.console import progress_of_bags
 from lie_rigid_body.cli.evaluate import main
+from lie_rigid_body.console import progress_of_bags
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.report.scores import draw

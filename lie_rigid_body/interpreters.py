@@ -1,4 +1,4 @@
-"""Processes in which estimators are called, and bags are judged: other Python interpreters, which may hang or die."""
+"""Other Python interpreters, which may hang or die: in them estimators are called, and bags are judged."""
 
 from __future__ import annotations
 
@@ -19,19 +19,16 @@ from threading import Thread, Timer
 from typing import Any, BinaryIO, Final, TypeVar
 
 from lie_rigid_body.console import DEBUG
-from lie_rigid_body.errors import PACKAGE, InputError, LieRigidBodyError, said
-from lie_rigid_body.evaluation.arguments import quantity
+from lie_rigid_body.errors import PACKAGE, FilterError, InputError, LieRigidBodyError, said
 
 R = TypeVar("R")
 T = TypeVar("T")
 
 STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
-LONGEST_TIMEOUT_S: Final = 1e6
-"""Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
 _SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
 """Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
-_SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.runs.processes import serve; serve()"
+_SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.interpreters import serve; serve()"
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 """Folder of the standard library, in which installed packages have one of their own."""
 
@@ -64,10 +61,6 @@ def _environment_of_user() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
 
 
-class FilterError(InputError):
-    """The filter raised an exception, did not return, or returned what is no estimate."""
-
-
 def told(error: BaseException) -> str:
     """Words for an exception of a filter, with the last line of the user's own code on its way.
 
@@ -82,20 +75,6 @@ def told(error: BaseException) -> str:
         return f"the filter failed, {line}{error}" if line else str(error)
     remedy = "a run's arrays are read only: take a copy" if "read-only" in str(error) else "mend that first"
     return f"the filter failed, {line}{said(error)}: {remedy}"
-
-
-def time_limit(timeout: object) -> float:
-    """Read a limit of the time of one run of a filter, s, above 0 and at most `LONGEST_TIMEOUT_S`.
-
-    Raises
-    ------
-    InputError
-        If it is anything else.
-    """
-    limit_s = quantity("timeout", timeout, "seconds", "60")
-    if limit_s > LONGEST_TIMEOUT_S:
-        raise InputError(f"timeout: {limit_s:g} s is more than {LONGEST_TIMEOUT_S:g}: give less")
-    return limit_s
 
 
 class Interpreter:

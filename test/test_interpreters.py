@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import FilterError, InputError
+from lie_rigid_body.interpreters import Interpreter, told
 from lie_rigid_body.runs import Estimate
-from lie_rigid_body.runs.processes import FilterError, Interpreter, told
 from said import numbers
 
 LIMIT_S = 60.0
@@ -23,7 +23,7 @@ WITH_PROC = pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /
 HANGING = """
 import os, threading, time
 from functools import partial
-from lie_rigid_body.runs.processes import Interpreter
+from lie_rigid_body.interpreters import Interpreter
 
 other = Interpreter()
 print(other.ask(os.getpid, 60.0), flush=True)
@@ -69,8 +69,8 @@ def test_place_of_an_error_is_a_line_of_the_user_or_none():
         except Exception as error:
             return told(error)
 
-    assert " test_processes.py line " in failed(_raise, "of the package")
-    assert " test_processes.py line " in failed(Estimate, "nothing")
+    assert " test_interpreters.py line " in failed(_raise, "of the package")
+    assert " test_interpreters.py line " in failed(Estimate, "nothing")
     assert told(FilterError("of the package")) == "of the package"
     with pytest.raises(ValueError) as caught:
         shlex.split('"')
