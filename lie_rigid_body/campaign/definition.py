@@ -91,8 +91,7 @@ class Campaign:
     estimators: Mapping[str, object] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        for name in ("runs", "seed", "duration"):
-            object.__setattr__(self, name, plain(getattr(self, name)))
+        vars(self).update({name: plain(getattr(self, name)) for name in ("runs", "seed", "duration")})
         for number in _NUMBERS:
             number.read(getattr(self, number.name))
         self.exact_duration  # noqa: B018 refuses what is no duration

@@ -306,20 +306,16 @@ def _left_by_errors(scenario: Scenario) -> float:
 
 def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int | None) -> UnavoidableError:
     scenario, imu = segment.scenario, segment.scenario.sensors.imu
-    vectors, attitudes = _aids(segment, last_ns)
-    numbers = _kept(
-        every,
-        [np.asarray(stamps) for stamps in (*(v.stamps_ns for v in vectors), *(a.stamps_ns for a in attitudes))],
-        most,
-    )
+    aids = [*_aids(segment, last_ns)]
+    numbers = _kept(every, [np.asarray(aid.stamps_ns) for aid in aids], most)
     stamps = every[numbers]
     return unavoidable_error(
         stamps,
         scenario.exact_motion().at(stamps - segment.start_ns).attitude_xyzw,
         gyro_noise=imu.gyro.noise_density * np.sqrt(imu.rate),
         gyro_bias=BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
-        vectors=vectors,
-        attitudes=attitudes,
+        vectors=[aid for aid in aids if isinstance(aid, VectorReadings)],
+        attitudes=[aid for aid in aids if isinstance(aid, AttitudeReadings)],
         gyro_readings=np.diff(numbers, prepend=-1),
         gyro_linear_errors=imu.gyro.linear_errors,
     )
@@ -342,19 +338,17 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int | None) -> Int
     return numbers[numbers >= 0]
 
 
-def _aids(segment: Segment, last_ns: int) -> tuple[list[VectorReadings], list[AttitudeReadings]]:
+def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeReadings]:
     """Readings of vectors and of attitudes by which the sensors of a segment tell the attitude."""
-    vectors, attitudes = [], []
     for model in segment.scenario.sensors.on.values():
         stamps = _stamps(segment, model.rate, last_ns)
         for aid in model.aids if len(stamps) else ():
             if isinstance(aid, VectorAid):
                 bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
-                vectors.append(VectorReadings(stamps, aid.reference, aid.noise, bias, aid.linear_errors))
+                yield VectorReadings(stamps, aid.reference, aid.noise, bias, aid.linear_errors)
             else:
                 across, about, axis = aid.across**2, aid.about**2, np.outer(aid.axis, aid.axis)
-                attitudes.append(AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis))
-    return vectors, attitudes
+                yield AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis)
 
 
 def _has_noise(sensors: Sensors) -> bool:
