@@ -36,12 +36,12 @@ _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 @contextmanager
 def variable(name: str, value: str) -> Iterator[None]:
     """Context in which a variable of the environment has a value, which processes that begin in it inherit."""
-    former = os.environ.pop(name, None)
+    former = os.environ.get(name)
     os.environ[name] = value
     try:
         yield
     finally:
-        del os.environ[name]
+        os.environ.pop(name, None)
         os.environ.update({} if former is None else {name: former})
 
 

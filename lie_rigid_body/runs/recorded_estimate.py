@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -20,7 +21,7 @@ from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, Wanted
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_messages import (
     ATTITUDE_TYPES,
@@ -140,11 +141,11 @@ def recorded_estimate(
         If an attitude is not finite, or zero.
     """
     path, names = Path(bag), (topic, f"/{topic.lstrip('/')}")  # other writers than ROS leave the slash out
-    contents = BagFiles(path, progress).contents(_estimate_or_truth(*names, *topics.values()))
+    contents = BagFiles(path, progress).contents(partial(_is_kept, (*names, *topics.values())))
     topic = names[topic not in {track.topic for track in contents.tracks.values()}]
     own = path, contents, topic
     if truth_bag is not None:
-        own = Path(truth_bag), BagFiles(truth_bag, progress).contents(_estimate_or_truth(*topics.values())), ""
+        own = Path(truth_bag), BagFiles(truth_bag, progress).contents(partial(_is_kept, (*topics.values(),))), ""
     motion = _true_motion(*own, topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
@@ -172,14 +173,10 @@ def _with_bias(
     return replace(read, gyro_bias=BiasEstimate(found.stamps_ns, found.values, truth))
 
 
-def _estimate_or_truth(*topics: str) -> Wanted:
-    """Choose the messages to keep: an estimate, its biases, and topics that are said to or may tell the truth."""
-
-    def wanted(name: str, kind: str) -> bool:
-        told = kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
-        return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS) and name.removesuffix(BIAS) in topics)
-
-    return wanted
+def _is_kept(topics: Collection[str], name: str, kind: str) -> bool:
+    """Whether messages are those of an estimate, of its biases, or of a topic that is said to or may tell the truth."""
+    told = kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
+    return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS) and name.removesuffix(BIAS) in topics)
 
 
 def _true_motion(
