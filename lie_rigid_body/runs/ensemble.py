@@ -40,8 +40,6 @@ _RUN_BYTES: Final = 2**16
 """Memory that a run takes beside its arrays, bytes."""
 WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
 """Parameters that would tell the truth, or the noise."""
-_MADE_OF_THEM: Final = ("_start", "_exact_motion", "_motion_at_start", "_rate_bound")
-"""Attributes of a scenario that are computed from its start, and so are withheld as well."""
 _TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
 """Methods of a run that would tell the truth, were it in a bag."""
 _NO_TRUTH: Final[Any] = None
@@ -228,11 +226,6 @@ class BlindScenario(Scenario):
         names = [f.name for f in fields(self) if f.name not in (*WITHHELD, "sensors", "sensor_parameters")]
         return {**{name: getattr(self, name) for name in names}, **dict(self.sensor_parameters)}
 
-    def __getattr__(self, name: str) -> Any:
-        if name in (*WITHHELD, *_MADE_OF_THEM):
-            _refuse(f"scenario.{name}")
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-
     def __getstate__(self) -> dict[str, object]:
         """Attributes to be copied or pickled: those that are not withheld."""
         return dict(vars(self))
@@ -242,6 +235,10 @@ class BlindScenario(Scenario):
 
     def __hash__(self) -> int:
         return hash(self.sensor_parameters)
+
+
+for _name in WITHHELD:
+    setattr(BlindScenario, _name, property(lambda self, name=_name: _refuse(f"scenario.{name}")))
 
 
 class BlindRun(Run):
