@@ -202,7 +202,7 @@ class WithheldError(InputError, AttributeError):
     """Something was asked of a run or a scenario that would tell the truth."""
 
 
-def _refuse(name: str) -> NoReturn:
+def _refuse(name: str, *_: object, **__: object) -> NoReturn:
     raise WithheldError(
         f"{name} would tell the truth, which this run withholds: estimate from what run.imu and run.magnetometer read"
     )
@@ -238,7 +238,7 @@ class BlindScenario(Scenario):
 
 
 for _name in WITHHELD:
-    setattr(BlindScenario, _name, property(lambda self, name=_name: _refuse(f"scenario.{name}")))
+    setattr(BlindScenario, _name, property(partial(_refuse, f"scenario.{_name}")))
 
 
 class BlindRun(Run):
@@ -278,7 +278,7 @@ class BlindRun(Run):
 
     def __getattribute__(self, name: str) -> Any:
         if name in _TELLING:
-            return lambda *arguments, **options: _refuse(f"run.{name}()")
+            return partial(_refuse, f"run.{name}()")
         return super().__getattribute__(name)
 
 
