@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.campaign.definition import Campaign, Entry
+from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs
@@ -52,7 +52,7 @@ class Standing:
 
     Attributes
     ----------
-    entry : Entry
+    entry : Contender
         With the parameters of the best point of its grid.
     runs : ndarray of int, shape (R,)
         Numbers of the runs.
@@ -72,7 +72,7 @@ class Standing:
         Those of its grid.
     """
 
-    entry: Entry
+    entry: Contender
     runs: Integers
     scores: Mapping[str, Array]
     failed: Any
@@ -86,7 +86,7 @@ class Standing:
     @property
     def name(self) -> str:
         """Name of the estimator."""
-        return self.entry.contender.name
+        return self.entry.name
 
     def quantile(self, column: str, share: float) -> float:
         """Quantile of a score over the runs that have it, some of which may be infinite; NaN if none has."""
@@ -161,7 +161,7 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
         for one, judgement in zip(entries, row.judgements, strict=True):
             one.add(row.run, Judgement(**judgement))  # the journal has looked at it
     duration, independent = float(campaign.exact_duration), _SEED in campaign.vary
-    chosen = [_best([one for one in entries if one.entry.contender.name == name]) for name in campaign.contenders]
+    chosen = [_best([one for one in entries if one.entry.name == name]) for name in campaign.contenders]
     standings = tuple(one.standing(points, duration if independent else None) for one, points in chosen)
     return Comparison(
         standings,
@@ -188,12 +188,12 @@ class _EntryScores:
 
     Attributes
     ----------
-    entry : Entry
+    entry : Contender
     kept : list of Judgement
         Those of the first runs in which it is scored, at most `MOST_SERIES`.
     """
 
-    def __init__(self, entry: Entry) -> None:
+    def __init__(self, entry: Contender) -> None:
         self.entry = entry
         self.kept: list[Judgement] = []
         self._runs: list[int] = []
@@ -204,7 +204,7 @@ class _EntryScores:
         """Take what the entry is worth in a run."""
         self._runs.append(run)
         self._numbers.append(_numbers(judgement))
-        if self.entry.contender.grid and run % 2 == 0:
+        if self.entry.grid and run % 2 == 0:
             return  # the best point of a grid is chosen in it, and scored in others
         self._reason = self._reason or judgement.error or ""
         if len(self.kept) < MOST_SERIES:
@@ -239,7 +239,7 @@ def _numbers(judgement: Judgement) -> list[float]:
 
 def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, ...]]:
     """The entry of an estimator, with a grid that of the best point, and all points."""
-    if not entries[0].entry.contender.grid:
+    if not entries[0].entry.grid:
         return entries[0], ()
     points = []
     for one in entries:

@@ -8,7 +8,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
@@ -183,12 +183,20 @@ class Campaign:
         """The estimators by their names; a single one has none, ``""``."""
         if self.estimator is not None:
             return {"": Contender("", self.estimator)}
-        return contenders(self.estimators)
+        if not isinstance(self.estimators, Mapping):
+            raise InputError(
+                "estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below"
+            )
+        found = dict(sorted((name, _contender(name, content)) for name, content in self.estimators.items()))
+        count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
+        if count > MOST_POINTS:
+            raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
+        return found
 
     @cached_property
-    def entries(self) -> tuple[Entry, ...]:
+    def entries(self) -> tuple[Contender, ...]:
         """What is called in each run: every estimator at every point of its grid."""
-        return tuple(entry for one in self.contenders.values() for entry in one.entries)
+        return tuple(entry for one in self.contenders.values() for entry in one.points)
 
     @property
     def exact_duration(self) -> Fraction:
@@ -251,7 +259,7 @@ class Contender:
     function, command : str or None
         ``module:function``, or a program; one of them is given.
     parameters : dict of str to object
-        Keyword arguments beside the run.
+        Keyword arguments beside the run; at a point of its grid also those of that point.
     grid : dict of str to list
         Values that are tried of further ones, each with each of the others.
     """
@@ -263,10 +271,10 @@ class Contender:
     grid: Mapping[str, list[Any]] = field(default_factory=dict)
 
     @property
-    def entries(self) -> Iterator[Entry]:
+    def points(self) -> Iterator[Contender]:
         """The estimator at each point of its grid; one without a grid once."""
         for values in itertools.product(*self.grid.values()):
-            yield Entry(self, {**self.parameters, **dict(zip(self.grid, values, strict=True))})
+            yield replace(self, parameters={**self.parameters, **dict(zip(self.grid, values, strict=True))})
 
     def require_parameters(self) -> None:
         """Refuse parameters that the function does not take, and a program that is not there.
@@ -292,20 +300,6 @@ class Contender:
             remedy = suggestion(unknown[0], own, "parameters") if own else "leave it out"
             raise InputError(f"estimators.{self.name}: {self.function} takes no {shown(unknown[0])}: {remedy}")
 
-
-@short_dataclass(frozen=True)
-class Entry:
-    """An estimator with the keyword arguments that it is called with.
-
-    Attributes
-    ----------
-    contender : Contender
-    parameters : dict of str to object
-    """
-
-    contender: Contender
-    parameters: Mapping[str, Any]
-
     def load(self) -> Estimator:
         """The estimator as a function of a run.
 
@@ -314,31 +308,10 @@ class Entry:
         InputError
             If it cannot be imported.
         """
-        if self.contender.command is not None:
-            return CommandEstimator(self.contender.command)
-        found = NamedFunction(str(self.contender.function)).load()
+        if self.command is not None:
+            return CommandEstimator(self.command)
+        found = NamedFunction(str(self.function)).load()
         return partial(found, **self.parameters) if self.parameters else found
-
-
-def contenders(given: object) -> dict[str, Contender]:
-    """Read the estimators of a campaign by their names, in whose order they are.
-
-    Parameters
-    ----------
-    given : object
-        A mapping of names to mappings, as in the file.
-
-    Raises
-    ------
-    InputError
-    """
-    if not isinstance(given, Mapping):
-        raise InputError("estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below")
-    found = dict(sorted((name, _contender(name, content)) for name, content in given.items()))
-    count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
-    if count > MOST_POINTS:
-        raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
-    return found
 
 
 def _contender(name: object, content: object) -> Contender:

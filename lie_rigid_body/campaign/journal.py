@@ -227,7 +227,7 @@ class Journal(AbstractContextManager["Journal"]):
             cells = (
                 {
                     "run": row.run,
-                    "estimator": entry.contender.name,
+                    "estimator": entry.name,
                     "parameters": json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False),
                     **judgement["scores"],
                 }

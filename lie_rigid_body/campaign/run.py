@@ -19,7 +19,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.campaign.definition import Campaign, Entry
+from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
@@ -168,11 +168,11 @@ def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     return [vars(each) for each in found]
 
 
-def _interpreter(campaign: Campaign, entry: Entry) -> Interpreter:
+def _interpreter(campaign: Campaign, entry: Contender) -> Interpreter:
     """Another Python for this thread, campaign and estimator: an earlier one has what others have changed in it."""
     if getattr(_of_thread, "campaign", None) != campaign:
         _of_thread.campaign, _of_thread.interpreters = campaign, defaultdict[str | None, Interpreter](Interpreter)
-    return _of_thread.interpreters[entry.contender.function or entry.contender.command]  # type: ignore[no-any-return]
+    return _of_thread.interpreters[entry.function or entry.command]  # type: ignore[no-any-return]
 
 
 @short_dataclass(frozen=True)
@@ -233,7 +233,7 @@ class Judgement:
         return self.scores[ERROR]  # type: ignore[return-value]  # a text is in no other column
 
 
-def judged(entry: Entry, run: Run) -> Judgement:
+def judged(entry: Contender, run: Run) -> Judgement:
     """Call an estimator with a copy of a run, and score what it returns by the run itself.
 
     An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
@@ -244,7 +244,7 @@ def judged(entry: Entry, run: Run) -> Judgement:
         begin = time.perf_counter()
         found = Estimate.of(estimate(own))
         taken = time.perf_counter() - begin
-        return replace(_judged(found, run, series=not entry.contender.grid), reading_s=taken / max(1, len(found)))
+        return replace(_judged(found, run, series=not entry.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:
         return _without_score(shortened(said(error)))
 

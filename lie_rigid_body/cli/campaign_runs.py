@@ -164,7 +164,7 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     runs : str
         What the runs are called.
     """
-    names = [entry.contender.name for entry in campaign.entries]
+    names = [entry.name for entry in campaign.entries]
     told = [each for of_run in errors for each in zip(names, of_run, strict=True)]
     scored = {name for name, error in told if error is None}
     if failed := [name for name in campaign.contenders if name not in scored]:

@@ -113,7 +113,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
 
 def _at_the_edge(one: Standing) -> Iterator[str]:
     """A hint for each parameter whose best value is the smallest or the largest that was tried."""
-    for name, values in one.entry.contender.grid.items():
+    for name, values in one.entry.grid.items():
         best = one.entry.parameters[name]
         if len({*map(str, values)}) > 1 and _are_numbers(values):
             for end, further in ((min(values), "smaller"), (max(values), "larger")):
@@ -172,7 +172,7 @@ def _scale(title: str, values: Array) -> dict[str, Any]:
 
 def _grid(one: Standing, colour: str) -> str:
     """Mean error of each point of a grid over its first parameter, a line for each choice of the others."""
-    name, *others = one.entry.contender.grid
+    name, *others = one.entry.grid
     ranked = [point.parameters[name] for point in one.points]
     are_numbers = _are_numbers(ranked)
     lines: dict[str, list[tuple[Any, float | None]]] = {}

@@ -17,7 +17,7 @@ from campaigns import NEEDS_DASK, written
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing, _fixed_constants, compare
-from lie_rigid_body.campaign.definition import Contender, Entry
+from lie_rigid_body.campaign.definition import Contender
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
 from lie_rigid_body.cli.campaign import main
@@ -251,7 +251,7 @@ def test_a_best_point_at_the_edge_of_a_grid_is_told(said: list[str]) -> None:
     grid = Contender("one", "a:b", grid={"gain": [0.1, 0.3, 1.0], "kind": ["a", "b"]})
     edge = "one: gain is best at the end of its grid: try"
     for gain, told in ((0.1, [f"{edge} smaller ones than 0.1."]), (0.3, []), (1.0, [f"{edge} larger ones than 1."])):
-        standing = SimpleNamespace(entry=Entry(grid, {"gain": gain, "kind": "a"}), name="one")
+        standing = SimpleNamespace(entry=replace(grid, parameters={"gain": gain, "kind": "a"}), name="one")
         found = [*campaign_scores._at_the_edge(cast(Any, standing))]
         assert found == told
 
