@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -30,9 +30,6 @@ from lie_rigid_body.sensors.pointing import OrientationModel
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
 
 LONGEST_LEVER_ARM_M: Final = 1e6
 """Largest component of the lever arm, m."""
@@ -74,21 +71,19 @@ class ImuModel(SensorModel):
     orientation: OrientationModel | None = None
 
     @classmethod
-    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
-        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+        """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         lever_arm, tells = values["accelerometer_lever_arm"], values["imu_orientation"]
         require_at_most("accelerometer_lever_arm", lever_arm, LONGEST_LEVER_ARM_M, "m")
-        return super().from_values(
-            sensor,
-            values,
-            gyro_rate=values["gyro_rate"],
-            gyro=TriadModel.from_values("gyro", values),
-            accelerometer=TriadModel.from_values("accelerometer", values),
-            accelerometer_mode=values["accelerometer_mode"],
-            gravity=values["gravity"],
-            lever_arm=lever_arm,
-            orientation=OrientationModel(**values_of(OrientationModel, sensor, values)) if tells else None,
-        )
+        return {
+            "gyro_rate": values["gyro_rate"],
+            "gyro": TriadModel.from_values("gyro", values),
+            "accelerometer": TriadModel.from_values("accelerometer", values),
+            "accelerometer_mode": values["accelerometer_mode"],
+            "gravity": values["gravity"],
+            "lever_arm": lever_arm,
+            "orientation": OrientationModel(**values_of(OrientationModel, sensor, values)) if tells else None,
+        }
 
     @property
     def support(self) -> float:

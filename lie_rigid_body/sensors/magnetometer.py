@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from lie_rigid_body.sensors.parameters import (
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults, linear_errors
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
@@ -57,7 +54,7 @@ class MagneticDisturbance(Faulty):
     size: float
 
     @classmethod
-    def from_values(cls, sensor: str, values: Values) -> Self | None:
+    def from_values(cls, sensor: str, values: Values) -> MagneticDisturbance | None:
         """Make the disturbance of the parameters; None if there is none. See `Faulty.from_values`."""
         episodes = Episodes.from_values(values, sensor, _KIND, _KIND)
         size = values[f"{_KIND}_size"]
@@ -128,19 +125,17 @@ class MagnetometerModel(SensorModel):
     faults: TriadFaults | None = None
 
     @classmethod
-    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
-        """Make the model of the parameters' values; see `SensorModel.from_values`."""
+    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+        """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("magnetic_field", values["magnetic_field"], STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_hard_iron", values["magnetometer_hard_iron"], STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_soft_iron", values["magnetometer_soft_iron"], LARGEST_SOFT_IRON, "")
-        return super().from_values(
-            sensor,
-            values,
-            field=values["magnetic_field"],
-            converter=Converter.from_values(sensor, values),
-            disturbance=MagneticDisturbance.from_values(sensor, values),
-            faults=TriadFaults.from_values(sensor, values),
-        )
+        return {
+            "field": values["magnetic_field"],
+            "converter": Converter.from_values(sensor, values),
+            "disturbance": MagneticDisturbance.from_values(sensor, values),
+            "faults": TriadFaults.from_values(sensor, values),
+        }
 
     @property
     def variance(self) -> float:

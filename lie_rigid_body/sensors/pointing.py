@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbe
 from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.short_dataclass import short_dataclass
-
-if TYPE_CHECKING:
-    from typing_extensions import Self
 
 
 @short_dataclass(frozen=True)
@@ -85,9 +82,9 @@ class AttitudeSensorModel(SensorModel):
     roll_noise: float
 
     @classmethod
-    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
-        """Make the model of the parameters' values; see `SensorModel.from_values`."""
-        return super().from_values(sensor, values, boresight=direction(values, "attitude_sensor_boresight"))
+    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+        """Fields that have no parameter of their name; see `SensorModel.from_values`."""
+        return {"boresight": direction(values, "attitude_sensor_boresight")}
 
     @property
     def aids(self) -> tuple[AttitudeAid, ...]:
@@ -177,9 +174,9 @@ class SunSensorModel(SensorModel):
     noise: float
 
     @classmethod
-    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
-        """Make the model of the parameters' values; see `SensorModel.from_values`."""
-        return super().from_values(sensor, values, sun=direction(values, "sun_direction"))
+    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+        """Fields that have no parameter of their name; see `SensorModel.from_values`."""
+        return {"sun": direction(values, "sun_direction")}
 
     @property
     def aids(self) -> tuple[VectorAid, ...]:

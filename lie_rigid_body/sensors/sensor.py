@@ -157,7 +157,7 @@ class SensorModel:
     delivery: Delivery | None = None
 
     @classmethod
-    def from_values(cls, sensor: str, values: Values, **parts: Any) -> Self:
+    def from_values(cls, sensor: str, values: Values) -> Self:
         """Make the model of the parameters' values, and validate it.
 
         Parameters
@@ -165,16 +165,19 @@ class SensorModel:
         sensor : str
             Name of the sensor, with which the names of its parameters begin.
         values : mapping of str to value
-        **parts
-            Fields that have no parameter of their name.
 
         Raises
         ------
         ParameterError
             If a value is invalid.
         """
-        known = {"seed": values["sensor_seed"], "delivery": Delivery.from_values(sensor, values)}
-        return cls(**{**values_of(cls, sensor, values), **known, **parts})
+        own, parts = values_of(cls, sensor, values), cls.parts(sensor, values)
+        return cls(seed=values["sensor_seed"], delivery=Delivery.from_values(sensor, values), **{**own, **parts})
+
+    @classmethod
+    def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
+        """Fields that have no parameter of their name, by their names; see `from_values`."""
+        return {}
 
     @property
     def faulty(self) -> list[Faulty]:
