@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 from typing import Final
@@ -38,7 +39,7 @@ def main() -> None:
     print("\n".join(page.change(reference(), table)) or f"The reference set {EDITION} is made again: nothing changed.")
     if save:
         page.heat_map(rows, bounds).savefig(ROOT / "docs" / "images" / "league.png")
-        REFERENCE.write_text(f"{json.dumps(table.to_json(), indent=0)}\n", encoding="utf-8")
+        REFERENCE.write_text(f"{json.dumps({'edition': EDITION, **asdict(table)}, indent=0)}\n", encoding="utf-8")
         reference_page = ROOT / "docs" / "reference" / "league.md"
         reference_page.write_text(
             page.replaced(reference_page.read_text(encoding="utf-8"), rows, bounds), encoding="utf-8"

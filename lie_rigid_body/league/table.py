@@ -187,10 +187,6 @@ class LeagueTable:
         places = [self.place(row, case) for case in CASES]
         return CASES[int(np.argmin(places))], CASES[int(np.argmax(places))]
 
-    def to_json(self) -> dict[str, Any]:
-        """The table as JSON-serialisable data."""
-        return {"edition": EDITION, **asdict(self)}
-
 
 def rows_of(path: str | Path) -> list[FilterRow]:
     """Rows of a file that ``league --json`` wrote.

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any, Final, cast
 
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import Parameter, Value, read_table, require_frame_name
+from lie_rigid_body.parameters import Parameter, Value, require_frame_name
 from lie_rigid_body.sensors.fault import PARTS
 from lie_rigid_body.sensors.imu import IMU
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
-from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches, graded
+from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -74,7 +74,7 @@ SENSORS: Final = SensorTable(IMU, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
 
 @short_dataclass(frozen=True)
 class Sensors:
-    """The sensors on the body. Build them with `from_parameters`, which validates.
+    """The sensors on the body. Build them with `from_values`, which validates.
 
     The model of each is an attribute as well, by its name in `SENSORS`; None where there is no such sensor.
 
@@ -87,28 +87,14 @@ class Sensors:
     models: tuple[tuple[str, SensorModel], ...] = ()
 
     @classmethod
-    def from_parameters(cls, given: Mapping[str, object] | None = None) -> Sensors:
-        """Make the sensors of the given parameters, the rest at their defaults, validated as a whole.
-
-        Parameters
-        ----------
-        given : mapping of str to object, optional
-            Values of ``SENSORS.parameters``, as a YAML file or a ROS parameter gives them.
-
-        Returns
-        -------
-        Sensors
+    def from_values(cls, values: Mapping[str, Value]) -> Sensors:
+        """Make the sensors of all their parameters, each in its own type, validated as a whole.
 
         Raises
         ------
         ParameterError
             Naming the parameter, its value, its limit and the remedy; also for a sensor that is off.
         """
-        return cls.from_values(read_table(SENSORS.parameters.values(), graded(given or {})))
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Value]) -> Sensors:
-        """Make the sensors of all their parameters, each in its own type; see `from_parameters`."""
         for name in frame_parameters() & set(values):
             require_frame_name(name, cast(str, values[name]))
         # refuse also what is off

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.sensors import Imu, ImuModel, Magnetometer, MagnetometerModel, Sensors
+from lie_rigid_body.parameters import read_table
+from lie_rigid_body.sensors import SENSORS, Imu, ImuModel, Magnetometer, MagnetometerModel, Sensors, graded
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])
 START = State(np.array([0.1, -0.7, 0.4, 0.3]) / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
@@ -35,18 +38,23 @@ EVERYTHING: dict[str, object] = {
 }
 
 
+def sensors_of(given: Mapping[str, object]) -> Sensors:
+    """The sensors of some parameters, the rest at their defaults."""
+    return Sensors.from_values(read_table(SENSORS.parameters.values(), graded(given)))
+
+
 def times(count: int) -> np.ndarray:
     return np.arange(count, dtype=np.int64) * STEP_NS
 
 
 def imu_model(**given: object) -> ImuModel:
-    model = Sensors.from_parameters({"imu_rate": 100.0, **given}).imu
+    model = sensors_of({"imu_rate": 100.0, **given}).imu
     assert model is not None
     return model
 
 
 def magnetometer_model(**given: object) -> MagnetometerModel:
-    model = Sensors.from_parameters({"magnetometer_rate": 100.0, **given}).magnetometer
+    model = sensors_of({"magnetometer_rate": 100.0, **given}).magnetometer
     assert model is not None
     return model
 

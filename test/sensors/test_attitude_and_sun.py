@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
-from sensor_models import MOTION, imu, times
+from sensor_models import MOTION, imu, sensors_of, times
 
 from lie_rigid_body import simulate
 from lie_rigid_body.sensors import (
     AttitudeSensor,
     AttitudeSensorModel,
-    Sensors,
     SunSensor,
 )
 
@@ -29,7 +28,7 @@ ODD = 0.999
 
 
 def attitude_model(**given: Any) -> AttitudeSensorModel:
-    model = Sensors.from_parameters({"attitude_sensor_rate": 4.0, **given}).attitude_sensor
+    model = sensors_of({"attitude_sensor_rate": 4.0, **given}).attitude_sensor
     assert model is not None
     return model
 
@@ -58,7 +57,7 @@ def test_perfect_sensors_read_the_truth() -> None:
         AttitudeSensor(attitude_model()).measure(T, STATES)["attitude_xyzw"].tobytes() == STATES.attitude_xyzw.tobytes()
     )
     assert not attitude_model().covariance(STATES.attitude_xyzw).any()
-    assert not Sensors.from_parameters().on
+    assert not sensors_of({}).on
 
 
 def test_the_error_is_on_the_right_and_worst_about_the_boresight() -> None:
@@ -92,7 +91,7 @@ def test_the_orientation_of_an_imu_errs_about_the_axes_of_the_world() -> None:
     read = sensor.measure(T, STATES)["orientation_xyzw"]
     error = (Rotation.from_quat(read) * TRUTH.inv()).as_rotvec()
     np.testing.assert_allclose(error.std(axis=0), [3e-3, 3e-3, 3e-2], rtol=5 / np.sqrt(2 * COUNT))
-    model = Sensors.from_parameters({"imu_rate": 100.0, **given}).imu
+    model = sensors_of({"imu_rate": 100.0, **given}).imu
     assert model is not None
     assert model.orientation is not None
     covariance = np.broadcast_to(np.reshape(model.orientation.covariance, (3, 3)), (COUNT, 3, 3))
@@ -132,7 +131,7 @@ def test_an_evaluation_finds_them_as_large_as_they_say() -> None:
 
 def test_the_sun_is_a_unit_vector_in_the_body() -> None:
     given = {"sun_sensor_rate": 1.0, "sun_direction": [0.0, 3.0, 4.0]}
-    perfect, noisy = (Sensors.from_parameters({**given, "sun_sensor_noise": noise}).sun_sensor for noise in (0.0, 0.01))
+    perfect, noisy = (sensors_of({**given, "sun_sensor_noise": noise}).sun_sensor for noise in (0.0, 0.01))
     assert perfect is not None
     assert noisy is not None
     true = TRUTH.inv().apply([0.0, 0.6, 0.8])
@@ -145,7 +144,7 @@ def test_the_sun_is_a_unit_vector_in_the_body() -> None:
 
 @pytest.mark.parametrize("cuts", [[1, 2, 3, 700], [256], [500, 501]])
 def test_where_batches_begin_changes_nothing(cuts: list[int]) -> None:
-    sun = Sensors.from_parameters({"sun_sensor_rate": 1.0, "sun_sensor_noise": 0.01}).sun_sensor
+    sun = sensors_of({"sun_sensor_rate": 1.0, "sun_sensor_noise": 0.01}).sun_sensor
     assert sun is not None
     for make in (lambda: AttitudeSensor(NOISY), lambda: SunSensor(sun)):
         sensor, bounds = make(), zip([0, *cuts], [*cuts, 1000], strict=True)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sensor_models import MOTION, imu_model, magnetometer, readings_at_rest, times
+from sensor_models import MOTION, imu_model, magnetometer, readings_at_rest, sensors_of, times
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
-from lie_rigid_body.sensors import SENSORS, Fault, Sensors
+from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_TEXT, PARTS, Episodes, Window, stream
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
@@ -244,7 +244,7 @@ def test_a_drift_with_temperature_is_a_ramp_of_the_bias() -> None:
     whole = np.array([fault.size for fault in of_kind(found, "temperature_drift")])
     share = np.clip((imu.t_ns / NS - 10.0) / 20.0, 0.0, 1.0)
     np.testing.assert_allclose(imu.gyro_bias - imu.gyro_bias[0], share[:, np.newaxis] * whole, rtol=0, atol=1e-15)
-    sizes = np.array([Sensors.from_parameters({"imu_rate": 1.0, **given, "sensor_seed": s}) for s in range(300)])
+    sizes = np.array([sensors_of({"imu_rate": 1.0, **given, "sensor_seed": s}) for s in range(300)])
     drawn = np.array([s.imu.gyro.faults.drifted for s in sizes])
     assert np.abs(drawn.std(axis=0) / 0.1 - 1.0).max() < 0.2
 

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sensor_models import sensors_of
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import read_parameters
-from lie_rigid_body.sensors import GRADES, SENSORS, Sensors
+from lie_rigid_body.sensors import GRADES, SENSORS
 
 ON = {"imu_rate": 100.0, "magnetometer_rate": 50.0}
 DEFAULTS = {parameter.name: parameter.default for parameter in SENSORS.parameters.values()}
@@ -30,9 +31,9 @@ def test_grades_set_errors_and_nothing_else() -> None:
     assert list(GRADES) == ["perfect", "navigation", "tactical", "mems"]
     for grade, errors in GRADES.items():
         assert set(errors) <= set(ERRORS)
-        Sensors.from_parameters({**ON, "sensor_grade": grade})
+        sensors_of({**ON, "sensor_grade": grade})
     assert GRADES["perfect"] == {}
-    assert Sensors.from_parameters({**ON, "sensor_grade": "perfect"}) == Sensors.from_parameters(ON)
+    assert sensors_of({**ON, "sensor_grade": "perfect"}) == sensors_of(ON)
 
 
 @pytest.mark.parametrize("name", [name for name in ERRORS if not re.search("range|iron", name)])

@@ -7,6 +7,7 @@ import math
 import re
 
 import pytest
+from sensor_models import sensors_of
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.sensors import SENSORS, Sensors, frame_parameters
@@ -64,18 +65,18 @@ LIMITS = {
 
 def refusal(given: dict[str, object]) -> ParameterError:
     with pytest.raises(ParameterError) as caught:
-        Sensors.from_parameters(given)
+        sensors_of(given)
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(f"{caught.value.name}: ")
     return caught.value
 
 
 def test_sensors_are_off_by_default() -> None:
-    assert Sensors.from_parameters() == Sensors()
+    assert sensors_of({}) == Sensors()
 
 
 def test_each_is_turned_on_by_its_rate() -> None:
-    imu, magnetometer = (Sensors.from_parameters({name: 50.0}) for name in ("imu_rate", "magnetometer_rate"))
+    imu, magnetometer = (sensors_of({name: 50.0}) for name in ("imu_rate", "magnetometer_rate"))
     assert imu.imu is not None
     assert magnetometer.magnetometer is not None
     assert (imu.imu.rate, imu.magnetometer) == (50.0, None)
@@ -89,7 +90,7 @@ def test_every_parameter_reaches_its_sensor() -> None:
     on |= {p.name: 0.5 for p in SENSORS.parameters.values() if p.name.endswith("_probability")}
     on |= {p.name: 8.0 for p in SENSORS.parameters.values() if p.name.endswith("_interval")}
     on |= {p.name: 0.3 for p in SENSORS.parameters.values() if p.name.endswith("_drift")}
-    plain = Sensors.from_parameters(on)
+    plain = sensors_of(on)
     for parameter in (p for p in SENSORS.parameters.values() if p.name not in frame_parameters()):
         other: object = 0.005 if parameter.name.endswith("_skew") else 9.0 if parameter.name in on else 0.25
         if parameter.name.endswith("_probability"):
@@ -102,12 +103,12 @@ def test_every_parameter_reaches_its_sensor() -> None:
             other = 3
         elif parameter.kind == "string":
             other = parameter.choices[1] if parameter.choices else "other_link"
-        changed = Sensors.from_parameters({**on, parameter.name: other})
+        changed = sensors_of({**on, parameter.name: other})
         assert changed != plain, parameter.name
 
 
 def test_sensors_are_frozen() -> None:
-    sensors = Sensors.from_parameters({"imu_rate": 1.0})
+    sensors = sensors_of({"imu_rate": 1.0})
     with pytest.raises(dataclasses.FrozenInstanceError):
         sensors.models = ()  # type: ignore[misc]
 
