@@ -85,8 +85,8 @@ U: Final = 2.0**-53
 RANDOM_WALK_FACTOR: Final = 8.0
 """Factor of the random walk that rounding makes. The largest observed in random motions of up to 3·10⁷ steps is 2.5."""
 
-BIAS: Final = 2.0**-6
-"""Safety factor of the residual rounding bias, in units of u x Θ. The largest observed value is 0.005."""
+BIAS: Final = 2.0**-3
+"""Bound of the bias of rounding, in units of u x Θ. The largest observed is 0.061 in steady rotations, else 0.005."""
 
 SEPARATRIX_MARGIN: Final = 0.01
 """Distance of the energy from the separatrix, relative to its range, within which the walk is counted twice: flips are

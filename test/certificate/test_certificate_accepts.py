@@ -154,6 +154,14 @@ def test_a_body_whose_energy_underflows(size, rate):
         assert certify(run({**method, **given}, 10)).passed
 
 
+@pytest.mark.parametrize("inertia", [[1.0, 1.0, 2.0], [1.0, 1.0, 1.0]])
+def test_millions_of_steps_that_are_rounded_alike(inertia):
+    """In a steady rotation every step has the same increment."""
+    pytest.importorskip("numba", reason="millions of steps need numba")
+    found = certify(run({"rate": 0.17, "inertia": inertia, "initial_body_rate": [0.0, 0.0, 2e4]}, 9))
+    assert found.passed, found.messages
+
+
 def test_a_slender_rod_that_is_turned_in_its_frame():
     """Its products of inertia lose nine digits of the rate about its axis, so that neighbours tell less."""
     rod = Rotation.from_rotvec([0.4, 1.1, -0.7]).as_matrix()
