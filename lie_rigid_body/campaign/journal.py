@@ -133,6 +133,7 @@ class Journal(AbstractContextManager["Journal"]):
             and (not row.certified or 0.0 <= row.attitude_accuracy_rad < math.inf)
             and row.bag in (None, bag_name(row.run))
             and len(row.judgements) == len(self._campaign.entries)
+            and all([*map(type, worst_and_limit)] == [float, float] for worst_and_limit in row.residuals.values())
         )
 
     def __len__(self) -> int:
