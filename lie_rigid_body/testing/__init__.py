@@ -115,7 +115,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Call a test with every run that its marker chooses, unless it chooses them by ``parametrize``."""
-    if FIXTURE not in metafunc.fixturenames or _is_parametrised(metafunc):
+    if FIXTURE not in metafunc.fixturenames or _is_parametrised(metafunc) or _is_anothers(metafunc):
         return
 
     from lie_rigid_body.scenario.parameter_file import scenario_files
@@ -144,12 +144,12 @@ def _names(chosen: dict[str, Any], name: str, every: Iterable[str]) -> list[str]
     given = chosen.pop(name, None)
     if given is None:
         return list(every)
-    if not given:
-        _fail(f"{name}={shown(given)} makes no run: leave it out for all")
     try:
         hash(names := (given,) if isinstance(given, str) else tuple(given))
     except TypeError:
         _fail(f"{name}={shown(given)} is no list of names: give such as [{next(iter(every))!r}]")
+    if not any(names):
+        _fail(f"{name}={shown(given)} makes no run: leave it out for all")
     return list(names)
 
 
@@ -163,6 +163,12 @@ def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
     return any(FIXTURE in (name.split(",") if isinstance(name, str) else name) for name in names)
 
 
+def _is_anothers(metafunc: pytest.Metafunc) -> bool:
+    """Whether the project that is tested has a fixture of this name itself."""
+    found = getattr(metafunc, "_arg2fixturedefs", {}).get(FIXTURE, ())
+    return any(definition.func.__module__ != __name__ for definition in found)
+
+
 @pytest.fixture
 def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     """A simulated run of a scenario and a sensor grade, the same in every run of the tests.
@@ -174,7 +180,11 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     """
     from lie_rigid_body.runs import simulate
 
-    scenario, grade = request.param if isinstance(request.param, tuple | list) else (request.param, "perfect")
+    pair = getattr(request, "param", ())  # none in a unittest, or of what asks for it by getfixturevalue
+    pair = tuple(pair) if isinstance(pair, tuple | list) else (pair, "perfect")
+    if len(pair) != 2:
+        _fail(f"{shown(pair)} is no scenario and grade: ask for the fixture as a test's argument, or give such pairs")
+    scenario, grade = pair
     marker = request.node.get_closest_marker(FIXTURE)
     chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
     given = {**PARAMETERS, "sensor_grade": grade, **chosen}

@@ -221,6 +221,7 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
         'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' ",
         'scenarios="flat_plate", imu_rat=5.0': "imu_rat: ",
         'scenario="flat_plate"': "scenario='flat_plate' is no argument: did you mean scenarios=?",
+        "grades=__import__('numpy').array(['mems', 'memz'])": "sensor_grade: 'memz' ",
         "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
         "grades=()": "grades=() makes no run: leave it out for all",
         "scenarios=5": "scenarios=5 is no list of names: give such as ['",
@@ -233,16 +234,27 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
             f"import pytest\n@pytest.mark.attitude_run({marker})\ndef test_it(attitude_run): pass\n"
         )
     (tmp_path / "test_parametrised.py").write_text(
-        "import pytest\n@pytest.mark.parametrize('attitude_run', [('flat_plat', 'mems')], indirect=True)\n"
+        "import pytest\n"
+        "@pytest.mark.parametrize('attitude_run', [('flat_plat', 'mems'), (), ['a', 'b', 'c']], indirect=True)\n"
         "def test_it(attitude_run): pass\n"
+        "def test_that_asks_late(request): request.getfixturevalue('attitude_run')\n"
     )
     done = run_pytest(tmp_path, "-q", "--continue-on-collection-errors")
-    listed = outcome(done, errors=len(wrong) + 1)
+    listed = outcome(done, errors=len(wrong) + 3, failed=1)
+    assert listed.count("is no scenario and grade") == 3
     for said in (*wrong.values(), "scenario 'flat_plat' "):
         assert f"\nattitude_run: {said}" in listed
         assert listed.count(f"\n{said}") == 0
     assert "During handling of the above exception" not in listed
     assert "ensemble.py" not in listed
+
+
+def test_a_fixture_of_that_name_in_another_project_is_left_alone(tmp_path):
+    (tmp_path / "conftest.py").write_text(
+        "import pytest\n@pytest.fixture(params=[1, 2])\ndef attitude_run(request): return request.param\n"
+    )
+    (tmp_path / "test_user.py").write_text("def test_it(attitude_run): assert attitude_run in (1, 2)\n")
+    outcome(run_pytest(tmp_path, "-q"), passed=2)
 
 
 def test_of_what_cannot_be_judged_only_the_line_of_the_test_is_shown(tmp_path):
