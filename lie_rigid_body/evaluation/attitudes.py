@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from itertools import permutations, product
 from typing import Any, Final, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -34,6 +35,15 @@ ROUND_OFF: Final = 2e-15
 arbitrary."""
 SAME_AXES_DEG: Final = 5.0
 """Largest angle between a mounting and axes that only change places and signs, to be told in those words, degrees."""
+
+AXES: Final = np.array(
+    [
+        np.diag(signs) @ np.eye(3)[list(order)]
+        for order in permutations(range(3))
+        for signs in product((1.0, -1.0), repeat=3)
+    ]
+)
+"""Matrices that permute and reverse axes, the first of which is the identity: shape (48, 3, 3)."""
 
 GAP: Final = 2.5
 """Least distance of neighbouring stamps that is a gap, in median periods: two samples or more are missing."""

@@ -257,8 +257,10 @@ def factor_of(P: Array) -> Array:
     """
     variances = np.diagonal(P, axis1=-2, axis2=-1)
     if not np.all(variances >= SMALLEST_VARIANCE):
-        least = f"{SMALLEST_VARIANCE:g} at least"
-        raise InputError(f"covariance: {variances.min():.3g} on its diagonal: give positive variances, {least}")
+        raise InputError(
+            f"covariance: {variances.min():.3g} on its diagonal: give positive variances, "
+            f"{SMALLEST_VARIANCE:g} at least"
+        )
     scale = np.sqrt(variances)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no covariance, and refused
         scaled = P / scale[..., :, np.newaxis] / scale[..., np.newaxis, :]
@@ -267,7 +269,6 @@ def factor_of(P: Array) -> Array:
         if not np.all(np.abs(scaled - transposed) <= ASYMMETRY):
             raise InputError("covariance: not symmetric: give one that has an inverse")
     try:
-        factor = np.linalg.cholesky(0.5 * scaled + 0.5 * transposed)
+        return np.asarray(scale[..., :, np.newaxis] * np.linalg.cholesky(0.5 * scaled + 0.5 * transposed))
     except np.linalg.LinAlgError:
         raise InputError("covariance: not positive definite: give one that has an inverse") from None
-    return np.asarray(scale[..., :, np.newaxis] * factor)

@@ -138,8 +138,6 @@ _REPAIRS: Final[dict[str, tuple[Callable[[Array, Array, float], Array], str]]] =
 }
 """Repairs of covariances by cause: a function of covariances P, turns R to the other axes and a factor, and what is
 said.
-
-The repair with a constant is the last.
 """
 
 
@@ -275,10 +273,8 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
 def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
     """Cause whose repair makes errors likelier and the covariance honest: the likeliest, a factor if no other."""
     runs, dimension = len(errors), errors.shape[-1]
-    found: dict[str, float] = {}
+    found: dict[str, tuple[bool, float]] = {}
     for code, (repair, _) in _REPAIRS.items():
-        if code == "factor" and found:
-            break
         try:
             values, repaired = _nees_and_score(errors, repair(covariance, R, factor))
         except InputError:  # the repaired one is none
@@ -286,5 +282,5 @@ def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array
         gain = scores - repaired
         sure = code == "factor" or gain.mean() > scipy.stats.t.isf(LEVEL, runs - 1) * gain.std(ddof=1) / np.sqrt(runs)
         if sure and _verdict(t_s, values, dimension, seed)[0] == "honest":
-            found[code] = float(repaired.mean())
+            found[code] = code == "factor", float(repaired.mean())
     return min(found, key=lambda code: found[code], default="")

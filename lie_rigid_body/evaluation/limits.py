@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
@@ -123,11 +124,10 @@ class Tally:
         self._squares += np.sum(angles_deg**2, axis=1)
         self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
         t_s = (stamps_ns - self._first_ns) / 1e9
-        for i, (start, _) in enumerate(self.limits.max_after):
-            late_deg = np.where(t_s >= start, angles_deg[0], -np.inf)
-            k = int(np.argmax(late_deg))
-            if late_deg[k] > self._worst[i][1]:  # of as large ones the first counts
-                self._worst[i] = float(t_s[k]), float(late_deg[k])
+        late_deg = (np.where(t_s >= start, angles_deg[0], -np.inf) for start, _ in self.limits.max_after)
+        latest = [(float(t_s[np.argmax(errors)]), float(errors.max())) for errors in late_deg]
+        # of as large ones the first counts
+        self._worst = [max(pair, key=itemgetter(1)) for pair in zip(self._worst, latest, strict=True)]
 
     @property
     def rms_deg(self) -> Array:

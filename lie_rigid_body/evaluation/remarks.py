@@ -9,13 +9,22 @@ attitudes that no constant rotation explains. Such a map explains their turns to
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import permutations, product
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers, runs_of
-from lie_rigid_body.evaluation.attitudes import GAP, Truth, angles_between, named, period_ns, sizes, times, turns
+from lie_rigid_body.evaluation.attitudes import (
+    AXES,
+    GAP,
+    Truth,
+    angles_between,
+    named,
+    period_ns,
+    sizes,
+    times,
+    turns,
+)
 from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import FAR
 from lie_rigid_body.evaluation.evidence import SAMPLES
@@ -61,10 +70,6 @@ SCALES: Final = {
     0.5: "the rate of a quaternion is ½ q ω, once, or its time step is half that of the gyro",
 }
 """Ratios of the turns of an estimate to those of the body, each with its cause."""
-AXES: Final = np.array(
-    [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
-)
-"""Matrices that permute and reverse axes, the first of which is the identity: shape (48, 3, 3)."""
 
 
 def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[Finding]:
@@ -151,8 +156,7 @@ class Turns:
     def stuck(self) -> Finding | None:
         """Finding that the estimate does not turn, in all or for long, while the body does."""
         still = self.ours_rad < STUCK * self.true_rad
-        if self.ours_rad.sum() < STUCK * self.true_rad.sum():
-            still[:] = True
+        still |= self.ours_rad.sum() < STUCK * self.true_rad.sum()
         begins, ends = runs_of(0, still)
         if not len(begins):
             return None

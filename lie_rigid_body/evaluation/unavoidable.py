@@ -229,8 +229,9 @@ def unavoidable_error(
     deviation("initial", initial)
     readings = np.ones(len(stamps)) if gyro_readings is None else numbers("gyro_readings", gyro_readings, len(stamps))
     if readings.shape != stamps.shape or readings.min() < 1.0:
-        given = shown(gyro_readings)
-        raise InputError(f"gyro_readings: {given}: give a number of 1 or more for each of {len(stamps)} stamps")
+        raise InputError(
+            f"gyro_readings: {shown(gyro_readings)}: give a number of 1 or more for each of {len(stamps)} stamps"
+        )
     walk = gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
     gyro_errors = _matrices("gyro_linear_errors", gyro_linear_errors)
     noise = gyro_noise / np.sqrt(readings)

@@ -11,8 +11,8 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import SampledTruth, evaluate
-from lie_rigid_body.evaluation.attitudes import places
-from lie_rigid_body.evaluation.remarks import AXES, DEGREE, Turns
+from lie_rigid_body.evaluation.attitudes import AXES, places
+from lie_rigid_body.evaluation.remarks import DEGREE, Turns
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from said import numbers
