@@ -200,7 +200,7 @@ class Watched:
 
 def _on_body_axes(readings: Any) -> Any:
     back = quaternion.conjugate(readings.course.at(readings.t_ns))
-    return readings.changed(gyro=quaternion.rotate(back, readings.vectors["gyro"]))
+    return readings.changed(lambda gyro: quaternion.rotate(back, gyro), "gyro")
 
 
 BODY_AXES: Final = Repair("put", "gyro on the body's axes", 0, _on_body_axes, "", "")

@@ -3,16 +3,14 @@
 A filter is run on readings of perfect sensors. Where it errs, its readings and its estimate are repaired from outside,
 and the repair that makes the error vanish names the mistake.
 
-- `trial`: the motions, and what sensors read of them;
-- `repairs`: changes of the readings; those of the estimate are `lie_rigid_body.evaluation.causes`;
-- `filter`: how the filter is found, and what it makes of readings;
-- `workers`: processes that run it;
-- `search`, `choice`: which repairs are tried, and the one rule by which they are chosen;
+- `course`: the motions, and what sensors read of them;
+- `repairs`: changes of the readings, and runs with them; those of the estimate are `lie_rigid_body.evaluation.causes`;
+- `search`: which repairs are tried, and the one rule by which they are chosen;
 - `probes`: what the filter can do, with one thing at a time in its way;
-- `examination`, `result`: all of it in order, and what is said.
+- `examination`: all of it in order, and what is said.
 """
 
-from lie_rigid_body.diagnosis.examination import diagnose
-from lie_rigid_body.diagnosis.result import FilterDiagnosis, Mistake, Note, Probe
+from lie_rigid_body.diagnosis.examination import FilterDiagnosis, Mistake, Note, diagnose
+from lie_rigid_body.diagnosis.probes import Probe
 
 __all__ = ["FilterDiagnosis", "Mistake", "Note", "Probe", "diagnose"]

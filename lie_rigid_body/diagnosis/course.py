@@ -7,10 +7,10 @@ jump. After that the motion is free.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -119,28 +119,23 @@ class Course(Truth):
 
     def nearly_perfect(self) -> Course:
         """The course with sensor errors so small that a stable filter has no larger error."""
-        sizes = {"gyro": 1.0, "specific_force": self.number("gravity"), "field": float(np.linalg.norm(self.field))}
+        sizes = {"gyro": 1.0, "specific_force": self.parameter("gravity"), "field": float(np.linalg.norm(self.field))}
         return replace(self, off=tuple((name, (TINY * self.turn * size,) * 3) for name, size in sizes.items()))
 
-    def number(self, name: str) -> float:
-        """A parameter of the scenario that is a number."""
-        return float(str(self.scenario.parameters()[name]))
-
-    @property
-    def kind(self) -> str:
-        """Kind of the gyro."""
-        return str(self.scenario.parameters()["gyro_rate"])
+    def parameter(self, name: str) -> Any:
+        """A parameter of the scenario."""
+        return self.scenario.parameters()[name]
 
     @property
     def field(self) -> Array:
         """Magnetic field in the world, T, shape (3,)."""
-        return np.array(self.scenario.parameters()["magnetic_field"], dtype=np.float64)
+        return np.array(self.parameter("magnetic_field"))
 
     @property
     def turn(self) -> float:
         """Mean turn between two readings of the gyro while the body moves, rad."""
         times = np.linspace(self.rest_s, self.rest_s + self.moving_s, 500) * 1e9
-        return float(np.mean(sizes(self.states(times.astype(np.int64))[1]))) / self.number("imu_rate")
+        return float(np.mean(sizes(self.states(times.astype(np.int64))[1])) / self.parameter("imu_rate"))
 
 
 _motion: Final = lru_cache(maxsize=16)(Scenario.exact_motion)
@@ -174,9 +169,9 @@ class Readings:
     field_t_ns: Integers
     vectors: Mapping[str, Array]
 
-    def changed(self, **vectors: Array) -> Readings:
-        """The readings, with those of some sensors replaced."""
-        return replace(self, vectors={**self.vectors, **vectors})
+    def changed(self, change: Callable[[Array], Array], *names: str) -> Readings:
+        """The readings, with some vectors changed."""
+        return replace(self, vectors={**self.vectors, **{name: change(self.vectors[name]) for name in names}})
 
     def run(self) -> BlindRun:
         """Run that a filter is given: the readings without the margin and the gaps."""
@@ -195,35 +190,34 @@ class Readings:
 def readings(course: Course) -> Readings:
     """Readings of the sensors in a course, with the margin."""
     draw = np.random.default_rng(course.seed)
-    t_ns, field_t_ns = (_stamps(course, course.number(name)) for name in ("imu_rate", "magnetometer_rate"))
+    t_ns, field_t_ns = (_stamps(course, course.parameter(name)) for name in ("imu_rate", "magnetometer_rate"))
     attitude, rate = course.states(t_ns)
-    if course.kind == "integrated":
+    if course.parameter("gyro_rate") == "integrated":
         before = np.concatenate([[2 * t_ns[0] - t_ns[1]], t_ns[:-1]])
         rate = turns(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
-    up = np.array([0.0, 0.0, course.number("gravity")])
+    up = np.array([0.0, 0.0, course.parameter("gravity")])
     read = {
         "gyro": rate,
         "specific_force": quaternion.rotate(quaternion.conjugate(attitude), up),
         "field": quaternion.rotate(quaternion.conjugate(course.at(field_t_ns)), course.field),
     }
     for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):
-        deviation = course.number(density) * course.number(its_rate) ** 0.5
-        read[name] = vectors + deviation * draw.standard_normal(vectors.shape)
-    for name, error in course.off:
-        read[name] = read[name] + error
+        deviation = course.parameter(density) * course.parameter(its_rate) ** 0.5
+        read[name] = vectors + deviation * draw.standard_normal(vectors.shape) + dict(course.off).get(name, 0.0)
     return Readings(course, t_ns, field_t_ns, read)
 
 
 def _stamps(course: Course, rate: float) -> Integers:
     """Stamps with a margin before and after; the first that a filter is given is 0."""
-    numbers = np.arange(-MARGIN, int(np.ceil((course.rest_s + course.moving_s) * rate)) + MARGIN)
-    steps = numbers.astype(np.float64)
-    if course.grid == "alternating":
-        steps -= (numbers % 2) / 3.0
-    elif course.grid == "walk":
-        steps = np.cumsum(1.0 + np.random.default_rng(0).uniform(-1.0, 1.0, len(numbers)) / 3.0)
-        steps -= steps[MARGIN]
-    return np.round(steps * (1e9 / rate)).astype(np.int64)
+    count = int(np.ceil((course.rest_s + course.moving_s) * rate))
+    numbers = np.arange(-MARGIN, count + MARGIN, dtype=np.float64)
+    walk = np.cumsum(1.0 + np.random.default_rng(0).uniform(-1.0, 1.0, len(numbers)) / 3.0)
+    grids: dict[Grid, Array] = {
+        "even": numbers,
+        "alternating": numbers - (numbers % 2) / 3.0,
+        "walk": walk - walk[MARGIN],
+    }
+    return np.round(grids[course.grid] * (1e9 / rate)).astype(np.int64)
 
 
 def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple[Course, ...]:

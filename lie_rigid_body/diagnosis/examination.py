@@ -5,17 +5,18 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final, cast
+from typing import Any, Final, cast
 
 import numpy as np
 
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
-from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, told
-from lie_rigid_body.diagnosis.repairs import JOINT, Answer, Job
-from lie_rigid_body.diagnosis.result import ErrorOverTime, FilterDiagnosis, Mistake, Note, Probe, degrees, with_unit
-from lie_rigid_body.diagnosis.search import NEAR, Each, Search, or_else, plain, settled
+from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
+from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job, settled
+from lie_rigid_body.diagnosis.search import NEAR, Each, Search, Trial, plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.runs.ensemble import scenario_of
@@ -23,8 +24,10 @@ from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, sourc
 from lie_rigid_body.runs.programs import NodeEstimator, time_limit
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
+from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.showing import Shown
 from lie_rigid_body.system import cores
-from lie_rigid_body.wording import shown
+from lie_rigid_body.wording import counted, shortened, shown
 
 MOST_RUNS: Final = 2000
 """Default number of runs of the filter after which no more repairs are tried."""
@@ -43,6 +46,143 @@ _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "
     "limit of its time."
 )
+
+
+@short_dataclass(frozen=True)
+class Mistake:
+    """A mistake of a filter, named after the repair that undoes it.
+
+    Attributes
+    ----------
+    code : str
+    message : str
+        What is wrong, and what the repair leaves.
+    repair : str
+        The repair in a few characters, such as ``y x -z``.
+    rms_deg_before, rms_deg_after : float
+        RMS of the total error before this repair, with those before it, and after, degrees.
+    or_else : tuple of str
+        Codes of mistakes whose repairs do as well on these runs.
+    """
+
+    code: str
+    message: str
+    repair: str
+    rms_deg_before: float
+    rms_deg_after: float
+    or_else: tuple[str, ...] = ()
+
+
+@short_dataclass(frozen=True)
+class Note:
+    """Something about a filter that is no mistake.
+
+    Attributes
+    ----------
+    code : str
+    message : str
+    value : float or str
+    """
+
+    code: str
+    message: str
+    value: float | str
+
+
+@short_dataclass(frozen=True)
+class ErrorOverTime:
+    """The total error in the first course, after a repair and those before it.
+
+    Attributes
+    ----------
+    code : str
+        The mistake that is repaired last, or nothing.
+    t_s, error_deg : ndarray, shape (N,)
+        Times in s, errors in degrees.
+    rms_deg : float
+        RMS over the last two thirds of all courses, degrees.
+    """
+
+    code: str
+    t_s: Array
+    error_deg: Array
+    rms_deg: float
+
+
+@dataclass(frozen=True)
+class FilterDiagnosis(Shown):
+    """What is wrong with a filter, and what it can do.
+
+    Attributes
+    ----------
+    mistakes : tuple of Mistake
+    probes : tuple of Probe
+    notes : tuple of Note
+    filter_runs : int
+        How often the filter was run.
+    rms_deg, floor_deg : float
+        RMS of the total error without a repair, and the one below which nothing is looked for, degrees.
+    remarks : tuple of str
+        About the diagnosis itself, in sentences.
+    errors : tuple of ErrorOverTime
+        Before and after each named repair.
+    interrupted : bool
+        Whether it was ended before its end.
+    """
+
+    mistakes: tuple[Mistake, ...]
+    probes: tuple[Probe, ...]
+    notes: tuple[Note, ...]
+    filter_runs: int
+    rms_deg: float
+    floor_deg: float
+    remarks: tuple[str, ...] = ()
+    errors: tuple[ErrorOverTime, ...] = ()
+    interrupted: bool = False
+
+    def __repr__(self) -> str:
+        """The verdict; no call, as only `diagnose` makes one."""
+        return shortened(f"<FilterDiagnosis: {' '.join(self.sentences)}>")
+
+    @property
+    def passed(self) -> bool:
+        """Whether there is neither a mistake nor a probe that failed."""
+        return not self.mistakes and all(probe.passed for probe in self.probes)
+
+    @property
+    def sentences(self) -> list[str]:
+        """What a person needs to know first."""
+        failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
+        if self.mistakes:
+            return [mistake.message for mistake in self.mistakes]
+        said = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}."
+        if self.rms_deg > self.floor_deg:
+            tried = "so far" if self.interrupted else "that was tried"
+            said = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}."
+        if not failed:
+            return [said]
+        first = "finite" if "finite" in failed else next(iter(failed))
+        fails = f"The filter fails {counted(len(failed), 'probe')}: {', '.join(failed)}."
+        return [fails, f"{first}: {failed[first]}.", said]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The entries of ``diagnose --json``."""
+        return {
+            "mistakes": [{**asdict(mistake), "or_else": list(mistake.or_else)} for mistake in self.mistakes],
+            "probes": [asdict(probe) for probe in self.probes],
+            "notes": [asdict(note) for note in self.notes],
+            "filter_runs": self.filter_runs,
+            "passed": self.passed,
+        }
+
+    def __str__(self) -> str:
+        """What a person needs to know first; `lie_rigid_body.report.filters` makes the tables."""
+        return "\n".join(self.sentences)
+
+
+def degrees(value: float) -> str:
+    """An angle in degrees for the eye: what is less than 0.005 is 0.00."""
+    return f"{value:.2f}°" if value < 10.0 or not np.isfinite(value) else f"{value:.1f}°"
 
 
 def diagnose(
@@ -88,24 +228,24 @@ def diagnose(
     InputError
         If there is no such function, it raises an exception, does not return, or returns what is no estimate.
     """
-    if scenario is None or isinstance(scenario, Mapping):
-        given = {**(scenario or {}), **parameters}
-    else:
-        given = dict(scenario_of(scenario, parameters).parameters())
+    given = (
+        {**(scenario or {}), **parameters}
+        if scenario is None or isinstance(scenario, Mapping)
+        else scenario_of(scenario, parameters).parameters()
+    )
     courses = courses_of(given, parameters)
     for name, value in (("workers", workers), ("max_runs", max_runs)):
         if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
             raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
     time_limit(timeout)
-    source, most, count, remarks, left_out = source_of(estimate), MOST_RUNS, cores(), list[str](), tuple[str, ...]()
-    if isinstance(source, NodeEstimator):
-        most, count, remarks, left_out = MOST_RUNS_OF_NODE, WORKERS_OF_NODE * cores(), [_OF_NODE], LEFT_OUT_OF_NODE
-    elif source is None:
-        remarks = [_ALONE]
-    with closing(Workers(source, workers or count, timeout)) if source else nullcontext() as crew:
+    source = source_of(estimate)
+    is_node = isinstance(source, NodeEstimator)
+    most, each_core = (MOST_RUNS_OF_NODE, WORKERS_OF_NODE) if is_node else (MOST_RUNS, 1)
+    with closing(Workers(source, workers or each_core * cores(), timeout)) if source else nullcontext() as crew:
         each: Each = crew.each if crew else partial(each_alone, cast("Estimator", estimate))
         search = Search(each, courses, max_runs or most, progress or (lambda runs: None))
-        return examined(search, remarks, left_out)
+        remarks = [_OF_NODE] * is_node + [_ALONE] * (source is None)
+        return examined(search, remarks, LEFT_OUT_OF_NODE if is_node else ())
 
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
@@ -118,8 +258,11 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         search.run()
         errors += _over_time(search)
         probes += told(search, (row for row in PROBES if row.code not in left_out))
-        failed = (probe for probe in told(search, NOTES) if not probe.passed)
-        notes += (Note(each.code, f"{each.message}.", each.value) for each in failed if each.value is not None)
+        notes += (
+            Note(found.code, f"{found.message}.", found.value)
+            for found in told(search, NOTES)
+            if not found.passed and found.value is not None
+        )
     except KeyboardInterrupt:
         if not search.trials:
             raise
@@ -131,7 +274,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         left = degrees(float(np.degrees(search.chosen.error)))
         remarks = [*remarks, f"The {left} that are left have no name yet: mend what is named, and diagnose again."]
     if errors and not mistakes and unrepaired.error > search.floor:
-        remarks = [*remarks, _command(search.courses[0].of_scenario(gyro_rate=unrepaired.kind), errors[0])]
+        remarks = [*remarks, _command(search.course, errors[0])]
     return FilterDiagnosis(
         mistakes,
         tuple(probes),
@@ -149,9 +292,9 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     """The errors of the filter as it is, and after each of the repairs that are named."""
     chosen, courses = search.chosen, [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
     for count, code in enumerate(("", *chosen.codes)):
-        repairs = (*chosen.mistakes[:count], *(JOINT,) * (chosen.joint and count > 0))
-        answers = search.ask([Job(course, repairs) for course in courses])
-        tracks = [answer.track for answer in answers if isinstance(answer, Answer)]
+        repairs = (*chosen.mistakes[:count], *(JOINT,) * (JOINT in chosen.repairs and count > 0))
+        asked = [Job(course, repairs) for course in courses]
+        tracks = [answer.track for answer in search.ask(asked) if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
             left = float(np.degrees(error_of([settled(each) for each in tracks])))
             yield ErrorOverTime(code, tracks[0].stamps_ns / 1e9, np.degrees(tracks[0].error().total), left)
@@ -165,18 +308,24 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     for found in named.mistakes:
         after, instead = left.get(found.code, before), or_else(named, others, found.code)
         doubt = f" Undoing {' or '.join(instead)} does as well on this motion." if instead else ""
-        leave = "leaves" if found.deed.endswith(("it", "estimate")) else "leave"
-        message = f"{found.fact}. {found.deed} {leave} {degrees(after)} instead of {degrees(before)}.{doubt}"
+        message = f"{found.fact}. {found.deed} {degrees(after)} instead of {degrees(before)}.{doubt}"
         yield Mistake(found.code, message, found.text, before, after, instead)
         before = after
+
+
+def or_else(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, ...]:
+    """Codes that may replace one of the named codes while the others stay."""
+    rest = set(named.codes) - {code}
+    found = [set(other.codes) - rest for other in others if rest <= set(other.codes)]
+    return tuple(sorted(set().union(*found) - set(named.codes), key=ORDER.index))
 
 
 def _notes(search: Search) -> Iterator[Note]:
     """What helps the filter and is no mistake: later readings of the vectors, and the other kind of gyro."""
     chosen = search.chosen
     alike = [trial for trial in search.trials if trial.codes == chosen.codes]
-    without = min((t.error for t in alike if not t.joint), default=0.0)
-    if chosen.joint and without > max(search.floor, NEAR * chosen.error):
+    without = min((t.error for t in alike if JOINT not in t.repairs), default=0.0)
+    if JOINT in chosen.repairs and without > max(search.floor, NEAR * chosen.error):
         value, left = np.degrees([without, chosen.error]).tolist()
         ahead = f"its estimate is ahead by up to a sample, {with_unit(value)}. {JOINT.deed} {degrees(left)} are left."
         if value > NEAR * (turn := float(np.degrees(search.course.turn))):

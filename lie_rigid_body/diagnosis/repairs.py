@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import permutations, product
 from typing import Final
 
 import numpy as np
@@ -14,10 +13,10 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.errors import FilterError
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
-from lie_rigid_body.evaluation.attitudes import angles_between
-from lie_rigid_body.evaluation.causes import BY_CODE, UP, Cause, undone
+from lie_rigid_body.evaluation.attitudes import AXES, named
+from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.track import Track
+from lie_rigid_body.evaluation.track import Track, Tracks
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator, called
@@ -50,7 +49,7 @@ class Repair:
     fact : str
         The mistake in a sentence without a full stop.
     deed : str
-        The repair in words, before "leave".
+        The repair in words, before what it leaves; of all but `JOINT` with the verb.
     constants : ndarray or None
         Constants of the cause that is undone in the estimate; None leaves the estimate.
     """
@@ -64,24 +63,28 @@ class Repair:
     constants: Array | None = field(default=None, compare=False)
 
 
+Repairs = tuple[Repair, ...]
+"""Repairs in the order in which they are applied: those of the input, `JOINT` if it is used, those of the output."""
+
+
 def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
     """Readings of some sensors, multiplied by a matrix from the left, shape (3, 3)."""
-    return given.changed(**{SENSORS[name]: given.vectors[SENSORS[name]] @ matrix.T for name in sensors})
+    return given.changed(lambda rows: rows @ matrix.T, *(SENSORS[name] for name in sensors))
 
 
 def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
     """Readings of some sensors from ``count`` samples later, none from before the filter's first one."""
-    moved = {}
-    for name in (SENSORS[sensor] for sensor in sensors):
-        rows = given.vectors[name]
+
+    def moved(rows: Array) -> Array:
         places = np.arange(len(rows))
-        moved[name] = rows[np.clip(places + count, np.minimum(places, MARGIN), len(rows) - 1)]
-    return given.changed(**moved)
+        return rows[np.clip(places + count, np.minimum(places, MARGIN), len(rows) - 1)]
+
+    return given.changed(moved, *(SENSORS[name] for name in sensors))
 
 
 def _on_world_axes(given: Readings) -> Readings:
     attitude = given.course.at(given.t_ns)
-    return given.changed(gyro=quaternion.rotate(attitude, given.vectors["gyro"]))
+    return given.changed(lambda gyro: quaternion.rotate(attitude, gyro), "gyro")
 
 
 JOINT: Final = Repair(
@@ -97,11 +100,8 @@ JOINT: Final = Repair(
 
 def _axes() -> Iterator[Repair]:
     """Wrong axes of one sensor, with any permutation and signs, and of all sensors, with any such rotation."""
-    for places, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
-        matrix = np.diag(signs) @ np.eye(3)[list(places)]
-        name = " ".join(f"{'-' if sign < 0 else ''}{'xyz'[place]}" for place, sign in zip(places, signs, strict=True))
-        if name == "x y z":
-            continue
+    for matrix in AXES[1:]:
+        name = named(matrix).replace(",", "")
         for sensor in SENSORS:
             wrong = "the axes of the {} for others" if name != "-x -y -z" else "the {} for one of the opposite sign"
             yield Repair(
@@ -110,7 +110,7 @@ def _axes() -> Iterator[Repair]:
                 0,
                 partial(_multiplied, (sensor,), matrix),
                 f"The filter takes {wrong.format(sensor)}",
-                f"Given as {name} its readings",
+                f"Given as {name} its readings leave",
             )
         if np.linalg.det(matrix) > 0.0:
             yield Repair(
@@ -119,7 +119,7 @@ def _axes() -> Iterator[Repair]:
                 0,
                 partial(_multiplied, tuple(SENSORS), matrix),
                 "The filter takes the axes of the body for others, of all sensors alike",
-                f"Given as {name} the readings",
+                f"Given as {name} the readings leave",
             )
 
 
@@ -143,7 +143,7 @@ def _units(sensor: str) -> Iterator[Repair]:
             (1.0 / factor, f"The filter turns {sensor} readings into {unit} where SI units belong"),
         ):
             change = partial(_multiplied, (sensor,), value * np.eye(3))
-            yield Repair(f"{sensor}_units", f"× {value:.6g}", 0, change, fact, f"Multiplied by {value:.3g} they")
+            yield Repair(f"{sensor}_units", f"× {value:.6g}", 0, change, fact, f"Multiplied by {value:.3g} they leave")
 
 
 def factor(value: float) -> Repair:
@@ -155,29 +155,24 @@ def factor(value: float) -> Repair:
         0 if value in plain else 1,
         partial(_multiplied, ("gyro",), value * np.eye(3)),
         f"The filter turns by {1.0 / value:.4g} times what the gyro tells: a wrong time step{plain.get(value, '')}",
-        f"With the gyro multiplied by {value:.5g} the readings",
+        f"With the gyro multiplied by {value:.5g} the readings leave",
     )
 
 
-def scaled(sensor: str, by: float) -> Repair:
-    """Change that multiplies the readings of one sensor; no repair of a mistake."""
-    return Repair("", "", 0, partial(_multiplied, (sensor,), by * np.eye(3)), "", "")
-
-
-def drift(sensor: str) -> Repair:
+def drift(sensor: str, share: float) -> Repair:
     """Change that makes the gyro drift about the direction that only one sensor corrects; no repair.
 
     The drift is a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
-    vertical.
+    vertical. The readings of the sensor are multiplied by a share.
     """
-    return Repair("", "", 0, partial(_drifting, sensor), "", "")
+    return Repair("", "", 0, partial(_drifting, sensor, share), "", "")
 
 
-def _drifting(sensor: str, given: Readings) -> Readings:
+def _drifting(sensor: str, share: float, given: Readings) -> Readings:
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
-    rate = DRIFT * given.course.turn * given.course.number("imu_rate") * axis
+    rate = DRIFT * given.course.turn * given.course.parameter("imu_rate") * axis
     drifts = quaternion.rotate(quaternion.conjugate(given.course.at(given.t_ns)), rate)
-    return given.changed(gyro=given.vectors["gyro"] + drifts)
+    return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSORS[sensor])
 
 
 def late(sensor: str, samples: float) -> Repair:
@@ -190,7 +185,7 @@ def late(sensor: str, samples: float) -> Repair:
         1,
         partial(_moved, (sensor,), count),
         f"The filter uses the readings of the {sensor} {size} too {'late' if count > 0 else 'early'}",
-        "Moved by as many they",
+        "Moved by as many they leave",
     )
 
 
@@ -198,6 +193,18 @@ def of_output(cause: Cause, constants: Array) -> Repair:
     """A repair of the estimate by undoing a cause."""
     text = " ".join(f"{constant:.5g}" for constant in constants) if cause.price else "undone"
     return Repair(cause.code, text, cause.price, None, cause.fact(constants), cause.deed(constants), constants)
+
+
+def without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
+    """Undo each cause, or each pair whose first has no constant; yield the repairs and the error left."""
+    for cause in causes:
+        constants, error = cause.fitted(tracks)
+        repair = of_output(cause, constants)
+        yield (repair,), error
+        if pairs and not cause.price:
+            others = (other for other in CAUSES if other.code != cause.code)
+            rest = without([cause.undo(track, constants) for track in tracks], others, pairs=False)
+            yield from (((repair, *second), left) for second, left in rest)
 
 
 def exact_repairs() -> tuple[Repair, ...]:
@@ -208,7 +215,7 @@ def exact_repairs() -> tuple[Repair, ...]:
         0,
         _on_world_axes,
         "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
-        "Given on the world's axes its readings",
+        "Given on the world's axes its readings leave",
     )
     units = (repair for sensor in SENSORS for repair in _units(sensor))
     return tuple(sorted((*_axes(), *units, world, factor(2.0), factor(0.5)), key=lambda each: ORDER.index(each.code)))
@@ -265,16 +272,15 @@ class Answer:
     broken: Integers
     given: Estimate
 
-    def apart(self, other: Answer) -> float:
-        """Largest difference from another answer while both go on, rad."""
-        first, second = self.track.attitude_xyzw, other.track.attitude_xyzw
-        both = min(len(first), len(second))
-        return float(np.max(angles_between(first[:both], second[:both])))
-
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
         errors = self.track.error().total
         return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
+
+
+def settled(whole: Track) -> Track:
+    """The last two thirds of the samples, in which a filter has converged."""
+    return whole.part(slice(len(whole.stamps_ns) // 3, None))
 
 
 @dataclass(frozen=True)
@@ -282,7 +288,7 @@ class Job:
     """One run of the filter: a course whose readings are repaired, and the estimate."""
 
     course: Course
-    repairs: tuple[Repair, ...] = ()
+    repairs: Repairs = ()
 
     def __call__(self, estimate: Estimator) -> Answer:
         """Run the filter, and repair its estimate.

@@ -6,14 +6,14 @@ Repairs of the output are tried first, then single repairs of the input, then pa
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import field, replace
+from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import Final
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
@@ -22,15 +22,16 @@ from lie_rigid_body.diagnosis.repairs import (
     Answer,
     Job,
     Repair,
+    Repairs,
     drift,
     exact_repairs,
-    of_output,
-    scaled,
+    settled,
+    without,
 )
 from lie_rigid_body.errors import FilterError
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
-from lie_rigid_body.evaluation.track import Track, Tracks, error_of
+from lie_rigid_body.evaluation.track import Track, error_of
 from lie_rigid_body.short_dataclass import short_dataclass
 
 FLOOR: Final = 0.1
@@ -64,9 +65,6 @@ SILENT: Final = 1e-12
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
 """Causes that are undone when repairs are first compared; a fit of stamps takes longer, and hides no other repair."""
 
-Repairs = tuple[Repair, ...]
-"""Repairs in the order in which they are applied: those of the input, `JOINT` if it is used, those of the output."""
-
 
 @short_dataclass(frozen=True, eq=False)
 class Trial:
@@ -82,26 +80,22 @@ class Trial:
     parts : tuple of float
         RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
         the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
-    attitudes_xyzw : ndarray, shape (N, 4)
+    track : Track or None
         The estimate on the first course, at those samples that are compared; none where the filter failed.
+    unrepaired : sequence of Answer
+        What the filter answers on each course where no reading is repaired; else none.
     """
 
     repairs: Repairs
     kind: str
     error: float
     parts: tuple[float, ...] = ()
-    attitudes_xyzw: Array = field(default_factory=lambda: np.empty((0, 4)), repr=False)
+    track: Track | None = None
+    unrepaired: Sequence[Answer] = ()
 
     def changes(self, other: Trial) -> bool:
         """Whether its estimate differs from that of another trial, or the filter failed in one of them."""
-        both = min(len(self.attitudes_xyzw), len(other.attitudes_xyzw))
-        apart = angles_between(self.attitudes_xyzw[:both], other.attitudes_xyzw[:both])
-        return both == 0 or bool((apart > UNCHANGED).any())
-
-    @property
-    def joint(self) -> bool:
-        """Whether accelerometer and magnetometer come one sample later."""
-        return JOINT in self.repairs
+        return self.track is None or other.track is None or self.track.apart(other.track) > UNCHANGED
 
     @property
     def mistakes(self) -> Repairs:
@@ -116,8 +110,8 @@ class Trial:
     @property
     def rank(self) -> tuple[int, int, list[int]]:
         """Rank of the trial: number of repairs, price, places in the table. The least rank is named."""
-        price = sum(repair.price for repair in self.mistakes)
-        return len(self.codes), price, sorted(ORDER.index(code) for code in self.codes)
+        places = sorted(ORDER.index(code) for code in self.codes)
+        return len(self.codes), sum(repair.price for repair in self.mistakes), places
 
 
 def plain(trials: Iterable[Trial]) -> Trial:
@@ -148,20 +142,8 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> lis
     return [named, *(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes)]
 
 
-def or_else(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, ...]:
-    """Codes that may replace one of the named codes while the others stay."""
-    rest = set(named.codes) - {code}
-    found = [set(other.codes) - rest for other in others if rest <= set(other.codes)]
-    return tuple(sorted(set().union(*found) - set(named.codes), key=ORDER.index))
-
-
 Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
 """Function that runs the filter once for each job."""
-
-
-def settled(whole: Track) -> Track:
-    """The last two thirds of the samples, in which a filter has converged."""
-    return whole.part(slice(len(whole.stamps_ns) // 3, None))
 
 
 class Search:
@@ -176,13 +158,9 @@ class Search:
     runs : int
         Number of runs of the filter.
     trials : list of Trial
-        Trials on all courses.
+        Trials on all courses; the first is of the filter as it is.
     is_cut : bool
         Whether pairs were left untried for want of runs.
-    has_covariance : bool
-        Whether an estimate of the filter tells one.
-    is_broken : bool
-        Whether attitudes of the filter as it is are not finite, or zero. For such ones no turn is taken.
     begins_alike : bool
         Whether the filter begins with one attitude, whatever it reads. Then the courses begin there too.
     change : float
@@ -205,11 +183,8 @@ class Search:
     ) -> None:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
-        self.short = (replace(courses[0], moving_s=SCREENED_S).of_scenario(gyro_rate=KINDS[0]).nearly_perfect(),)
-        self._exact = exact_repairs()
         self.trials: list[Trial] = []
-        self.runs, self.is_cut, self.is_broken, self.has_covariance = 0, False, False, False
-        self.begins_alike, self.change = False, 0.0
+        self.runs, self.is_cut, self.begins_alike, self.change = 0, False, False, 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
@@ -232,40 +207,37 @@ class Search:
         """The first course, with the kind of gyro that the filter expects."""
         return self.courses[0].of_scenario(gyro_rate=self.chosen.kind)
 
+    @property
+    def short(self) -> tuple[Course, ...]:
+        """The beginning of the first course, on which repairs are compared at first."""
+        return (replace(self.courses[0], moving_s=SCREENED_S).nearly_perfect(),)
+
     def run(self) -> None:
         """Look for repairs if the filter is wrong.
 
         If it is right from its own first attitude, or after a longer rest, go on with that.
         """
         self.trials += self.fully([()], courses=self.courses)
-        nearly = list(self.fully([()]))
-        if self.is_broken or plain(nearly).error <= self.floor:
+        exact = self.trials
+        is_right = self._is_right_on(self.courses)
+        if is_right or any(answer.broken.size for trial in (*exact, *self.trials) for answer in trial.unrepaired):
+            self.trials = exact
             return
-        first = self._first_attitude()
-        self.begins_alike, self.trials = first is not None, nearly
-        for begin in [] if first is None else [first, WORLD]:  # it may tell its first attitude in another convention
-            self.courses = tuple(course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses)
-            self.short = (self.short[0].of_scenario(initial_attitude_xyzw=begin),)
-            self.trials = list(self.fully([()]))
-            if plain(self.trials).error <= self.floor:
+        first = _first_attitude(exact[0].unrepaired)
+        self.begins_alike = first is not None
+        for begin in [first, WORLD] * self.begins_alike:  # it may tell its first attitude in another convention
+            if self._is_right_on([course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses]):
                 return
-        self.change = max(self.changes(), default=0.0)
-        longer = tuple(replace(course, rest_s=3.0 * REST) for course in self.courses)
-        rested = list(self.fully([()], courses=[course.nearly_perfect() for course in longer]))
-        if plain(rested).error <= self.floor:
-            self.courses, self.trials = longer, rested
-        else:
+        before = self.courses, self.trials
+        if not self._is_right_on([replace(course, rest_s=3.0 * REST) for course in self.courses]):
+            self.courses, self.trials = before
             self.look()
 
-    def _first_attitude(self) -> list[float] | None:
-        """The attitude with which the filter begins, if that is nearly the same where the bodies begin with others."""
-        tracks = [each.track for each in self.ask([Job(course) for course in self.courses]) if isinstance(each, Answer)]
-        if len(tracks) < 2:
-            return None
-        told = [track.attitude_xyzw[0] for track in tracks]
-        true = [track.truth.at(track.stamps_ns[:1])[0] for track in tracks]
-        apart, expected = (float(angles_between(first, second)) for first, second in (told, true))
-        return told[0].tolist() if apart < ALIKE * expected else None
+    def _is_right_on(self, courses: Sequence[Course]) -> bool:
+        """Go on with some courses and nearly perfect sensors; whether the filter is right there."""
+        self.courses = tuple(courses)
+        self.trials = list(self.fully([()]))
+        return plain(self.trials).error <= self.floor
 
     def changes(self) -> Iterator[float]:
         """Changes of the estimate by nearly perfect sensors, rad, above the floor and the scatter of equal runs."""
@@ -274,62 +246,58 @@ class Search:
             given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
             exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
             if exact and again and nearly:
-                change = exact.apart(nearly)
-                if change > max(self.floor, NEAR * exact.apart(again)):
+                change = exact.track.apart(nearly.track)
+                if change > max(self.floor, NEAR * exact.track.apart(again.track)):
                     yield change
 
     def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
+        self.change = max(self.changes(), default=0.0)
         self.trials += self.fully([()], CAUSES)
-        if self._is_mended(1, 0):
+        if self._is_mended(1):
             return
         ((unrepaired,),) = self.tried([((), self.short)])
-        singles = self._screened([(repair,) for repair in self._exact])
-        if not self._is_mended(1, 0):
+        singles = self._screened([(repair,) for repair in exact_repairs()])
+        changing = [trial.mistakes[0] for trial in singles if trial.changes(unrepaired)]
+        if not self._is_mended(1):
             singles += self._fitted_beside(())
-        changing = {trial.mistakes[0] for trial in singles if trial.changes(unrepaired)}
-        self._exact = tuple(repair for repair in self._exact if repair in changing)
         firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
-        for pairs_with in (self._exact_beside, self._fitted_beside):
-            for first in firsts:
-                if self._is_mended(2, 0) or not self._may_go_on():
-                    return
-                pairs_with(first)
+        beside = [[(*first, repair) for repair in changing if repair.code != first[0].code] for first in firsts]
+        steps = [partial(self._screened, pairs) for pairs in beside]
+        steps += [partial(self._fitted_beside, first) for first in firsts]
+        for step in steps:
+            if self._is_mended(2) or not self._may_go_on():
+                return
+            step()
 
     def _may_go_on(self) -> bool:
         """Whether the budget allows more runs; `is_cut` keeps a refusal."""
         self.is_cut = self.runs >= self.most_runs
         return not self.is_cut
 
-    def _is_mended(self, count: int, price: int) -> bool:
-        """Whether few and cheap repairs leave less than the floor, so that no later one is named instead."""
-        return any(t.error <= self.floor and t.rank[:2] <= (count, price) for t in self.choice()[:1])
-
-    def _exact_beside(self, first: Repairs) -> list[Trial]:
-        """Try each repair of the input without a constant beside another."""
-        return self._screened([(*first, repair) for repair in self._exact if repair.code != first[0].code])
+    def _is_mended(self, count: int) -> bool:
+        """Whether so few repairs, without a constant, leave less than the floor: no later one is named instead."""
+        return any(t.error <= self.floor and t.rank[:2] <= (count, 0) for t in self.choice()[:1])
 
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
         """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
-        causes = () if first else QUICK
-        codes = [code for code in FITTED if code not in [repair.code for repair in first]]
-        rests = [(*first, *joint) for joint in ((), (JOINT,))]
-        pairs = [(code, rest) for code in codes for rest in rests]
+        causes, rests = () if first else QUICK, (first, (*first, JOINT))
+        pairs = [(code, rest) for code in FITTED if code not in [each.code for each in first] for rest in rests]
         return self._screened([(self._fitted(code, rest, causes), *rest) for code, rest in pairs if self._may_go_on()])
 
     def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
         """Try repairs on the short course, single ones also with those of the output; then the best on all."""
         if not chosen:
             return []
-        single = all(len(set(repairs) - {JOINT}) == 1 for repairs in chosen)
-        found = list(self.tried([(repairs, self.short) for repairs in chosen], QUICK if single else ()))
+        is_single = len(set(chosen[0]) - {JOINT}) == 1
+        found = list(self.tried([(repairs, self.short) for repairs in chosen], QUICK if is_single else ()))
         least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
         best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
         far = FAR * max(self.floor, least[best[0]].error)
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
         finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
-        self.trials += self.fully(finals, CAUSES if single else ())
+        self.trials += self.fully(finals, CAUSES if is_single else ())
         return [replace(trial, parts=(with_output.error, *trial.parts)) for trial, with_output in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
@@ -348,10 +316,9 @@ class Search:
 
     def drift_costs(self, sensor: str, repairs: Repairs) -> tuple[float, float]:
         """Increases of the error, rad, by a silent sensor and by half of its readings, in a drift it alone tells."""
-        drifting = (drift(sensor), *repairs)
-        given = [drifting, *((*drifting, scaled(sensor, share)) for share in (SILENT, 0.5))]
-        (used,), (silenced,), (halved,) = self.tried([(each, self.short) for each in given])
-        return silenced.error - used.error, halved.error - used.error
+        asked = [((drift(sensor, share), *repairs), self.short) for share in (1.0, SILENT, 0.5)]
+        used, silenced, halved = (trial.error for (trial,) in self.tried(asked))
+        return silenced - used, halved - used
 
     def fully(
         self, chosen: Iterable[Repairs], causes: Sequence[Cause] = (), *, courses: Sequence[Course] = ()
@@ -363,8 +330,8 @@ class Search:
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
         courses = courses or [course.nearly_perfect() for course in self.courses]
         by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in KINDS]
-        for found in self.tried([(each, asked) for each in jointly for asked in by_kind], causes):
-            yield from found
+        tried = self.tried([(repairs, asked) for repairs in jointly for asked in by_kind], causes)
+        return (trial for trials in tried for trial in trials)
 
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
         """The best constant of a repair beside others, and perhaps one of the output."""
@@ -380,7 +347,7 @@ class Search:
             best: float = minimize_scalar(lambda value: left([value])[0] ** 2, bounds=(low, high), method="bounded").x
         else:
             between = [count for count in range(int(low), int(high) + 1) if count]
-            best = float(between[int(np.argmin(left(between)))])
+            best = between[int(np.argmin(left(between)))]
         return of(best)
 
     def tried(
@@ -397,13 +364,11 @@ class Search:
         """
         answers = self.ask([Job(course, repairs) for repairs, courses in asked for course in courses])
         for repairs, courses in asked:
-            given, kind = [next(answers) for _ in courses], courses[0].kind
+            given, kind = [next(answers) for _ in courses], courses[0].parameter("gyro_rate")
             failed = [answer for answer in given if isinstance(answer, FilterError)]
             if failed and not repairs:
                 raise failed[0]
             right = [answer for answer in given if isinstance(answer, Answer) and not (repairs and answer.broken.size)]
-            self.is_broken |= any(answer.broken.size > 0 for answer in right)
-            self.has_covariance |= any(answer.given.covariance is not None for answer in right)
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
@@ -411,9 +376,20 @@ class Search:
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
-            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0].attitude_xyzw)
-            mended = _without(tracks, causes, pairs=not alone.codes)
+            unrepaired = () if repairs else right
+            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], unrepaired)
+            mended = without(tracks, causes, pairs=not alone.codes)
             yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
+
+
+def _first_attitude(answers: Sequence[Answer]) -> list[float] | None:
+    """The attitude with which a filter begins, if that is nearly the same where the bodies begin with others."""
+    if len(answers) < 2:
+        return None
+    told = [answer.track.attitude_xyzw[0] for answer in answers]
+    true = [answer.track.truth.at(answer.track.stamps_ns[:1])[0] for answer in answers]
+    turn, expected = (float(angles_between(first, second)) for first, second in (told, true))
+    return told[0].tolist() if turn < ALIKE * expected else None
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
@@ -421,15 +397,3 @@ def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
     errors = np.array([trial.parts for trial in trials])
     places = np.argsort(np.argsort(errors, axis=0, kind="stable"), axis=0).min(axis=1)
     return [trials[number] for number in np.argsort(places, kind="stable")]
-
-
-def _without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
-    """Undo each cause, or each pair whose first has no constant; yield the repairs and the error left."""
-    for cause in causes:
-        constants, error = cause.fitted(tracks)
-        repair = of_output(cause, constants)
-        yield (repair,), error
-        if pairs and not cause.price:
-            others = (other for other in CAUSES if other.code != cause.code)
-            rest = _without([cause.undo(track, constants) for track in tracks], others, pairs=False)
-            yield from (((repair, *second), left) for second, left in rest)

@@ -52,7 +52,7 @@ class Cause:
     fact : callable
         What is wrong with the estimate, a sentence without a full stop, from the constants.
     deed : callable
-        The repair in a few words, as a part of speech before "leaves", from the constants.
+        The repair in a few words, with the verb of what it leaves, from the constants.
     remedy : callable
         What to do about an estimate whose filter is not at hand, from the constants; empty where `fact` has it.
     maps : tuple of ndarray, shape (d, 4, 4) each
@@ -256,7 +256,7 @@ CAUSES: Final = (
         lambda c: (
             "The quaternion is the inverse, it takes world vectors to the body: publish its conjugate, -x -y -z w"
         ),
-        lambda c: "Conjugated it",
+        lambda c: "Conjugated it leaves",
         (_INVERSE[np.newaxis],),
     ),
     Cause(
@@ -265,7 +265,7 @@ CAUSES: Final = (
         _by_map(_SHIFT),
         _fixed([0.0]),
         lambda c: "The quaternion comes scalar first, w x y z, where x y z w is read: move the first number to the end",
-        lambda c: "With the scalar last it",
+        lambda c: "With the scalar last it leaves",
         (_SHIFT[np.newaxis],),
     ),
     Cause(
@@ -274,7 +274,9 @@ CAUSES: Final = (
         _by_map(_Z_UP, _Z_UP_AND_FLU),
         _fixed([0.0], [1.0]),
         lambda c: f"The world of the estimate is north-east-down{' and its body forward-right-down' if c[0] else ''}",
-        lambda c: f"Turned to z up from the left{', and half a turn about x from the right' if c[0] else ''}, it",
+        lambda c: (
+            f"Turned to z up from the left{', and half a turn about x from the right' if c[0] else ''}, it leaves"
+        ),
         (_Z_UP[np.newaxis], _Z_UP_AND_FLU[np.newaxis]),
         remedy=lambda c: (
             f"turn it to z up by (√½, √½, 0, 0) from the left{', and by (1, 0, 0, 0) from the right' if c[0] else ''}; "
@@ -287,7 +289,7 @@ CAUSES: Final = (
         _reordered,
         _fixed(*permutations(np.arange(6.0), 2)),
         lambda c: f"The three Euler angles are put together in the order {_order(c[0])} instead of {_order(c[1])}",
-        lambda c: f"Put together as {_order(c[1])} they",
+        lambda c: f"Put together as {_order(c[1])} they leave",
     ),
     Cause(
         "heading_offset",
@@ -298,7 +300,7 @@ CAUSES: Final = (
             f"The world of the estimate is turned by {np.degrees(c[0]):+.4g}° about the vertical: tell the filter its "
             "magnetic declination or what its x axis is"
         ),
-        lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° from the left the estimate",
+        lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° from the left the estimate leaves",
         (_ABOUT_UP,),
         lambda track, truth, rate: quaternion.rotate(quaternion.conjugate(truth), UP)[..., np.newaxis],
         remedy=lambda c: (
@@ -312,7 +314,7 @@ CAUSES: Final = (
         lambda track, turn: _turned(track, left=quaternion.exp(-turn)),
         _turn(_OF_WORLD, vector),
         lambda c: f"The world of the estimate is turned by {angle_and_axis(quaternion.exp(c))} of the world",
-        lambda c: "Turned back from the left the estimate",
+        lambda c: "Turned back from the left the estimate leaves",
         (_OF_WORLD,),
         lambda track, truth, rate: np.swapaxes(quaternion.to_matrix(truth), 1, 2),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(turn), quaternion.exp(step))),
@@ -327,7 +329,7 @@ CAUSES: Final = (
         _moved,
         _of_time("lagging", _LAGS, 1.0),
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
-        lambda c: "With these stamps it",
+        lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
@@ -336,7 +338,7 @@ CAUSES: Final = (
         _moved,
         _of_time("lagging", _LAGS, -1.0),
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
-        lambda c: "With these stamps it",
+        lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
     ),
     Cause(
@@ -345,7 +347,7 @@ CAUSES: Final = (
         _by_clock,
         _of_time("clock_rate", _RATES),
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
-        lambda c: "Stamped with the time of the readings it",
+        lambda c: "Stamped with the time of the readings it leaves",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
         remedy=lambda c: (
             "stamp it with the time of the readings it is made of, in their unit and with their period, not by another "
@@ -358,7 +360,7 @@ CAUSES: Final = (
         lambda track, turn: _turned(track, right=quaternion.exp(-turn)),
         _turn(_OF_BODY, vector),
         lambda c: f"The body axes of the estimate are turned by {angle_and_axis(quaternion.exp(c))} of the body",
-        lambda c: "Turned back from the right the estimate",
+        lambda c: "Turned back from the right the estimate leaves",
         (_OF_BODY,),
         lambda track, truth, rate: np.broadcast_to(np.eye(3), (len(truth), 3, 3)),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(step), quaternion.exp(turn))),

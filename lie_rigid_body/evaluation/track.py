@@ -69,6 +69,11 @@ class Track:
         truth = self.truth.at(self.stamps_ns)
         return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth)))
 
+    def apart(self, other: Track) -> float:
+        """Largest difference from other attitudes, sample by sample while both go on, rad."""
+        both = min(len(self.stamps_ns), len(other.stamps_ns))
+        return float(np.max(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])))
+
     def partial_errors(self) -> tuple[float, float]:
         """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
         step = max(1, len(self.stamps_ns) // 10)

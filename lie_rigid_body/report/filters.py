@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from lie_rigid_body.diagnosis import FilterDiagnosis
-from lie_rigid_body.diagnosis.result import degrees
+from lie_rigid_body.diagnosis.examination import degrees
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.report import html_page

@@ -10,9 +10,19 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.course import readings as readings_of
-from lie_rigid_body.diagnosis.repairs import FITTED, JOINT, ORDER, SENSORS, Repair, exact_repairs, late, of_output
-from lie_rigid_body.diagnosis.search import Trial, choose, settled
-from lie_rigid_body.diagnosis.search import or_else as instead_of
+from lie_rigid_body.diagnosis.examination import or_else as instead_of
+from lie_rigid_body.diagnosis.repairs import (
+    FITTED,
+    JOINT,
+    ORDER,
+    SENSORS,
+    Repair,
+    exact_repairs,
+    late,
+    of_output,
+    settled,
+)
+from lie_rigid_body.diagnosis.search import Trial, choose
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES
 from lie_rigid_body.evaluation.track import Track
