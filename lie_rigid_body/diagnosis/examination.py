@@ -152,18 +152,18 @@ class FilterDiagnosis(Shown):
     @property
     def sentences(self) -> list[str]:
         """What a person needs to know first."""
-        failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
-        said = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}."
+        said = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
         if self.rms_deg > self.floor_deg:
             tried = "so far" if self.interrupted else "that was tried"
-            said = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}."
+            said = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}"
+        failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if not failed:
-            return [said]
+            return [f"{said}."]
         first = "finite" if "finite" in failed else next(iter(failed))
-        fails = f"The filter fails {counted(len(failed), 'probe')}: {', '.join(failed)}."
-        return [fails, f"{first}: {failed[first]}.", said]
+        fails = f"it fails {counted(len(failed), 'probe')}: {', '.join(failed)}"
+        return [f"{said}; {fails}.", f"{first}: {failed[first]}."]
 
     def to_dict(self) -> dict[str, Any]:
         """The entries of ``diagnose --json``."""
