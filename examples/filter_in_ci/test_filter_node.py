@@ -19,7 +19,7 @@ FILTER = [sys.executable, str(Path(__file__).parents[1] / "complementary_filter"
 ESTIMATE = "/imu/data"
 """The topic on which it publishes its attitude, stamped as the reading that it answers."""
 PARAMETERS = {
-    "epoch_ns": 1_000_000_000,
+    "epoch_ns": 1_767_225_600_000_000_000,
     "imu_rate": 100.0,
     "magnetometer_rate": 100.0,
     "gyro_rate": "integrated",

@@ -161,7 +161,7 @@ class FilterDiagnosis(Shown):
         failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if not failed:
             return [f"{said}."]
-        first = "finite" if "finite" in failed else next(iter(failed))
+        first = next(code for code in ("finite", "repeatable", *failed) if code in failed)
         fails = f"it fails {counted(len(failed), 'probe')}: {', '.join(failed)}"
         return [f"{said}; {fails}.", f"{first}: {failed[first]}."]
 

@@ -46,6 +46,9 @@ JUDGED: Final = 20
 """Number of samples of a short run by which a covariance is judged."""
 
 
+SAME: Final = 1e-9
+"""Largest difference of two estimates, rad, that count as the same."""
+_BY_CHANCE: Final = "; one that differs goes by a clock of its own, or by the order in which readings arrive"
 Judged = tuple[bool, str, float]
 """Whether a probe is passed, what is said of it, and the number that was judged."""
 
@@ -105,6 +108,11 @@ def worst(answers: Sequence[Answer], begin: float = 1.0 / 3.0) -> float:
     return max(answer.error(begin) for answer in answers)
 
 
+def _scatter(answers: Sequence[Answer]) -> float:
+    """Largest difference of the estimates of two equal runs, rad."""
+    return answers[0].track.apart(answers[1].track)
+
+
 def _limit(search: Search, least: float = 0.0) -> float:
     """The error up to which a probe with something in the way is passed, rad, and at least so much."""
     return max(search.floor, least, NEAR * search.chosen.error)
@@ -122,6 +130,8 @@ def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
 
 def _without_repair(search: Search, track: Track) -> str:
     """What is known of an error that no repair mends."""
+    if search.is_by_chance:
+        return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
     if search.change:
         off, change = f"{TINY * search.course.turn:.1g}", with_unit(float(np.degrees(search.change)))
         return f"; it is unstable: sensors off by {off} of what they read change it by {change}, {WRONG_SIGN}"
@@ -320,9 +330,7 @@ PROBES: Final = (
     ProbeRow(
         "repeatable",
         lambda s: [s.course, s.course],
-        lambda s, o: limited(
-            "called twice it gives estimates that differ by", o[0].track.apart(o[1].track), 1e-9, unit=" rad"
-        ),
+        lambda s, o: limited("called twice it gives estimates that differ by", _scatter(o), SAME, _BY_CHANCE, " rad"),
     ),
     ProbeRow("norm", lambda s: [s.course], _norms_judged),
     ProbeRow("finite", lambda s: [s.course], _broken),
@@ -347,11 +355,11 @@ NOTES: Final = (
     ),
     ProbeRow(
         "causal",
-        lambda s: [s.course, replace(s.course, moving_s=0.5 * s.course.moving_s)],
+        lambda s: [s.course, s.course, replace(s.course, moving_s=0.5 * s.course.moving_s)],
         lambda s, o: limited(
             "The estimate uses later readings, as smoothers do: without them it is another, by up to",
-            o[0].track.apart(o[1].track),
-            1e-9,
+            o[0].track.apart(o[2].track),
+            SAME if _scatter(o) <= SAME else np.inf,
         ),
     ),
 )

@@ -163,6 +163,8 @@ class Search:
         Whether pairs were left untried for want of runs.
     begins_alike : bool
         Whether the filter begins with one attitude, whatever it reads. Then the courses begin there too.
+    scatter : float
+        Largest change of the estimate between two equal runs, rad, where the filter is wrong.
     change : float
         Change of the estimate by sensors that are off by `TINY`, rad, where the filter is unstable; else 0. Then only
         what leaves less than the floor is a repair: where an unstable filter ends tells nothing of a mistake.
@@ -184,7 +186,8 @@ class Search:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self.trials: list[Trial] = []
-        self.runs, self.is_cut, self.begins_alike, self.change = 0, False, False, 0.0
+        self.runs, self.is_cut, self.begins_alike = 0, False, False
+        self.scatter = self.change = 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         """Answers of the filter to jobs, in their order."""
@@ -239,20 +242,26 @@ class Search:
         self.trials = list(self.fully([()]))
         return plain(self.trials).error <= self.floor
 
-    def changes(self) -> Iterator[float]:
-        """Changes of the estimate by nearly perfect sensors, rad, above the floor and the scatter of equal runs."""
+    def changes(self) -> Iterator[tuple[float, float]]:
+        """Changes of the estimate in an equal run, rad, and by nearly perfect sensors, or 0 up to the floor."""
         for kind, repairs in product(KINDS, ((), (JOINT,))):
             course = self.courses[0].of_scenario(gyro_rate=kind)
             given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
             exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
             if exact and again and nearly:
-                change = exact.track.apart(nearly.track)
-                if change > max(self.floor, NEAR * exact.track.apart(again.track)):
-                    yield change
+                scatter, change = (exact.track.apart(other.track) for other in (again, nearly))
+                yield scatter, change if change > max(self.floor, NEAR * scatter) else 0.0
+
+    @property
+    def is_by_chance(self) -> bool:
+        """Whether equal runs differ by more than what a repair may leave, so that none can be told from chance."""
+        return self.scatter > max(self.floor, MENDED * plain(self.trials).error)
 
     def look(self) -> None:
         """Look for repairs, the cheapest first, until no dearer one can be named instead, or the budget is spent."""
-        self.change = max(self.changes(), default=0.0)
+        self.scatter, self.change = np.max([*self.changes(), (0.0, 0.0)], axis=0).tolist()
+        if self.is_by_chance:
+            return
         self.trials += self.fully([()], CAUSES)
         if self._is_mended(1):
             return

@@ -52,8 +52,9 @@ TOPIC: Final = "imu/data"
 """Topic of the attitudes of a filter, as filters of imu_tools call it."""
 IMU: Final = "imu"
 """Sensor whose readings are answered, and the last of those that arrive at once."""
-_BEGIN_NS: Final = 10**9
-"""Time added to the stamps of a run, ns, as a stamp of 0 means that there is no time yet."""
+_BEGIN_NS: Final = 1_767_225_600 * 10**9
+"""Time added to the stamps of a run, ns: the year 2026. A stamp of 0 means that there is no time yet, and a node that
+keeps seconds in single precision errs at stamps of today only."""
 _GRACE_S: Final = 1.0
 """Time that a player has beyond that of its run, s."""
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import textbook
+from scipy.spatial.transform import Rotation
 
 import lie_rigid_body
 from lie_rigid_body import InputError
@@ -328,7 +329,7 @@ def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter(
 ) -> None:
     """A sensor taken wrongly leaves 0.00° where it is nearly silent, or where the right one outweighs it."""
     search, trials = repairs_by_units(estimate, code)
-    assert np.degrees(max(search.changes())) > 3.0
+    assert np.degrees(max(change for _, change in search.changes())) > 3.0
     assert trials
     assert not any(search._uses_what_it_scales(trial) for trial in trials)
 
@@ -375,6 +376,23 @@ def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
     assert failed(found)[0] == "follows"
     assert "unstable" in found.probes[0].message
     assert found.probes[0].message in str(found)
+
+
+def test_filter_whose_equal_runs_differ_is_told_so_at_once() -> None:
+    """No repair can be told from chance, nor whether it is unstable or uses later readings."""
+    draw = np.random.default_rng(3)
+
+    def by_chance(run: Any) -> Any:
+        turn = Rotation.from_rotvec(np.cumsum(draw.normal(scale=0.1, size=(len(run.imu.t_ns), 3)), axis=0))
+        return (Rotation.from_quat(textbook.triad(run)) * turn).as_quat()
+
+    found = diagnose(by_chance)
+    assert found.mistakes == ()
+    assert {"follows", "repeatable"} <= {*failed(found)}
+    assert str(found).splitlines()[1].startswith("repeatable: ")
+    assert "unstable" not in found.probes[0].message
+    assert [note.code for note in found.notes if note.code == "causal"] == []
+    assert found.filter_runs < 200
 
 
 @pytest.mark.slow
