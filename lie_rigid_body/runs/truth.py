@@ -30,7 +30,7 @@ from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.wording import shown
+from lie_rigid_body.wording import counted, shown
 
 THINNED: Final = 40_000
 """Number of IMU readings at which the bound of a score is computed, in a few seconds at most.
@@ -194,6 +194,7 @@ class TrueMotion:
                 f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
                 f"{(first - start) / 1e9:.9g} s after that."
             )
+        yield from self._events_of(track)
         # an Imu is stamped with the frame of the sensor (REP-145)
         world = self.frames[0] if self.frames else self.poses.frame if self.poses is not None else ""
         ours = {world}
@@ -213,6 +214,18 @@ class TrueMotion:
         fault = "" if track.covariance is None else covariance_fault(track.covariance)
         if fault:
             yield f"There is no NEES: {fault}."
+
+    def _events_of(self, track: AttitudeTrack) -> Iterator[str]:
+        """Sentences about what scenarios declare, and no filter can help: resets, lost readings, an erring clock."""
+        begin, end = track.stamps_ns[[0, -1]].tolist()
+        resets = [segment.start_ns for segment in self.segments if begin < segment.start_ns <= end]
+        if resets:
+            yield f"The motion began anew at {resets[0] / 1e9:.13g} s, {counted(len(resets), 'reset')} in all."
+        of_imu = [imu.delivery for segment in self.segments if (imu := segment.scenario.sensors.imu) and imu.delivery]
+        if any(delivery.dropout_probability or delivery.outage for delivery in of_imu):
+            yield "The scenario declares that readings of the IMU are lost: gaps of the estimate may be theirs."
+        if any(delivery.is_off for delivery in of_imu):
+            yield "The scenario declares that the clock of the IMU errs: so do stamps that a filter takes from it."
 
 
 def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | None = None) -> UnavoidableError | None:

@@ -63,3 +63,23 @@ def test_what_may_be_of_another_is_said(note: str) -> None:
     poses, estimate = NOTES[note]
     motion = TrueMotion((Segment(Scenario.from_parameters({}), 0, NS),), poses)
     assert [*motion.notes_on(estimate)] == [note]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "The motion began anew at 2.5 s, 1 reset in all."),
+        (
+            {"imu_dropout_probability": 0.1},
+            "The scenario declares that readings of the IMU are lost: gaps of the estimate may be theirs.",
+        ),
+        (
+            {"imu_clock_offset": 0.1},
+            "The scenario declares that the clock of the IMU errs: so do stamps that a filter takes from it.",
+        ),
+    ],
+)
+def test_what_the_scenarios_declare_and_no_filter_can_help_is_said(given: dict[str, object], said: str) -> None:
+    declared = Segment(Scenario(**given, imu_rate=10.0), 0, NS)
+    segments = (declared,) if given else (declared, Segment(Scenario(), 0, 5 * NS // 2))
+    assert [*TrueMotion(segments, POSES).notes_on(POSES)] == [said]
