@@ -8,14 +8,14 @@ import signal
 import socket
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.runs.programs import Answered, Play, words
+from lie_rigid_body.runs.programs import Answered, NodeEstimator, Reading, words
 from lie_rigid_body.system import lock, open_itself
 from lie_rigid_body.wording import printable
 
@@ -30,7 +30,7 @@ _LONGEST_WORDS: Final = 100
 """Largest number of bytes that are repeated of what the node prints."""
 
 
-def played(play: Play) -> Answered | str:
+def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | str:
     """What a node answers, or why it does not."""
     with tempfile.TemporaryFile() as output, tempfile.TemporaryDirectory() as logs:
         try:
@@ -39,11 +39,11 @@ def played(play: Play) -> Answered | str:
                     ROS_DOMAIN_ID=f"{domain}", ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST", ROS_LOG_DIR=logs
                 )
                 require_ros()
-                with _started(play.node.command, output) as require_alive:
+                with _started(estimator.command, output) as require_alive:
                     from lie_rigid_body.ros.player import answers_to  # only now: it needs ROS
 
                     try:
-                        return answers_to(play, require_alive)
+                        return answers_to(estimator, readings, require_alive)
                     except LieRigidBodyError as error:
                         return f"{error}{_last_words(output)}"
         except LieRigidBodyError as error:

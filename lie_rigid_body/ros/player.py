@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from itertools import groupby
 from operator import attrgetter
@@ -20,19 +20,21 @@ from lie_rigid_body.ros.answers import Answers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, DEPTH, clock_bytes
 from lie_rigid_body.ros.session import message_class, own_node
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
-from lie_rigid_body.runs.programs import Answered, Play
+from lie_rigid_body.runs.programs import Answered, NodeEstimator, Reading
 from lie_rigid_body.sensors import SENSORS
 
 SILENCE_S: Final = 10.0
 """Longest wait for an answer, s; at most half of the time of a run."""
 
 
-def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:
+def answers_to(estimator: NodeEstimator, readings: Sequence[Reading], require_alive: Callable[[], None]) -> Answered:
     """Play readings to the filter of this domain.
 
     Parameters
     ----------
-    play : Play
+    estimator : NodeEstimator
+        Of the filter.
+    readings : sequence of Reading
     require_alive : callable
         Raises an error once the filter has ended.
 
@@ -42,7 +44,7 @@ def answers_to(play: Play, require_alive: Callable[[], None]) -> Answered:
         If no filter appears, or it leaves a reading without an answer.
     """
     with own_node("lie_rigid_body") as node:
-        player = Player(node, play, require_alive)
+        player = Player(node, estimator, readings, require_alive)
         with closing(player.answers):
             return player.played()
 
@@ -53,7 +55,8 @@ class Player:
     Parameters
     ----------
     node : Node
-    play : Play
+    estimator : NodeEstimator
+    readings : sequence of Reading
     require_alive : callable
 
     Attributes
@@ -61,10 +64,12 @@ class Player:
     answers : Answers
     """
 
-    def __init__(self, node: Node, play: Play, require_alive: Callable[[], None]) -> None:
-        self._play, self._require_alive = play, require_alive
-        self._longest_s = play.node.timeout_s / 2.0
-        self._topics = {reading.sensor: SENSORS[reading.sensor].topics[0] for reading in play.readings}
+    def __init__(
+        self, node: Node, estimator: NodeEstimator, readings: Sequence[Reading], require_alive: Callable[[], None]
+    ) -> None:
+        self._readings, self._require_alive = readings, require_alive
+        self._longest_s = estimator.timeout_s / 2.0
+        self._topics = {reading.sensor: SENSORS[reading.sensor].topics[0] for reading in readings}
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
         self._publishers = {
             topic.name: node.create_publisher(message_class(topic.message_type), topic.name, quality)
@@ -73,7 +78,7 @@ class Player:
         self._publishers[CLOCK] = node.create_publisher(Clock, CLOCK, quality)
         self._heard = SimpleQueue[tuple[int, bytes]]()
         self._payloads: list[bytes] = []
-        self.answers = Answers(node, self._publishers, play.node.topic, [])
+        self.answers = Answers(node, self._publishers, estimator.topic, [])
         self.answers.hear = lambda *answer: self._heard.put(answer)
 
     def played(self) -> Answered:
@@ -81,7 +86,7 @@ class Player:
         heard = self._filter()
         lockstep = Lockstep(self.answers.topic, lambda: heard, round(min(SILENCE_S, self._longest_s) * NS))
         lockstep.begin_segment(self._topics)
-        for arrival_ns, group in groupby(self._play.readings, key=attrgetter("arrival_ns")):
+        for arrival_ns, group in groupby(self._readings, key=attrgetter("arrival_ns")):
             readings = list(group)
             self._publishers[CLOCK].publish(clock_bytes(arrival_ns))
             for reading in readings:

@@ -1,6 +1,6 @@
 """Runs as arrays, for people who write and test attitude filters.
 
-- `run`: the truth and the readings of a run, from a bag or into one;
+- `run`: the truth and the readings of a run, from a bag; `bag_of_run`: into one;
 - `readings`: what its sensors read;
 - `ensemble`: simulated runs of a scenario, of one seed or of many, and runs without the truth;
 - `truth`: the attitude at any time, as scenarios and poses tell it, and the error that the noise of the sensors leaves

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import warnings
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -131,10 +130,7 @@ def simulate(
     motions = partial(motions_of, clocks=defaultdict(Latest))
     simulations = [Simulation(one, motions=motions) for one in (first, *scenarios)]
     end_ns = simulations[0].clock.last_ns_before(length)
-    runs = []
-    while simulations:
-        simulation = simulations.pop(0)  # of which nothing is kept but its run
-        runs.append(Run.of(simulation.take_until(end_ns, sys.maxsize), simulation.segment))
+    runs = [Run.of(simulations.pop(0), end_ns) for _ in chosen]  # nothing of each is kept but its run
     return runs[0] if seeds is None else tuple(runs)
 
 

@@ -1,22 +1,16 @@
-"""What an estimator returns, and its attitudes as messages of a bag."""
+"""What an estimator returns: attitudes, and what else it tells."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Score
-from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape_remedy, unit
-from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
-from lie_rigid_body.lie import quaternion
-from lie_rigid_body.messages.batch import Messages
-from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED
-from lie_rigid_body.messages.layout import POSE_NUMBERS, Layout, header
+from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape_remedy
+from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.wording import call_repr
 
 BIAS: Final = "/gyro_bias"
@@ -106,40 +100,3 @@ class Estimate:
 
     def __repr__(self) -> str:
         return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})
-
-    def messages(self, topic: str, frame: str) -> tuple[Messages, str]:
-        """Attitudes as messages of a bag, with a covariance where there is one, and their type.
-
-        Parameters
-        ----------
-        topic : str
-        frame : str
-            Name of the world's frame.
-        """
-        attitude = unit("estimate", self.attitude_xyzw)
-        if self.covariance is None:
-            layout = Layout(header(frame), [0.0] * POSE_NUMBERS, [range(3, POSE_NUMBERS)])
-            return Messages(topic, self.t_ns, layout.encode(self.t_ns, self.attitude_xyzw)), POSE_STAMPED
-        P = np.broadcast_to(rotation_block(self.covariance), (len(self), 3, 3))
-        if self.covariance_axes == "body":
-            R = quaternion.to_matrix(attitude)
-            P = R @ P @ np.swapaxes(R, -1, -2)
-        places = [POSE_NUMBERS + 6 * (3 + row) + 3 + column for row in range(3) for column in range(3)]
-        layout = Layout(header(frame), [0.0] * (POSE_NUMBERS + 36), [range(3, POSE_NUMBERS), places])
-        payloads = layout.encode(self.t_ns, self.attitude_xyzw, P.reshape(-1, 9))
-        return Messages(topic, self.t_ns, payloads), POSE_WITH_COVARIANCE_STAMPED
-
-
-def vectors(topic: str, stamps_ns: Integers, rows: Array, frame: str) -> tuple[Messages, str]:
-    """Vectors as messages of a bag, and their type."""
-    payloads = Layout(header(frame), [0.0] * 3, [range(3)]).encode(stamps_ns, rows)
-    return Messages(topic, stamps_ns, payloads), VECTOR3_STAMPED
-
-
-def messages_of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:
-    """Total, heading and inclination error, degrees, and the NEES with its bounds, below a topic, with their type."""
-    yield vectors(f"{topic}/error_deg", score.stamps_ns, np.degrees(np.stack(score.error, axis=-1)), frame)
-    if score.consistency is not None:
-        nees, bounds = score.consistency.nees, score.consistency.bounds
-        rows = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])
-        yield vectors(f"{topic}/nees", score.stamps_ns, rows, frame)

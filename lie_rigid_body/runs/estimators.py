@@ -41,8 +41,7 @@ def called(estimate: Estimator, run: Run) -> Estimate:
     FilterError
         With the line in the user's file, or with the shape.
     """
-    assert run.imu is not None
-    stamps_ns = run.imu.t_ns  # before an estimator may change that
+    stamps_ns = run.sensors["imu"].t_ns  # before an estimator may change that
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")

@@ -239,10 +239,9 @@ class KeptAttitudes:
         known = stamps[usable & (stamps >= truth_ns - LENIENCE_NS)]
         if usable.any() and not self._has_begun and (len(known) or self.first_ns is None):
             self.first_ns, self._has_begun = int((known if len(known) else stamps[usable])[0]), len(known) > 0
-        inside = np.ones(len(stamps), dtype=np.bool_)
-        if self.due_ns is not None:
-            inside = stamps <= self.due_ns
-            self.complete |= bool(np.any(stamps >= self.due_ns))
+        due_ns = np.inf if self.due_ns is None else self.due_ns
+        inside = stamps <= due_ns
+        self.complete |= bool(np.any(stamps >= due_ns))
         self.leave_out(UNUSABLE, stamps[inside & ~usable])
         counted = track[inside & usable]
         self._blocks.append(counted[-self.count % self.stride :: self.stride])

@@ -225,13 +225,6 @@ class Reading(NamedTuple):
     payload: bytes
 
 
-class Play(NamedTuple):
-    """What a player is to do: start a command, play it the readings, and return what it publishes on a topic."""
-
-    node: NodeEstimator
-    readings: tuple[Reading, ...]
-
-
 class Answered(NamedTuple):
     """What a node has published: the full name and the type of its topic, and the messages."""
 
@@ -265,7 +258,7 @@ class NodeEstimator(CommandEstimator):
             If it cannot be started, ends, hears no IMU, publishes no attitude of the body, or leaves a reading without
             an answer.
         """
-        answered = self._played(Play(self, readings_of(run)))
+        answered = self._played(readings_of(run))
         try:
             found = attitudes_of(*answered)
         except BagError as error:
@@ -280,10 +273,10 @@ class NodeEstimator(CommandEstimator):
     def _name(self) -> str:
         return f"node {shown(self.command)}"
 
-    def _played(self, play: Play) -> Answered:
+    def _played(self, readings: tuple[Reading, ...]) -> Answered:
         player = Interpreter()
         try:
-            reply: Answered | str = player.ask(partial(_play, play), self.timeout_s + _GRACE_S)
+            reply: Answered | str = player.ask(partial(_play, self, readings), self.timeout_s + _GRACE_S)
         except (EOFError, TimeoutError):
             raise InputError(
                 f"{self._name} did not end within {self.timeout_s:g} s: give it more, or play it less"
@@ -309,8 +302,8 @@ class NodeEstimator(CommandEstimator):
         return found[first]
 
 
-def _play(play: Play) -> Any:
-    return import_module(PLAYER).played(play)
+def _play(estimator: NodeEstimator, readings: tuple[Reading, ...]) -> Any:
+    return import_module(PLAYER).played(estimator, readings)
 
 
 def readings_of(run: Run) -> tuple[Reading, ...]:

@@ -160,9 +160,8 @@ class SensorArrays:
                     f"{sensor.title}, which a bag holds: record all of {topic.name} as well"
                 )
         readings = {name: array for name, array in arrays.items() if array is not None}
-        lost = np.zeros(count, dtype=np.bool_)
         inside = (self.arrival_ns >= begin_ns) & (self.arrival_ns < end_ns)
-        return SensorSamples(self.arrival_ns, self.t_ns, lost, readings)[inside]
+        return SensorSamples(self.arrival_ns, self.t_ns, np.zeros(count, dtype=np.bool_), readings)[inside]
 
 
 def _array(

@@ -30,9 +30,10 @@ from lie_rigid_body.recording.topic_messages import (
     require_cdr,
     topic_messages,
 )
+from lie_rigid_body.runs.bag_of_run import OWN_TOPICS
 from lie_rigid_body.runs.estimate import BIAS, Estimate
 from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
-from lie_rigid_body.runs.run import OWN_TOPICS, Run
+from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
@@ -214,12 +215,11 @@ def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_t
     """The track of a type that `nearest` finds."""
     found = {t.topic: t for t in tracks if t.message_type == kind}
     try:
-        topic = nearest(found, ending, estimate_topic)
+        return found.get(nearest(found, ending, estimate_topic) or "")
     except InputError as error:
         raise BagError(
             f"{path} has {error}: choose one, as by --topic pose:=/a/pose, or record the estimate in its namespace"
         ) from None
-    return None if topic is None else found[topic]
 
 
 def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | None:

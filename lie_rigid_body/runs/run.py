@@ -2,58 +2,40 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body import __version__
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantity
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, BatchEncoder, Messages
+from lie_rigid_body.messages.batch import FAULTS
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
-from lie_rigid_body.recording.bag_writer import (
-    CUT_OFF,
-    POSE_TOPIC,
-    REWRITTEN,
-    SCENARIO_TOPIC,
-    TWIST_TOPIC,
-    BagWriter,
-)
 from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import Block
-from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.runs.estimate import BIAS, Estimate, messages_of_score, vectors
+from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
+from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.readings import SensorArrays, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth, at_limit, bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.showing import Shown, data_frame
-from lie_rigid_body.simulation import SOFTWARE, Samples, Segment, Taken
-from lie_rigid_body.wording import call_repr, listed, shown
+from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
+from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
     from lie_rigid_body.certificate import Certificate
-
-OWN_TOPICS: Final = frozenset(
-    {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
-) | {f"/{SOFTWARE}{POSE_TOPIC}", f"/{SOFTWARE}{TWIST_TOPIC}"}
-"""Topics of a bag with the run's own messages, truth, scenario and sensors, and those that readers take for such."""
-_TOPIC: Final = re.compile(r"(?=.{1,255}\Z)(/[A-Za-z_]\w*)+")
-"""Name of a topic of ROS, which has at most as many characters."""
-END_OF_TIME: Final = 2**63 - 1
 
 
 class _NamedSensors:
@@ -112,13 +94,14 @@ class Run(_NamedSensors, Shown):
         return [*super().__dir__(), *(sensor.key for sensor in SENSORS.values())]
 
     @classmethod
-    def of(cls, taken: Taken, segment: Segment) -> Run:
-        """The run of what was taken from a simulation in one segment."""
+    def of(cls, simulation: Simulation, end_ns: int) -> Run:
+        """The run of a simulation, of which nothing was taken yet, up to a time, ns, in one segment."""
+        taken = simulation.take_until(end_ns, sys.maxsize)
         return cls(
             taken.samples.stamps_ns,
             taken.samples.states,
             {SENSORS[name].key: SensorArrays.of_samples(SENSORS[name], some) for name, some in taken.sensors.items()},
-            (segment,),
+            (simulation.segment,),
             taken.faults,
         )
 
@@ -156,8 +139,9 @@ class Run(_NamedSensors, Shown):
         surveyor = Surveyor(recording)
         whole, surveyed = Block.joined([*surveyor.samples()]), surveyor.result()
         segments = tuple(each.segment for each in surveyed.segments)
-        sensors = SENSORS.values()
-        found = {each.key: SensorArrays.of_recording(each, recording, surveyed.declared) for each in sensors}
+        found = {
+            sensor.key: SensorArrays.of_recording(sensor, recording, surveyed.declared) for sensor in SENSORS.values()
+        }
         told = recording.readings.get(FAULTS)
         has_faults = any(each.scenario.sensors.have_faults for each in surveyed.declared)  # else they are of others
         texts = dict.fromkeys(text for _, text in told) if has_faults and isinstance(told, list) else ()
@@ -214,54 +198,9 @@ class Run(_NamedSensors, Shown):
             readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
             not.
         """
-        beside = list(self._beside({} if estimates is None else estimates, {} if scores is None else scores))
-        declared, origin = self._declared()
-        times = [0, *(segment.start_ns for segment in [*declared.values()][1:]), END_OF_TIME]
-        bounds = [*pairwise(times)]
-        pieces = [self._within(segment, *each) for segment, each in zip(declared.values(), bounds, strict=True)]
-        origin["others"] = {messages.topic: kind for messages, kind in beside}
-        if len(origin["others"]) < len(beside):
-            raise InputError(f"estimates: {listed(list(estimates or []))}: two topics have one name: rename one")
-        with BagWriter(path, stamped_twist=self.scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
-            for (text, segment), taken, (begin, end) in zip(declared.items(), pieces, bounds, strict=True):
-                bag.begin_segment(segment, text)
-                batch = BatchEncoder(segment.scenario).encode(taken)
-                others = (messages.between(begin, end) for messages, _ in beside)
-                bag.write(replace(batch, topics=(*batch.topics, *others)))
-
-    def _beside(
-        self, estimates: Mapping[str, Estimate | tuple[ArrayLike, ArrayLike]], scores: Mapping[str, Score]
-    ) -> Iterator[tuple[Messages, str]]:
-        """Messages of estimates and of scores, with their types."""
-        frame = self.scenario.world_frame
-        for name, each in (("estimates", estimates), ("scores", scores)):
-            if not isinstance(each, Mapping):
-                raise InputError(f"{name}: {shown(each)} has no topics: give it by its topic, as {{'/estimate': ...}}")
-        for topic, given in estimates.items():
-            if not _TOPIC.fullmatch(str(topic)) or topic in OWN_TOPICS:
-                raise InputError(
-                    f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'"
-                )
-            estimate = self.stamped(Estimate.of(given))
-            yield estimate.messages(topic, frame)
-            if estimate.gyro_bias is not None:
-                bias = numbers("gyro_bias", estimate.gyro_bias, 3)
-                yield vectors(f"{topic}{BIAS}", estimate.t_ns, bias, self.scenario.body_frame)
-        for topic, score in scores.items():
-            if topic not in estimates or not isinstance(score, Score):
-                raise InputError(f"scores: {shown(topic)}: give the Score of an estimate by the topic of that estimate")
-            yield from messages_of_score(topic, score, frame)
-
-    def _declared(self) -> tuple[dict[str, Segment], dict[str, Any]]:
-        """The segments by the texts that declare them, and what a bag of them is to say of its writer and its end."""
-        recording = self._recording
-        if recording is None:
-            return {segment.to_json(): segment for segment in self.segments}, {}
-        declared = declared_segments((text for _, text in recording.scenario_texts), recording.name)
-        if recording.as_written:
-            return declared, {"end": CUT_OFF} if recording.was_cut_off and recording.expected_samples is None else {}
-        recorder = recording.library.partition(REWRITTEN)[0]
-        return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}
+        given, scored = {} if estimates is None else estimates, {} if scores is None else scores
+        beside = messages_beside(given, scored, self.scenario, self.stamped)
+        write_bag(path, self.segments, self._recording, self._within, beside, overwrite=overwrite)
 
     def to_dataframe(self) -> DataFrame:
         """Table of pandas with a row for each stamp: the truth, and what each sensor read, NaN where it read nothing.

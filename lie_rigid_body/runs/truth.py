@@ -167,8 +167,8 @@ class TrueMotion:
     @property
     def frames(self) -> tuple[str, str] | None:
         """Names of the world's and the body's frame, if a scenario tells them."""
-        scenario = self.segments[0].scenario if self.segments else None
-        return None if scenario is None else (scenario.world_frame, scenario.body_frame)
+        scenarios = (segment.scenario for segment in self.segments)
+        return next(((each.world_frame, each.body_frame) for each in scenarios), None)
 
     @property
     def source(self) -> str:
