@@ -56,11 +56,6 @@ def safe_path() -> Iterator[None]:
         yield
 
 
-def _environment_of_user() -> dict[str, str]:
-    """Environment without what `safe_path` put there, for a process in which a user's code runs."""
-    return {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
-
-
 def told(error: BaseException) -> str:
     """Words for an exception of a filter, with the last line of the user's own code on its way.
 
@@ -108,7 +103,8 @@ class Interpreter:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
-            env=_environment_of_user(),
+            # a user's code runs there: without what `safe_path` put into the environment
+            env={name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH},
             start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
         )
         if self._is_closed:  # meanwhile
