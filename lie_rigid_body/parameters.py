@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Set
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
-from typing import Final, Literal, TypeAlias, cast
+from typing import Final, Literal, TypeAlias
 
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -213,11 +213,6 @@ def require_frame_name(name: str, value: str) -> None:
         raise ParameterError(
             name, f"{shown(value)} is not a frame name: give a word without spaces that does not begin with a slash"
         )
-
-
-def vector(values: Mapping[str, Value], name: str) -> Vector:
-    """The numbers of an array parameter."""
-    return cast(Vector, values[name])
 
 
 def require_at_most(name: str, numbers: Vector, limit: float, unit: str) -> None:
