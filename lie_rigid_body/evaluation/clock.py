@@ -190,11 +190,6 @@ def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | No
     return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].error().total)), default=None)
 
 
-def rate_of(clock: Clock) -> float:
-    """Rate of a clock: seconds of the truth in a second of the stamps."""
-    return float(clock[0][1][0]) if len(clock) > 1 else 1.0
-
-
 def clock_lag(clock: Clock, track: Track) -> Lag:
     """Lag of a clock with its standard error by the samples that it covers; empty for another rate."""
     (cause, lag_s), *rate = clock[::-1]
@@ -257,12 +252,13 @@ def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, T
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
     allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2))
-    is_of_rate_1 = not is_lag and abs(rate_of(clock) - 1.0) < LEAST_OFF
+    seconds = 1.0 if is_lag else float(clock[0][1][0])  # of the truth in a second of the stamps
+    is_of_rate_1 = not is_lag and abs(seconds - 1.0) < LEAST_OFF
     if is_of_rate_1 or np.any(quarters(moved) > np.maximum(allowed, np.sin(0.5 * NEGLIGIBLE) ** 2)):
         return []
     if spins(rate, EVEN_SPIN if is_lag else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
-        times = max(rate_of(clock), 1.0 / rate_of(clock))
+        times = max(seconds, 1.0 / seconds)
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
         if not (near if is_lag else times > FAR and span > MOSTLY_SPANNED * whole):
             return []

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,23 +33,6 @@ LONGEST_LAG_S: Final = 1.0
 """Longest lag looked for, s, either way, unless the errors ask for more."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
-
-
-class Diagnosis(NamedTuple):
-    """What is found about an estimate beside its errors.
-
-    Attributes
-    ----------
-    lag : Lag
-    findings : tuple of Finding
-        Mistakes, and remarks on how it turns.
-    of_sensors : bool
-        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
-    """
-
-    lag: Lag = Lag()
-    findings: tuple[Finding, ...] = ()
-    of_sensors: bool = False
 
 
 def evaluate(
@@ -136,9 +119,9 @@ def evaluate(
     tally.add(track.stamps_ns, error)
     uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
     limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
-    diagnosis = diagnose(track, whole, longest_lag_s, sensors) if diagnosed else Diagnosis()
+    lag, causes, of_sensors = diagnose(track, whole, longest_lag_s, sensors) if diagnosed else (Lag(), (), False)
     found = (
-        *diagnosis.findings,
+        *causes,
         *remarks.of_series(stamps, first, np.asarray(attitude_xyzw, dtype=np.float64)),
         *remarks.of_span(track.stamps_ns, len(known), truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
@@ -152,8 +135,8 @@ def evaluate(
         inclination_deg=Statistics.of(inclination),
         time_to_converge_s=time_to_converge(t_s, total, limit),
         converged_deg=limit,
-        lag_s=diagnosis.lag.lag_s,
-        lag_standard_error_s=diagnosis.lag.standard_error_s,
+        lag_s=lag.lag_s,
+        lag_standard_error_s=lag.standard_error_s,
         findings=tuple(replace(f, rms_deg_after=statistics.rms) if np.isnan(f.rms_deg_after) else f for f in found),
         broken=tuple(tally.broken(len(stamps) + left_out, due_ns)),
         outside=int(np.count_nonzero(~known)),
@@ -161,7 +144,7 @@ def evaluate(
         consistency=None if P is None else attitude_nees(track.attitude_xyzw, true, P, covariance_axes),
         best=None if bound is None else BestPossible.of(bound, track.stamps_ns, statistics.rms),
         limits=limits,
-        of_sensors_deg=float(np.degrees(sensors)) if diagnosis.of_sensors else None,
+        of_sensors_deg=float(np.degrees(sensors)) if of_sensors else None,
     )
 
 
@@ -183,7 +166,9 @@ def _at_samples(covariance: ArrayLike, first: Booleans, known: Booleans) -> Arra
     return P[first][known] if P.ndim == 3 else P
 
 
-def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sensors: float = 0.0) -> Diagnosis:
+def diagnose(
+    track: Track, whole: Track, longest_lag_s: float | None = None, sensors: float = 0.0
+) -> tuple[Lag, tuple[Finding, ...], bool]:
     """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 
     Parameters
@@ -196,12 +181,20 @@ def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sen
         As given to `evaluate`.
     sensors : float, optional
         Largest constant turn that the sensors' own errors leave to a right filter, rad.
+
+    Returns
+    -------
+    Lag
+    tuple of Finding
+        Mistakes, and remarks on how it turns.
+    bool
+        Whether a constant turn was found that is no larger than what the sensors' own errors leave.
     """
     stamps, truth, turned, error = track.stamps_ns, track.truth, remarks.Turns(track), np.degrees(track.error().total)
     unlike = bool(np.median(error) > UNLIKE_DEG)
     sure = (turned.stuck() or turned.mixed()) if rms(error) > UNLIKE_DEG else None
     if sure:  # of fast turns every sample jumps
-        return Diagnosis(findings=((turned.other() if sure.code == "mixed" else None) or sure,))
+        return Lag(), ((turned.other() if sure.code == "mixed" else None) or sure,), False
     quarter = float(stamps[-1] - stamps[0]) / 4e9
     longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
     margin = round(longest_s * 1e9)
@@ -216,16 +209,16 @@ def diagnose(track: Track, whole: Track, longest_lag_s: float | None = None, sen
     most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
     if found is not None and rms(found[1].error().total) <= most:
         clock, moved = found
-        return Diagnosis(clock_lag(clock, moved), (_of_clock(whole, moved, clock),))
+        return clock_lag(clock, moved), (_of_clock(whole, moved, clock),), False
     if not evidence or not named:
-        return Diagnosis()
+        return Lag(), (), False
     lag = Lag() if at_limit else lag_of(inner, named, longest_s, period_ns(stamps) / 1e9)
     named = named if lag.lag_s is None or not lag.sure else evidence.with_lag(named, lag.lag_s)
     told = _in_words(track, evidence, named) if named.causes else ()
     # a gyro on other axes is the same map as three conventions and a turned world, and has the simpler name
     many = len(told) > (1 if "world_turned" in named.turned else 2)
     other = turned.other() if (lost and not told) or many else None
-    return Diagnosis(lag, (other,) if other else told, of_sensors)
+    return lag, (other,) if other else told, of_sensors
 
 
 def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:

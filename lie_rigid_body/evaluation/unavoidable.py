@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -285,8 +286,9 @@ def _system(
     units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
     biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
     matrices = [gyro_errors, *(_matrices("linear_errors", sensor.linear_errors) for sensor in vectors)]
-    columns = _in_turn([len(each) for each in matrices])
-    count, n, c, sensors = len(stamps), 3 + 3 * len(biases), columns[-1].stop, len(vectors) + len(attitudes)
+    ends = np.cumsum([0, *map(len, matrices)]).tolist()
+    columns = [slice(*part) for part in pairwise(ends)]
+    count, n, c, sensors = len(stamps), 3 + 3 * len(biases), ends[-1], len(vectors) + len(attitudes)
     F = np.tile(np.eye(n), (count, 1, 1))
     noise, B = np.zeros((count, 1 + len(biases), 3, n)), np.zeros((count, n, c))
     H, D = np.zeros((count, sensors, 3, n)), np.zeros((count, sensors, 3, c))
@@ -317,12 +319,6 @@ def _system(
     pushes, rows, of_constants = (part.reshape(count, 3 * part.shape[1], part.shape[3]) for part in (noise, H, D))
     kept = first > 0.0
     return (F[:, kept][..., kept], pushes[..., kept], rows[..., kept], B[:, kept], of_constants), first[kept]
-
-
-def _in_turn(sizes: Sequence[int]) -> list[slice]:
-    """Slices of parts of given sizes, one after the other."""
-    ends = np.cumsum(sizes)
-    return [slice(end - size, end) for end, size in zip(ends.tolist(), sizes, strict=True)]
 
 
 def _count(stamps: Integers, readings: VectorReadings | AttitudeReadings) -> Array:
