@@ -180,10 +180,9 @@ class Readings:
         return BlindRun.of_readings(self.course.scenario, self.t_ns[imu], vectors, self.field_t_ns[magnetometer])
 
     def _given(self, stamps_ns: Integers) -> Booleans:
-        inside = (stamps_ns >= 0) & (stamps_ns < round((self.course.rest_s + self.course.moving_s) * 1e9))
-        for gap_s in self.course.gaps_s:
-            inside &= (stamps_ns < round(gap_s * 1e9)) | (stamps_ns >= round((gap_s + 1.0) * 1e9))
-        return np.asarray(inside)
+        seconds = stamps_ns / 1e9
+        lost = [(seconds >= gap_s) & (seconds < gap_s + 1.0) for gap_s in self.course.gaps_s]
+        return (seconds >= 0.0) & (seconds < self.course.rest_s + self.course.moving_s) & ~np.any(lost, axis=0)
 
 
 @lru_cache(maxsize=16)

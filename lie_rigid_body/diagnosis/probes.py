@@ -81,14 +81,13 @@ class ProbeRow(NamedTuple):
 
     def told(self, search: Search, answers: Sequence[Answer | FilterError]) -> Probe:
         """What is told of the answers; a filter that fails in a probe fails the probe."""
-        failed = [each for each in answers if isinstance(each, FilterError)]
-        if failed:
-            return Probe(self.code, passed=False, message=str(failed[0]))
         try:
-            passed, said, value = self.judge(search, [each for each in answers if isinstance(each, Answer)])
+            for each in answers:
+                if isinstance(each, FilterError):
+                    raise each
+            return Probe(self.code, *self.judge(search, [each for each in answers if isinstance(each, Answer)]))
         except InputError as error:
             return Probe(self.code, passed=False, message=str(error))
-        return Probe(self.code, passed, said, value)
 
 
 def with_unit(value: float, unit: str = "°") -> str:
