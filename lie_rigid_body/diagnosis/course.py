@@ -194,10 +194,9 @@ def readings(course: Course) -> Readings:
     if course.parameter("gyro_rate") == "integrated":
         before = np.concatenate([[2 * t_ns[0] - t_ns[1]], t_ns[:-1]])
         rate = turns(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
-    up = np.array([0.0, 0.0, course.parameter("gravity")])
     read = {
         "gyro": rate,
-        "specific_force": quaternion.rotate(quaternion.conjugate(attitude), up),
+        "specific_force": quaternion.rotate(quaternion.conjugate(attitude), [0.0, 0.0, course.parameter("gravity")]),
         "field": quaternion.rotate(quaternion.conjugate(course.at(field_t_ns)), course.field),
     }
     for (name, vectors), (density, its_rate) in zip(read.items(), NOISE.items(), strict=True):

@@ -333,9 +333,8 @@ def _notes(search: Search) -> Iterator[Note]:
         yield Note(JOINT.code, f"{JOINT.fact}: {ahead}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
-        errs = with_unit(float(np.degrees(other.error)))
-        said = f"The filter expects {chosen.kind} rates: with {other.kind} ones it errs by {errs}."
-        yield Note("gyro_kind", said, chosen.kind)
+        errs = f"with {other.kind} ones it errs by {with_unit(float(np.degrees(other.error)))}."
+        yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {errs}", chosen.kind)
 
 
 def _command(course: Course, errors: ErrorOverTime) -> str:

@@ -177,8 +177,7 @@ def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
 
 def _level(search: Search) -> float:
     """Cosine of the dip of the magnetic field."""
-    field = search.course.field
-    return float(np.hypot(field[0], field[1]) / np.linalg.norm(field))
+    return float(np.hypot(*search.course.field[:2]) / np.linalg.norm(search.course.field))
 
 
 def _off(search: Search, name: str) -> list[Course]:
@@ -228,8 +227,7 @@ def _axes(first: Array, second: Array) -> Array:
 
 
 def _gaps(search: Search) -> list[Course]:
-    rate = SLOW * np.array(search.course.scenario.start().body_rate)
-    slow = search.course.of_scenario(initial_body_rate=rate.tolist())
+    slow = search.course.of_scenario(initial_body_rate=(SLOW * search.course.scenario.start().body_rate).tolist())
     return [replace(slow, moving_s=60.0 - REST, gaps_s=(10.0, 20.0, 30.0))]
 
 

@@ -83,8 +83,7 @@ def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
 
 
 def _on_world_axes(given: Readings) -> Readings:
-    attitude = given.course.at(given.t_ns)
-    return given.changed(lambda gyro: quaternion.rotate(attitude, gyro), "gyro")
+    return given.changed(lambda gyro: quaternion.rotate(given.course.at(given.t_ns), gyro), "gyro")
 
 
 JOINT: Final = Repair(

@@ -272,9 +272,10 @@ class Search:
             singles += self._fitted_beside(())
         firsts = [trial.mistakes for trial in _most_promising(singles)[:BEAM]]
         beside = [[(*first, repair) for repair in changing if repair.code != first[0].code] for first in firsts]
-        steps = [partial(self._screened, pairs) for pairs in beside]
-        steps += [partial(self._fitted_beside, first) for first in firsts]
-        for step in steps:
+        for step in (
+            *(partial(self._screened, pairs) for pairs in beside),
+            *(partial(self._fitted_beside, first) for first in firsts),
+        ):
             if self._is_mended(2) or not self._may_go_on():
                 return
             step()
