@@ -171,8 +171,12 @@ def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     most = max(search.floor, 0.05 * turn, min(1.5 * second, 0.5 * turn))
     removed = last <= min(most, max(_limit(search), 0.1 * second))
     kept = f"makes more of it than it is alone, {WRONG_SIGN}" if last > turn else "keeps an error that the bias makes"
-    beside = f"; it {'removes the bias' if removed else kept}"
-    return limited("with a gyro off by 1°/s it errs, in the last quarter of 60 s, by", last, most, beside)
+    return limited(
+        "with a gyro off by 1°/s it errs, in the last quarter of 60 s, by",
+        last,
+        most,
+        f"; it {'removes the bias' if removed else kept}",
+    )
 
 
 def _level(search: Search) -> float:

@@ -386,8 +386,7 @@ class Search:
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
-            unrepaired = () if repairs else right
-            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], unrepaired)
+            alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], () if repairs else right)
             mended = without(tracks, causes, pairs=not alone.codes)
             yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
 
@@ -398,8 +397,7 @@ def _first_attitude(answers: Sequence[Answer]) -> list[float] | None:
         return None
     told = [answer.track.attitude_xyzw[0] for answer in answers]
     true = [answer.track.truth.at(answer.track.stamps_ns[:1])[0] for answer in answers]
-    turn, expected = (float(angles_between(first, second)) for first, second in (told, true))
-    return told[0].tolist() if turn < ALIKE * expected else None
+    return told[0].tolist() if angles_between(*told) < ALIKE * angles_between(*true) else None
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
