@@ -42,6 +42,8 @@ _LOOSE_BYTES: Final = 256 * 1024
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
+_KNOWN: Final = frozenset(map(int, Opcode))
+"""Kinds of records of MCAP."""
 _DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -131,7 +133,7 @@ class _Salvage:
     def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
         self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
-        self._loose = bytearray()
+        self._loose, self._last_loose = bytearray(), 0
         self._damaged: list[int] = []
         self._rewritten: list[int] = []
 
@@ -171,19 +173,22 @@ class _Salvage:
             except _DAMAGE:
                 self._damaged.append(place.start)
             end = place.end
+        if not (is_whole or _goes_on(self._given[end : end + 1])):
+            del self._loose[self._last_loose :]
         self._close_loose()
         return end, is_whole
 
     def _take(self, place: Place) -> None:
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
         content = self._given[place.begin : place.end]
+        if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
+            self._close_loose()
         if place.opcode == Opcode.MESSAGE:
             channel, *_ = _MESSAGE.unpack_from(content)
             require(channel in self._file.summary.channels, "a message is on no channel")
+            self._last_loose = len(self._loose)
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
-        if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
-            self._close_loose()
-        if place.opcode == Opcode.CHUNK:
+        elif place.opcode == Opcode.CHUNK:
             self._take_chunk(parsed(place.opcode, content), place.start)
         elif place.opcode in _OUTSIDE:
             self._file.add(parsed(place.opcode, content))
@@ -215,7 +220,10 @@ class _Salvage:
             raw = self._given[begin + RECORD_HEAD.size : begin + LARGEST_RECORD]
             with suppress(*_DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
-                table = self._whole_messages(salvaged(chunk))
+                data = salvaged(chunk)
+                table = self._whole_messages(data)
+                if not _goes_on(data[len(table.data) :][:1]):
+                    table = self._whole_messages(data[: table.starts[-1]])
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
@@ -224,6 +232,14 @@ class _Salvage:
         self._records_left -= len(table.starts) + len(table.others)
         require(bool(table.index), "no message is whole")
         return table
+
+
+def _goes_on(following: bytes) -> bool:
+    """Whether a file ends, or another record begins, with the byte behind a record, which then is whole.
+
+    Where a disk lost power, zeros or other data may stand from the midst of a record on.
+    """
+    return not following or following[0] in _KNOWN
 
 
 def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:

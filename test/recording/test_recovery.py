@@ -159,6 +159,23 @@ def test_cuts_at_every_boundary_and_at_1000_random_places(
     cuts_recover_what_is_whole(whole[compression], compression, sizes, tmp_path)
 
 
+@pytest.mark.parametrize("rest", [b"\0" * 500, b"\xff" * 500])
+def test_what_a_disk_without_power_leaves_behind_a_cut_is_no_content(
+    whole: dict[str, Path], tmp_path: Path, rest: bytes
+) -> None:
+    """A message that reaches into it is not filled up with it; the last one before it may be left out."""
+    content, everything = whole[""].read_bytes(), messages(whole[""])
+    broken, fixed, compared = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", 0
+    for size in np.random.default_rng(9).integers(len(content) // 4, len(content) // 2, 60).tolist():
+        broken.write_bytes(content[:size] + rest)
+        recovery = recover(broken, fixed, overwrite=True)
+        assert messages(fixed) == everything[: recovery.messages], size
+        if not recovery.damaged:  # else it reaches to the end of the chunk, whose checksum is then another
+            compared += 1
+            assert whole_in(content, size, "") - recovery.messages in (0, 1), size
+    assert compared > 20
+
+
 @pytest.mark.parametrize("compression", COMPRESSIONS)
 @pytest.mark.parametrize("part", [0.3, 0.71, 0.95])
 def test_what_is_recovered_is_certified(whole: dict[str, Path], tmp_path: Path, compression: str, part: float) -> None:
