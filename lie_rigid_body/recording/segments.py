@@ -31,7 +31,10 @@ _FAR: Final = np.iinfo(np.int64).max
 
 
 def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict[str, Segment]:
-    """Segments by the texts that declare them, in the order of their starts; repeats of a text count once.
+    """Segments by the texts that declare them, in the order of their starts, and of their texts where these are equal.
+
+    A text that comes again counts once. It counts where it comes last if another of the same start came between, as of
+    resets while the run is paused.
 
     Parameters
     ----------
@@ -46,11 +49,17 @@ def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict
     ParameterError
         If one declares what cannot be, such as an impossible inertia.
     """
-    texts = dict.fromkeys(scenario_texts)
-    if len(texts) > MOST_SEGMENTS:
-        raise BagError(f"{bag} declares {len(texts)} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
+    texts = list(scenario_texts)
+    distinct = len({*texts})
+    if distinct > MOST_SEGMENTS:
+        raise BagError(f"{bag} declares {distinct} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
+    segments, latest = dict[str, Segment](), dict[int, str]()
     try:
-        segments = {text: Segment.from_json(text) for text in texts}
+        for text in texts:
+            segment = segments.get(text) or Segment.from_json(text)
+            if latest.get(segment.start_ns) != text:
+                segments.pop(text, None)
+                segments[text], latest[segment.start_ns] = segment, text
     except ParameterError:
         raise
     except InputError as error:

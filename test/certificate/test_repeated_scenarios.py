@@ -11,10 +11,14 @@ from typing import Any
 import pytest
 from mcap.writer import CompressionType, Writer
 from phrases import telling
+from sensor_bags import recorded as recorded_late
+from sensor_bags import write
+from tampering import tamper
 
 from lie_rigid_body import certify
 from lie_rigid_body.messages import definitions, encode_string
 from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
+from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -67,6 +71,18 @@ def test_a_second_reset_at_once_is_told(tmp_path: Path) -> None:
     assert certificate.passed
     [said] = certificate.uncovered
     assert telling(certificate, "scenarios without a sample", count=1) == [said]
+
+
+def test_a_scenario_that_comes_back_after_another_is_the_last(tmp_path: Path) -> None:
+    """Three resets between two samples, as while the node pauses, the third of which goes back to the first."""
+    first, second = (
+        {"motion": "closed_form", "initial_body_rate": rate} for rate in ([0.1, 1.0, 0.2], [0.5, 0.2, 0.2])
+    )
+    path = write(tmp_path / "x.mcap", ({}, 0.4), (first, 0.0), (second, 0.0), (first, 0.4))
+    for change in (lambda messages: messages, recorded_late(0.0)):
+        found = certify(Bag(tamper(path, tmp_path / "y.mcap", change)))
+        assert found.passed, found.messages
+        assert [segment.segment.scenario.initial_body_rate for segment in found.segments][1:] == [(0.1, 1.0, 0.2)]
 
 
 @pytest.mark.parametrize("change", [another("max_step", 0.0005), another("initial_body_rate", [0.0, 0.0, 1.0])])
