@@ -213,7 +213,7 @@ class Judgement:
             If they are none.
         """
         found = cls(**content)
-        scores, series = found.scores, ((found.covariance, _ATTITUDE), (found.gyro_bias, _BIAS))
+        scores, series = dict(found.scores), ((found.covariance, _ATTITUDE), (found.gyro_bias, _BIAS))
         numbers = [found.reading_s, *(scores.get(name) for name in (*SCORES, *MORE_SCORES))]
         if (
             scores.keys() != {*SCORES, *MORE_SCORES, ERROR}

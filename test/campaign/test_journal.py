@@ -153,7 +153,7 @@ TAMPERED: dict[str, list[object]] = {
     "bag": ["../../secret.mcap", "bags/000005.mcap", 5],
     "run": [0.5, True, -1, 10**30],
     "residuals": [5, *({"frames": value} for value in ({"a": 1}, "xy", True, [1.0], [0, [1.0]]))],
-    "judgements": [5, [], [5], [{}], [{"scores": {}}]],
+    "judgements": [5, [], [5], [{}], [{"scores": {}}], [{"scores": None}], [{"scores": 5}]],
     "other": [1],
 }
 
