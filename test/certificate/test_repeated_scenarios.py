@@ -75,9 +75,8 @@ def test_a_second_reset_at_once_is_told(tmp_path: Path) -> None:
 
 def test_a_scenario_that_comes_back_after_another_is_the_last(tmp_path: Path) -> None:
     """Three resets between two samples, as while the node pauses, the third of which goes back to the first."""
-    first, second = (
-        {"motion": "closed_form", "initial_body_rate": rate} for rate in ([0.1, 1.0, 0.2], [0.5, 0.2, 0.2])
-    )
+    first: dict[str, object] = {"motion": "closed_form", "initial_body_rate": [0.1, 1.0, 0.2]}
+    second: dict[str, object] = {"motion": "closed_form", "initial_body_rate": [0.5, 0.2, 0.2]}
     path = write(tmp_path / "x.mcap", ({}, 0.4), (first, 0.0), (second, 0.0), (first, 0.4))
     for change in (lambda messages: messages, recorded_late(0.0)):
         found = certify(Bag(tamper(path, tmp_path / "y.mcap", change)))
