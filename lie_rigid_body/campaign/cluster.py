@@ -15,6 +15,8 @@ from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
 from pathlib import Path
+from queue import Empty, SimpleQueue
+from threading import Thread
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from lie_rigid_body.campaign.definition import Campaign
@@ -40,6 +42,8 @@ LARGEST_PORT: Final = 65535
 LONGEST_CLOSING_S: Final = 15.0
 """Longest wait for a cluster to close, s; Dask kills a worker that has not ended after 9."""
 
+_ANSWERING_S: Final = 10.0
+"""Time that a scheduler of one's own has to answer, s, and as long again for the handshake."""
 _NOISY: Final = ("distributed", "distributed.client", "tornado.application", "asyncio")
 """Loggers that report lost connections; each is silenced by itself, as Dask gives each a level of its own."""
 
@@ -154,7 +158,7 @@ def require_address(scheduler: str) -> None:
 
 def is_open(scheduler: str) -> bool:
     """Whether an address is of TCP without TLS, which asks nobody for a certificate."""
-    return scheduler.partition("://")[0] in ("tcp", scheduler)
+    return scheduler.partition("://")[0] in ("tcp", "ws", scheduler)
 
 
 @contextmanager
@@ -181,13 +185,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said in the rows
     dask.config.set(_QUIET)
     if scheduler is not None:
-        try:
-            connected = Client(scheduler, timeout=10)
-        except Exception as error:  # of the network, of TLS without a certificate, of a name that cannot be
-            raise BagError(
-                f"no Dask scheduler answers at {shown(scheduler)}: {shortened(str(error), 90)}: start one there"
-            ) from None
-        with _closed_in_time(connected):
+        with _closed_in_time(_client_at(scheduler)) as connected:
             yield connected
         return
     others = active_children()
@@ -215,6 +213,37 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             for process in active_children():  # there is none, unless the cluster was too late
                 if process not in others:
                     process.kill()
+
+
+def _client_at(scheduler: str) -> Client:
+    """A client of a scheduler that answers in time.
+
+    It is made in a thread, which waits without an end where something else answers at the address.
+
+    Raises
+    ------
+    BagError
+        If none does.
+    """
+    from distributed import Client
+
+    made = SimpleQueue[Client | Exception]()
+
+    def make() -> None:
+        try:
+            made.put(Client(scheduler, timeout=_ANSWERING_S))
+        except Exception as error:  # of the network, of TLS without a certificate, of a name that cannot be
+            made.put(error)
+
+    Thread(target=make, daemon=True).start()
+    try:
+        found = made.get(timeout=2.0 * _ANSWERING_S)
+    except Empty:
+        found = TimeoutError(f"nothing came within {2.0 * _ANSWERING_S:g} s")
+    if isinstance(found, Exception):
+        why = shortened(str(found) or type(found).__name__, 90)
+        raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {why}: start one there")
+    return found
 
 
 def _own_cluster(workers: int, folder: str) -> LocalCluster:

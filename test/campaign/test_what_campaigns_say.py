@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import socket
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from campaigns import CAMPAIGN, NEEDS_DASK, written
 
 from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.cluster import client_of
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import Row, carry_out
@@ -112,6 +114,14 @@ def no_table(folder: Path) -> None:
     Campaign.from_table(folder / "runs.parquet")
 
 
+def silent(folder: Path) -> None:
+    """Something else than a scheduler listens, which accepts and says nothing."""
+    with socket.create_server(("127.0.0.1", 0)) as server, pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lie_rigid_body.campaign.cluster._ANSWERING_S", 0.5)
+        with client_of(None, f"tcp://127.0.0.1:{server.getsockname()[1]}"):
+            pass
+
+
 SHORT = "runs: 1\nseed: 1\nduration: 1.0\n"
 SAID: list[tuple[Scene, str]] = [
     (
@@ -119,6 +129,7 @@ SAID: list[tuple[Scene, str]] = [
         "--scheduler 'nonsense' is not the address of a Dask scheduler: ",
     ),
     (given("--scheduler", "tls://127.0.0.1:1"), "no Dask scheduler answers at 'tls://127.0.0.1:1': TLS expects"),
+    (silent, "nothing came within 1 s: start one there"),
     (given("--workers", "2", "--scheduler", "tcp://h:1"), "--scheduler: not allowed with argument --workers"),
     (given("--workers", "none"), "'none' is not a number of processes from 1 to 9999"),
     (given("--out", "none/out"), "none does not exist: make it, or give another one"),
