@@ -138,7 +138,7 @@ def _without_repair(search: Search, track: Track) -> str:
     found = evaluate(track.stamps_ns, track.attitude_xyzw, known).findings
     told = [f"{each.code}: {each.message}" for each in found if each.code in WITHOUT_REPAIR]
     if search.chosen.parts[0] <= search.floor:
-        told.append("its vertical is right, and its heading alone is wrong: does it use the magnetometer?")
+        told.append("its vertical is right, and its heading alone is wrong: see whether it uses the magnetometer")
     return "".join(f"; {each}" for each in told)
 
 

@@ -13,7 +13,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.errors import FilterError
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
-from lie_rigid_body.evaluation.attitudes import AXES, named
+from lie_rigid_body.evaluation.attitudes import AXES, angles_between, named
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.track import Track, Tracks
@@ -22,6 +22,9 @@ from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.estimators import Estimator, called
 from lie_rigid_body.short_dataclass import short_dataclass
 
+ALIKE: Final = 0.25
+"""Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not
+begin with its readings."""
 SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Names of the readings of each sensor, by the sensor's name in codes."""
 
@@ -275,6 +278,15 @@ class Answer:
         """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
         errors = self.track.error().total
         return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
+
+
+def first_attitude(answers: Sequence[Answer]) -> list[float] | None:
+    """The attitude with which a filter begins, if that is nearly the same where the bodies begin with others."""
+    if len(answers) < 2:
+        return None
+    told = [answer.track.attitude_xyzw[0] for answer in answers]
+    true = [answer.track.truth.at(answer.track.stamps_ns[:1])[0] for answer in answers]
+    return told[0].tolist() if angles_between(*told) < ALIKE * angles_between(*true) else None
 
 
 def settled(whole: Track) -> Track:

@@ -25,11 +25,11 @@ from lie_rigid_body.diagnosis.repairs import (
     Repairs,
     drift,
     exact_repairs,
+    first_attitude,
     settled,
     without,
 )
 from lie_rigid_body.errors import FilterError
-from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import CAUSES, Cause
 from lie_rigid_body.evaluation.track import Track, error_of
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -57,9 +57,6 @@ UNCHANGED: Final = 1e-6
 """Change of the estimate, rad, below which a repair has no effect."""
 WORLD: Final = [0.0, 0.0, 0.0, 1.0]
 """Attitude at which most filters begin that do not begin with their readings."""
-ALIKE: Final = 0.25
-"""Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not
-begin with its readings."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
@@ -226,7 +223,7 @@ class Search:
         if is_right or any(answer.broken.size for trial in (*exact, *self.trials) for answer in trial.unrepaired):
             self.trials = exact
             return
-        first = _first_attitude(exact[0].unrepaired)
+        first = first_attitude(exact[0].unrepaired)
         self.begins_alike = first is not None
         for begin in [first, WORLD] * self.begins_alike:  # it may tell its first attitude in another convention
             if self._is_right_on([course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses]):
@@ -389,15 +386,6 @@ class Search:
             alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], () if repairs else right)
             mended = without(tracks, causes, pairs=not alone.codes)
             yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
-
-
-def _first_attitude(answers: Sequence[Answer]) -> list[float] | None:
-    """The attitude with which a filter begins, if that is nearly the same where the bodies begin with others."""
-    if len(answers) < 2:
-        return None
-    told = [answer.track.attitude_xyzw[0] for answer in answers]
-    true = [answer.track.truth.at(answer.track.stamps_ns[:1])[0] for answer in answers]
-    return told[0].tolist() if angles_between(*told) < ALIKE * angles_between(*true) else None
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:
