@@ -85,8 +85,11 @@ U: Final = 2.0**-53
 RANDOM_WALK_FACTOR: Final = 8.0
 """Factor of the random walk that rounding makes. The largest observed in random motions of up to 3·10⁷ steps is 2.5."""
 
-BIAS: Final = 2.0**-3
-"""Bound of the bias of rounding, in units of u x Θ. The largest observed is 0.061 in steady rotations, else 0.005."""
+BIAS: Final = 2.0**-6
+"""Bound of the bias of rounding, in units of u x Θ. The largest observed value is 0.005."""
+
+BIAS_IF_REPEATED: Final = 2.0**-3
+"""The bound where all increments are rounded alike, in a steady rotation. The largest observed value is 0.061."""
 
 SEPARATRIX_MARGIN: Final = 0.01
 """Distance of the energy from the separatrix, relative to its range, within which the walk is counted twice: flips are
@@ -133,6 +136,8 @@ class MoserVeselovDrift:
         Turn that a step lacks, rad.
     growth : float
         Largest growth factor of a rounding error until the next projection onto the energy.
+    bias : float
+        Bound of the bias of rounding, in units of u x Θ.
     """
 
     rate_bound: float
@@ -140,6 +145,7 @@ class MoserVeselovDrift:
     step: float
     truncation: float
     growth: float
+    bias: float
 
     @classmethod
     def of(
@@ -159,12 +165,14 @@ class MoserVeselovDrift:
             missing += sum(abs(c) * fully ** (1 + 2 * k) for k, c in enumerate(beta) if k >= terms)
             # n is the mean over the step, which a slender body's own turn makes worse
             implicit = 1.0 + 2.0 * fully * max(map(float, frame.inverse_moments))
-            return cls(rate_bound, quickest, step, 2.0 * implicit * missing, _growth(frame, step))
+            change = float(so3.norm(body.angular_acceleration(start))) * step**2
+            bias = BIAS_IF_REPEATED if change <= REPEATED * U * fully else BIAS
+            return cls(rate_bound, quickest, step, 2.0 * implicit * missing, _growth(frame, step), bias)
 
     def attitude(self, t: Array) -> Array:
         """Bound of the attitude error at time t, as a rotation angle, rad."""
         way = self.fastest * self.step * self.fastest * t
-        round_off = U * (self.growth * RANDOM_WALK_FACTOR * np.sqrt(way) + BIAS * way)
+        round_off = U * (self.growth * RANDOM_WALK_FACTOR * np.sqrt(way) + self.bias * way)
         return np.asarray(round_off + TRUNCATION * self.truncation / self.step * t)
 
     attitude_step = attitude
