@@ -198,10 +198,13 @@ def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
 
 @runtime_checkable
 class HasTruth(Protocol):
-    """Something that has a true attitude at any time, as a run has."""
+    """Something that has a true attitude at any time, and knows what its sensors leave, as a run does."""
 
     def attitude(self) -> Truth:
         """The true attitude."""
+
+    def left_by_errors(self) -> float:
+        """Largest constant turn, rad, that the declared errors of the sensors leave to a right filter."""
 
 
 class Truth(ABC):

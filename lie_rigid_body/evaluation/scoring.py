@@ -77,7 +77,7 @@ def evaluate(
         What the sensors' noise leaves at best, on the same clock.
     sensors : float
         Largest constant turn that the declared errors of the sensors leave to a right filter, rad: none as small is a
-        mistake.
+        mistake. A run as the truth tells it.
     left_out : int
         Further estimates that were given, and left out before: limits are broken where most were.
     due_ns : int, optional
@@ -99,7 +99,8 @@ def evaluate(
         quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
     if not isinstance(limits, Limits | None):
         raise InputError(f"limits: {shown(limits)} is none: give for example Limits.parse('1deg', '10s:2deg')")
-    truth = truth.attitude() if isinstance(truth, HasTruth) else truth
+    if isinstance(run := truth, HasTruth):
+        truth, sensors = run.attitude(), max(sensors, run.left_by_errors())
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
     (stamps, attitude), limits = read_series("estimate", stamps_ns, attitude_xyzw), limits or Limits()

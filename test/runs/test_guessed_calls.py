@@ -27,6 +27,7 @@ from lie_rigid_body import (
     evaluate,
     simulate,
 )
+from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS
 
@@ -81,6 +82,14 @@ def test_a_run_is_the_truth():
     assert score.total_deg.rms < 1e-12
     with refused("no run"):
         evaluate(run.t_ns, attitude, run.truth)  # type: ignore[arg-type]
+
+
+def test_a_run_as_the_truth_tells_what_its_sensors_leave():
+    """A turn of the heading that declared hard iron explains is no mistake, by either call."""
+    run = simulate(duration=10.0, imu_rate=20.0, magnetometer_rate=20.0, sensor_grade="mems")
+    turned = quaternion.multiply(quaternion.exp(np.array([0.0, 0.0, np.radians(5.0)])), run.truth.attitude_xyzw)
+    assert run.score(turned, run.t_ns).findings == evaluate(run.t_ns, turned, run).findings == ()
+    assert [found.code for found in evaluate(run.t_ns, turned, run.attitude()).findings] == ["heading_offset"]
 
 
 def test_a_bag_is_certified_by_its_name(tmp_path):
