@@ -23,7 +23,7 @@ from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
-from lie_rigid_body.evaluation.consistency import AXES, rotation_block
+from lie_rigid_body.evaluation.consistency import AXES, factor_of, rotation_block
 from lie_rigid_body.interpreters import STARTING_S, Interpreter
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
@@ -301,7 +301,9 @@ def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float
     if found.gyro_bias is None or found.gyro_bias_covariance is None:
         return []
     errors = numbers("gyro_bias", found.gyro_bias, 3)[places] - run.gyro_bias_at(found.t_ns[places])
-    return _rows(errors, numbers("gyro_bias_covariance", found.gyro_bias_covariance, 3, 3), len(found), places)
+    P = numbers("gyro_bias_covariance", found.gyro_bias_covariance, 3, 3)
+    factor_of(P, "gyro_bias_covariance")
+    return _rows(errors, P, len(found), places)
 
 
 def _rows(errors: Array, P: Array, count: int, places: Integers, *more: Array) -> list[list[float]]:

@@ -247,7 +247,7 @@ def nees_and_logarithm(errors: Array, covariance: Array) -> tuple[Array, Array]:
     return values, np.log(np.diagonal(factor, axis1=-2, axis2=-1)).sum(axis=-1)
 
 
-def factor_of(P: Array) -> Array:
+def factor_of(P: Array, name: str = "covariance") -> Array:
     """Lower Cholesky factor of covariances, by their symmetric part, on axes scaled to unit variance to lose no digits.
 
     Raises
@@ -258,8 +258,7 @@ def factor_of(P: Array) -> Array:
     variances = np.diagonal(P, axis1=-2, axis2=-1)
     if not np.all(variances >= SMALLEST_VARIANCE):
         raise InputError(
-            f"covariance: {variances.min():.3g} on its diagonal: give positive variances, "
-            f"{SMALLEST_VARIANCE:g} at least"
+            f"{name}: {variances.min():.3g} on its diagonal: give positive variances, {SMALLEST_VARIANCE:g} at least"
         )
     scale = np.sqrt(variances)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no covariance, and refused
@@ -267,8 +266,8 @@ def factor_of(P: Array) -> Array:
         transposed = np.swapaxes(scaled, -1, -2)
         # beside the variances: what is round-off of R P Rᵀ may be all that there is of a correlation
         if not np.all(np.abs(scaled - transposed) <= ASYMMETRY):
-            raise InputError("covariance: not symmetric: give one that has an inverse")
+            raise InputError(f"{name}: not symmetric: give one that has an inverse")
     try:
         return np.asarray(scale[..., :, np.newaxis] * np.linalg.cholesky(0.5 * scaled + 0.5 * transposed))
     except np.linalg.LinAlgError:
-        raise InputError("covariance: not positive definite: give one that has an inverse") from None
+        raise InputError(f"{name}: not positive definite: give one that has an inverse") from None

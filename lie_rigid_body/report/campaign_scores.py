@@ -148,6 +148,10 @@ def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], vari
         values = {run: parameters[name] for run, parameters in varied.items()}
         if name != "sensor_seed" and _are_numbers(values.values()):
             yield _over(name, values, shown)
+        elif all(isinstance(value, list) and len(value) == 3 for value in values.values()):
+            yield _over(
+                f"the norm of {name}", {run: float(np.linalg.norm(value)) for run, value in values.items()}, shown
+            )
 
 
 def _are_numbers(values: Iterable[object]) -> bool:

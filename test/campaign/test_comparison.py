@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 from campaigns import NEEDS_DASK, written
 
+from lie_rigid_body import Estimate, InputError
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing, _fixed_constants, compare
 from lie_rigid_body.campaign.definition import Contender
 from lie_rigid_body.campaign.journal import Journal
-from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement
+from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement, _bias_series
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.report import campaign_scores
 from lie_rigid_body.runs import simulate
@@ -331,3 +332,21 @@ def test_what_is_no_judgement_is_refused(name: str, value: Any) -> None:
     assert Judgement.read(RIGHT) == Judgement(**RIGHT)
     with pytest.raises((TypeError, ValueError, KeyError)):
         Judgement.read({**RIGHT, name: value})
+
+
+def test_the_page_draws_errors_over_the_norm_of_a_vector_that_varies(comparison: Comparison) -> None:
+    shown = [(one, "black") for one in comparison.standings]
+    varied = {run: {"initial_body_rate": [0.1 * run, 0.0, 1.0], "inertia": [1.0] * 6} for run in range(100)}
+    page = "".join(campaign_scores._figures(comparison, shown, varied))
+    assert "Error over the norm of initial_body_rate" in page
+    assert "inertia" not in page
+
+
+@pytest.mark.parametrize("P", [-np.eye(3), np.eye(3) + np.eye(3, k=1)])
+def test_a_covariance_of_the_bias_that_is_none_is_refused(P: np.ndarray) -> None:
+    run = simulate(duration=1.0, imu_rate=10.0)
+    assert run.imu is not None
+    stamps, biases = run.imu.t_ns, np.zeros((len(run.imu.t_ns), 3))
+    found = Estimate(run.attitude().at(stamps), stamps, gyro_bias=biases, gyro_bias_covariance=P)
+    with pytest.raises(InputError):
+        _bias_series(found, run, np.arange(3))
