@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -113,5 +114,7 @@ def test_process_that_hangs_ends_with_the_one_that_asked():
 
 
 def _wait_for_end(status):
-    while status.exists() and status.read_text().split()[2] != "Z":
-        time.sleep(0.01)
+    """Wait until a process is no more, or a zombie; its file may be gone at any moment."""
+    with suppress(FileNotFoundError, ProcessLookupError):
+        while status.read_text().split()[2] != "Z":
+            time.sleep(0.01)
