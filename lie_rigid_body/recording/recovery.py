@@ -221,9 +221,9 @@ class _Salvage:
             with suppress(*_DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 data = salvaged(chunk)
-                table = self._whole_messages(data)
-                if not _goes_on(data[len(table.data) :][:1]):
-                    table = self._whole_messages(data[: table.starts[-1]])
+                found = find_messages(data, NO_HINTS, self._records_left)
+                end = len(found.data)
+                table = self._whole_messages(data if _goes_on(data[end : end + 1]) else data[: found.starts[-1]])
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
