@@ -27,6 +27,8 @@ def run_pytest(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str
     alone = {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     nothing_left = {"PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_STORAGE_DIRECTORY": os.devnull}
     environment = {**os.environ, **alone, **nothing_left}
+    for of_a_server in ("CI", "BUILD_NUMBER"):  # there pytest says each message a second time, in its summary
+        environment.pop(of_a_server, None)
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
