@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 from league.contender import Filter
 from league.tournament import Result, by_filter
 from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, PERFECT, REAL, Case, readings_hash, run_of
-from lie_rigid_body.league.table import SMALLEST_DEG, CaseResult, FilterRow, LeagueTable, is_of
-from lie_rigid_body.report.filters import angle
+from lie_rigid_body.league.table import SMALLEST_DEG, CaseResult, FilterRow, LeagueTable, angle, is_of
 
 BEGIN: Final = "<!-- begin of the league -->"
 END: Final = "<!-- end of the league -->"

@@ -67,6 +67,11 @@ class BiasEstimate:
     estimate: Array
     truth: Array
 
+    def at(self, stamps_ns: Integers) -> dict[str, Array]:
+        """Length of the error at stamps, ns, rad/s, interpolated between the estimates; with the name of its column."""
+        t_ns, times = (stamps - self.stamps_ns[0] for stamps in (self.stamps_ns, stamps_ns))
+        return {"gyro_bias_error_rad_s": np.interp(times, t_ns, np.linalg.norm(self.estimate - self.truth, axis=-1))}
+
 
 @short_dataclass(frozen=True)
 class BestPossible:
@@ -224,7 +229,7 @@ class Score(Shown):
         return figure
 
     def to_dataframe(self) -> DataFrame:
-        """Table of pandas with the errors of every sample, degrees, by ``t_ns``; NEES and bound where they are known.
+        """Table of pandas with the errors of every sample, degrees, by ``t_ns``; NEES, bound and bias where they are known.
 
         Raises
         ------
@@ -266,7 +271,7 @@ class Score(Shown):
         angles = {f"{name}_deg": np.degrees(angle) for name, angle in self.error._asdict().items()}
         nees = {"nees": self.consistency.nees} if self.consistency else {}
         best = {"unavoidable_deg": self.best.filtered_deg} if self.best and not self.best.unobserved else {}
-        return {**angles, **nees, **best}
+        return {**angles, **nees, **best, **(self.gyro_bias.at(self.stamps_ns) if self.gyro_bias else {})}
 
 
 def table(score: Score) -> list[str]:

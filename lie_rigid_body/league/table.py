@@ -220,16 +220,24 @@ def reference() -> LeagueTable:
     )
 
 
+def angle(error_deg: float) -> str:
+    """An angle with two digits, as text; 0 below a ten-thousandth of a degree."""
+    return "0" if error_deg < 5e-5 else f"{error_deg:.2g}" if error_deg < 99.5 else f"{error_deg:.0f}"
+
+
 def standing(table: LeagueTable, row: FilterRow) -> str:
     """Sentences about the place of a row in a table that has it."""
     best, worst = table.best_and_worst(row)
     failed = [name for name, result in row.results.items() if result.failure]
+    biases = [result.gyro_bias_rms_rad_s for result in row.results.values() if result.gyro_bias_rms_rad_s is not None]
     sentences = [
-        f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {row.typical_deg('mems'):.2g}° with MEMS "
-        f"sensors, where {table.best_possible.typical_deg('mems'):.2g}° is the best possible.",
+        f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {angle(row.typical_deg('mems'))}° with MEMS "
+        f"sensors, where {angle(table.best_possible.typical_deg('mems'))}° is the best possible.",
         f"It is best at {best} (number {table.place(row, best)}) and worst at {worst} "
         f"(number {table.place(row, worst)}).",
     ]
+    if biases:
+        sentences.append(f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case.")
     if failed:
         sentences.append(
             f"It failed in {counted(len(failed), 'case')}, first in {failed[0]}: {row.results[failed[0]].failure}"

@@ -11,6 +11,7 @@ from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.examination import degrees
 from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
+from lie_rigid_body.league.table import angle
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
 from lie_rigid_body.report.html_page import escaped
@@ -123,11 +124,6 @@ def _cells_of_row(table: LeagueTable, row: FilterRow) -> list[str]:
     rank = f"{table.rank(row)}" if row in table.rows else ""
     errors = (*map(row.typical_deg, GRADES), row.typical_deg("mems", faults=True), row.overall_deg)
     return [row.name + " *" * row.sees_future, rank, *map(angle, errors)]
-
-
-def angle(error_deg: float) -> str:
-    """An angle with two digits; 0 below a ten-thousandth of a degree."""
-    return "0" if error_deg < 5e-5 else f"{error_deg:.2g}" if error_deg < 99.5 else f"{error_deg:.0f}"
 
 
 def page_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> bytes:

@@ -17,7 +17,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.arguments import numbers, unit
-from lie_rigid_body.evaluation.consistency import rotation_block
+from lie_rigid_body.evaluation.consistency import factor_of, rotation_block
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED, places
@@ -122,7 +122,8 @@ def _attitudes(topic: str, estimate: Estimate, frame: str) -> tuple[Messages, st
     attitude = unit("estimate", estimate.attitude_xyzw)
     if estimate.covariance is None:
         return _messages(topic, POSE_STAMPED, frame, estimate.t_ns, {"pose.orientation": estimate.attitude_xyzw})
-    P = np.broadcast_to(rotation_block(estimate.covariance), (len(estimate), 3, 3))
+    factor_of(of_rotation := rotation_block(estimate.covariance))
+    P = np.broadcast_to(of_rotation, (len(estimate), 3, 3))
     if estimate.covariance_axes == "body":
         R = quaternion.to_matrix(attitude)
         P = R @ P @ np.swapaxes(R, -1, -2)
@@ -141,13 +142,16 @@ def _messages(
 
 
 def _of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:
-    """Total, heading and inclination error, degrees, and the NEES with its bounds, below a topic, with their type."""
+    """Errors below a topic, with their type: total, heading, inclination, deg; NEES and bounds; gyro bias, rad/s."""
     error_deg = np.degrees(np.stack(score.error, axis=-1))
     yield _messages(f"{topic}/error_deg", VECTOR3_STAMPED, frame, score.stamps_ns, {"vector": error_deg})
     if score.consistency is not None:
         nees, bounds = score.consistency.nees, score.consistency.bounds
         rows = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])
         yield _messages(f"{topic}/nees", VECTOR3_STAMPED, frame, score.stamps_ns, {"vector": rows})
+    if bias := score.gyro_bias:
+        error = {"vector": bias.estimate - bias.truth}
+        yield _messages(f"{topic}{BIAS}_error", VECTOR3_STAMPED, frame, bias.stamps_ns, error)
 
 
 def _declared(segments: tuple[Segment, ...], recording: Recording | None) -> tuple[dict[str, Segment], dict[str, Any]]:

@@ -255,5 +255,16 @@ def test_other_readings_are_told():
     assert "flips mems" in standing(reference().with_rows([mine]), mine)
 
 
+def test_a_row_tells_its_bias_and_the_error_of_one_that_is_upside_down():
+    """Only of a filter that gives a bias; and no angle is told as a power of ten."""
+    upside_down = row("mine", 178.0)
+    assert "rad/s" not in standing(reference().with_rows([upside_down]), upside_down)
+    with_bias = {case: replace(of, gyro_bias_rms_rad_s=0.0123) for case, of in upside_down.results.items()}
+    mine = replace(upside_down, results=with_bias)
+    told = standing(reference().with_rows([mine]), mine)
+    assert "0.012 rad/s" in told
+    assert "e+0" not in told
+
+
 def test_the_reference_says_of_which_versions_it_is():
     assert all(each.version for each in reference().rows)

@@ -37,6 +37,8 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     assert score.to_dict(series=True) == parts.to_dict(series=True)
     assert score.gyro_bias_rad_s.rms == pytest.approx(0.01 * np.sqrt(3.0))
     assert score.to_dict()["gyro_bias_rad_s"]["rms"] == score.gyro_bias_rad_s.rms
+    of_samples = score.to_dict(series=True)["series"]["gyro_bias_error_rad_s"]
+    assert of_samples == pytest.approx(score.samples * [0.01 * np.sqrt(3.0)])
     assert "0.01732 rad/s" in str(score)
     assert "0.01732 rad/s" in page("title", None, score).decode()
     later = run.score(estimate, after_s=1.0, diagnosed=False)
@@ -121,6 +123,7 @@ def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
             lambda q: {"/mine": Estimate(q, gyro_bias=q[:, :3] * np.nan)},
             refused("not finite", name="gyro_bias", count=40, of=40),
         ),
+        (lambda q: {"/mine": Estimate(q, covariance=np.eye(3) + np.eye(3, k=1))}, refused("covariance")),
     ],
 )
 def test_what_a_score_refuses_is_not_put_into_a_bag(make, error, run, attitude, tmp_path):
@@ -144,6 +147,10 @@ def test_estimated_biases_have_their_score_from_a_bag_too(run, attitude, tmp_pat
     again = recorded_estimate(out, "/mine").gyro_bias
     assert again is not None
     assert np.array_equal(again.estimate, bias)
+    with out.open("rb") as stream:
+        messages = make_reader(stream).iter_messages(topics=["/mine/gyro_bias_error"])
+        errors = [np.frombuffer(message.data[-24:]) for _, _, message in messages]
+    np.testing.assert_allclose(errors, np.broadcast_to([0.0, 0.02, 0.0], bias.shape), rtol=0, atol=1e-15)
     assert certify(out).passed
 
 
