@@ -140,6 +140,8 @@ class Campaign:
             raise InputError(f"{path}: there is no {shown(unknown[0])} in a campaign: give {', '.join(_KEYS)}")
         if missing := [key for key in _KEYS[:3] if key not in content]:
             raise InputError(f"{path} has no '{missing[0]}:': add it")
+        if content.get("estimators") == {}:
+            raise InputError(f"{path}: estimators are none: write 'name: {{function: …}}' below, or leave it out")
         try:
             return cls(**{key: value for key, value in content.items() if value is not None})
         except InputError as error:
@@ -277,7 +279,7 @@ class Contender:
             yield replace(self, parameters={**self.parameters, **dict(zip(self.grid, values, strict=True))})
 
     def require_parameters(self) -> None:
-        """Refuse parameters that the function does not take, and a program that is not there.
+        """Refuse parameters that the function does not take, or lacks, and a program that is not there.
 
         Raises
         ------
@@ -292,13 +294,16 @@ class Contender:
             taken = inspect.signature(function).parameters
         except (TypeError, ValueError):  # of a function in C that does not tell
             return
-        if any(one.kind is one.VAR_KEYWORD for one in taken.values()):
-            return
-        after_run = [*taken.values()][1:]
-        own = [one.name for one in after_run if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)]
-        if unknown := [name for name in (*self.parameters, *self.grid) if name not in own]:
+        place, given = f"estimators.{self.name}" if self.name else "estimator", (*self.parameters, *self.grid)
+        own = {
+            one.name: one for one in [*taken.values()][1:] if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
+        }
+        takes_any = any(one.kind is one.VAR_KEYWORD for one in taken.values())
+        if unknown := [name for name in given if name not in own and not takes_any]:
             remedy = suggestion(unknown[0], own, "parameters") if own else "leave it out"
-            raise InputError(f"estimators.{self.name}: {self.function} takes no {shown(unknown[0])}: {remedy}")
+            raise InputError(f"{place}: {self.function} takes no {shown(unknown[0])}: {remedy}")
+        if missing := [name for name, one in own.items() if one.default is one.empty and name not in given]:
+            raise InputError(f"{place}: {self.function} needs {missing[0]}: give it in 'parameters', or a default")
 
     def load(self) -> Estimator:
         """The estimator as a function of a run.

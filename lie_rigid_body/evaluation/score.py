@@ -229,7 +229,7 @@ class Score(Shown):
         return figure
 
     def to_dataframe(self) -> DataFrame:
-        """Table of pandas with the errors of every sample, degrees, by ``t_ns``; NEES, bound and bias where they are known.
+        """Table of pandas with the errors of every sample, degrees, by ``t_ns``; and NEES, bound and bias, if known.
 
         Raises
         ------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import shlex
 import shutil
@@ -208,8 +209,12 @@ def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
             x, y, z, w = map(real, numbers)
             real(stamp)
             stamps.append(np.int64(int(stamp)))
+            if not 0.0 < math.hypot(x, y, z, w) < math.inf:
+                raise ValueError("no rotation")
         except (ValueError, OverflowError):
-            raise InputError(f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line") from None
+            raise InputError(
+                f"{name} prints, line {number}: {shown(line)}: print {ANSWER} in each line, not NaN, not all 0"
+            ) from None
         rows.append((x, y, z, w))
     if not rows:
         raise InputError(f"{name} prints no attitude: print {ANSWER} for each reading, and flush at the end")

@@ -222,6 +222,12 @@ CAMPAIGNS = [
         f"{SHORT}estimators: {{a: {{function: 'statistics:quantiles', parameters: {{methods: 1}}}}}}",
         "statistics:quantiles takes no 'methods': did you mean method?",
     ),
+    (f"{SHORT}estimators: {{}}", "estimators are none: write 'name: {function: …}' below, or leave it out"),
+    (
+        f"{SHORT}estimators: {{a: {{function: 'bisect:bisect'}}}}",
+        "estimators.a: bisect:bisect needs x: give it in 'parameters'",
+    ),
+    (f"{SHORT}estimator: 'bisect:bisect'", "estimator: bisect:bisect needs x: give it in 'parameters', or a default"),
 ]
 NO_DISTRIBUTIONS: list[tuple[object, str]] = [
     (3.0, "not a distribution"),
