@@ -105,7 +105,7 @@ def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
 
     def require_alive() -> None:
         if process.poll() is not None:
-            raise LieRigidBodyError(f"ended with status {process.returncode}")
+            raise LieRigidBodyError(f"ended with status {process.returncode}: mend it")
 
     try:
         yield require_alive

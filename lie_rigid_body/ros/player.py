@@ -97,7 +97,9 @@ class Player:
         while not self._heard.empty():
             self._take(lockstep)
         if not self._payloads:
-            raise LieRigidBodyError("is given no reading of the IMU with one of the same stamp of every other sensor")
+            raise LieRigidBodyError(
+                "is given no reading of the IMU with one of the same stamp of every other sensor: give them one rate"
+            )
         return Answered(self.answers.topic, self.answers.message_type, self._payloads)
 
     def _filter(self) -> list[str]:
@@ -107,7 +109,9 @@ class Player:
             self._require_alive()
             if time.monotonic() > end:
                 missing = ", ".join(self.answers.missing)
-                raise LieRigidBodyError(f"is not there after {self._longest_s:g} s: missing is {missing}")
+                raise LieRigidBodyError(
+                    f"is not there after {self._longest_s:g} s: missing: {missing}: remap its topics"
+                )
             time.sleep(LOOK_NS / NS)
         return list(heard)
 
