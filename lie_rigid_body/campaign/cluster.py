@@ -56,8 +56,10 @@ _QUIET: Final = {
     # nobody looks at what these collect, many times a second in every process
     "distributed.admin.tick.interval": "1s",
     "distributed.worker.profile.enabled": False,
+    # pages that are given back at once and fetched again take as long as half of a run
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
 }
-"""Settings of Dask: no messages on stderr, and little bookkeeping."""
+"""Settings of Dask: no messages on stderr, little bookkeeping, and freed memory is kept."""
 
 _MARK: Final = "LIE_RIGID_BODY_CLUSTER"
 """Variable of the environment that tells to which cluster a process belongs."""
