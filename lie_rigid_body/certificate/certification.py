@@ -22,6 +22,7 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.showing import Shown
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
@@ -177,7 +178,10 @@ def certify(
     ------
     BagError
         If the bag does not explain itself, or has no sample.
+    ParameterError
+        If the given inertia is that of no body.
     """
+    inertia = None if inertia is None else Scenario(inertia=inertia).inertia
     if not isinstance(bag, Bag | Recording):
         bag = Bag(bag)
     try:

@@ -11,7 +11,7 @@ from phrases import telling
 from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper, with_numbers
 
 from lie_rigid_body.certificate import Certificate, certify
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, ParameterError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
@@ -201,6 +201,12 @@ def test_inertia_given_by_hand(bag):
     declared = Scenario.from_parameters(SCENARIOS["default"]).inertia
     assert declared == (1.0, 2.0, 3.0)
     assert not certify(read_bag(bag), [1.5, 2.25, 3.0]).passed
+
+
+@pytest.mark.parametrize("inertia", [5, "1,2,3", [1.0, 2.0], [1.0, 1.0, 5.0], [1.0, np.nan, 1.0], np.eye(3), {}])
+def test_no_bag_is_accused_of_an_inertia_given_by_hand_that_no_body_has(bag, inertia):
+    with pytest.raises(ParameterError, match="inertia"):
+        certify(read_bag(bag), inertia)
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf])
