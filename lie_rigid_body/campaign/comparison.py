@@ -46,7 +46,7 @@ class Point:
     failures: int
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class Standing:
     """An estimator over the runs in which it is scored: all, or with a grid those of odd number.
 
@@ -116,7 +116,7 @@ class Best(NamedTuple):
     rms_deg: float
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class Comparison:
     """Estimators of a campaign.
 

@@ -13,6 +13,7 @@ from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.runs.programs import CommandEstimator, NodeEstimator
+from lie_rigid_body.wording import printable
 
 ESTIMATOR: Final = (
     argument(
@@ -38,7 +39,7 @@ WORKERS: Final = argument("--workers", metavar="N", type=int, help="processes; o
 
 
 def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | str | None]:
-    """Words that give the estimator on the command line, and the estimator that they name; nothing without one.
+    """Words, printable, that give the estimator on the command line, and the one that they name; nothing without one.
 
     Raises
     ------
@@ -50,9 +51,9 @@ def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | 
     if len(there) > 1:
         raise InputError(f"{len(there)} estimators, {' and '.join(there)}: give one of them")
     if given.node is not None:
-        return given.node, NodeEstimator(given.node, given.timeout)
+        return printable(given.node), NodeEstimator(given.node, given.timeout)
     if given.command is not None:
-        return given.command, CommandEstimator(given.command, given.timeout)
+        return printable(given.command), CommandEstimator(given.command, given.timeout)
     return given.estimator or "", given.estimator
 
 

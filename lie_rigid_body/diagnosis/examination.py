@@ -89,7 +89,7 @@ class Note:
     value: float | str
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class ErrorOverTime:
     """The total error in the first course, after a repair and those before it.
 

@@ -36,7 +36,7 @@ ASYMMETRY: Final = 1e-6
 round-off."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class Consistency:
     """NEES of a run with its χ² bounds.
 

@@ -73,7 +73,7 @@ class BiasEstimate:
         return {"gyro_bias_error_rad_s": np.interp(times, t_ns, np.linalg.norm(self.estimate - self.truth, axis=-1))}
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class BestPossible:
     """Bounds of the total error at the samples of a score.
 
@@ -124,7 +124,7 @@ class BestPossible:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Score(Shown):
     """Errors of an estimate, and their causes.
 

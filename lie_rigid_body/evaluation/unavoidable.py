@@ -85,7 +85,7 @@ class BiasNoise:
             deviation(name, value, or_zero=True)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class VectorReadings:
     """Readings of a vector that is constant in the world, such as gravity or the magnetic field.
 
@@ -116,7 +116,7 @@ class VectorReadings:
         deviation("noise of a vector", self.noise)
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class AttitudeReadings:
     """Readings of the whole attitude, as of a star tracker.
 
@@ -142,7 +142,7 @@ class AttitudeReadings:
         return np.asarray(np.linalg.inv(factor_of(covariance)))
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class UnavoidableError:
     """Bounds of the attitude's error at each sample, for estimators that do not know the constants of the sensors.
 

@@ -30,7 +30,7 @@ STEPS_BETWEEN_PROJECTIONS: Final = 100
 """Steps between two projections onto the group; between them only round-off moves the element off it."""
 
 
-@short_dataclass(frozen=True)
+@short_dataclass(frozen=True, eq=False)
 class GroupState:
     """A group element and the rate in its own frame, of one instant or of many.
 

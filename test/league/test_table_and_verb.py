@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lie_rigid_body.cli.diagnose import given_estimator
 from lie_rigid_body.cli.league import main
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
@@ -253,6 +255,12 @@ def test_row_with_a_value_of_another_kind_is_refused(name, value):
 def test_other_readings_are_told():
     mine = replace(row("mine", 1.0), other_readings=("flips mems",))
     assert "flips mems" in standing(reference().with_rows([mine]), mine)
+
+
+@pytest.mark.parametrize("command", ["./my\N{NO-BREAK SPACE}filter", "./my\tfilter", "./\N{SOFT HYPHEN}filter"])
+def test_the_name_of_any_command_can_be_read_again(command):
+    name, _ = given_estimator(Namespace(estimator=None, command=command, node=None, timeout=60.0))
+    assert FilterRow.from_json(row(name, 1.0).to_json()).filter == name
 
 
 def test_a_row_tells_its_bias_and_the_error_of_one_that_is_upside_down():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from copy import deepcopy
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from browser import PROGRAM, Browser
 
 from lie_rigid_body import Estimate, Limits, Run, simulate
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
+from lie_rigid_body.diagnosis.examination import ErrorOverTime
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.report import write_plot, write_report
 from lie_rigid_body.runs.ensemble import BlindRun
@@ -83,6 +85,16 @@ def test_a_notebook_shows_a_sentence_and_tables(run: Any) -> None:
     told = Texts(found._repr_html_()).texts
     assert told[0] == "It is <inverted>."
     assert {"inverted", "inverse", "noise", "FAILED"} <= {*told}
+
+
+def test_results_are_compared_and_hashed_as_what_they_are(run: Any) -> None:
+    """Their arrays have no truth of their own."""
+    score = off_by(run, 5.0, covariance=np.eye(3) * 1e-3)
+    diagnosis = FilterDiagnosis((), (), (), 1, 0.0, 0.1, errors=(ErrorOverTime("", np.ones(3), np.ones(3), 1.0),))
+    for result in (score, score.consistency, score.best, diagnosis, run, run.certificate()):
+        assert result == result
+        assert isinstance(result != deepcopy(result), bool)
+        assert result in {result}
 
 
 def test_tables_of_pandas_have_the_arrays(run: Any) -> None:
