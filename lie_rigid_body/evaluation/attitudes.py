@@ -18,7 +18,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from itertools import permutations, product
-from typing import Any, Final, NamedTuple, Protocol, runtime_checkable
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -194,17 +194,6 @@ def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
     """Mask of the stamps, ns, that are not before an earlier one, and not before `after_ns`."""
     first = int(stamps_ns[0]) if after_ns is None and len(stamps_ns) else after_ns or 0
     return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([[first], stamps_ns]))[:-1])
-
-
-@runtime_checkable
-class HasTruth(Protocol):
-    """Something that has a true attitude at any time, and knows what its sensors leave, as a run does."""
-
-    def attitude(self) -> Truth:
-        """The true attitude."""
-
-    def left_by_errors(self) -> float:
-        """Largest constant turn, rad, that the declared errors of the sensors leave to a right filter."""
 
 
 class Truth(ABC):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,7 @@ from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
-from lie_rigid_body.evaluation.attitudes import HasTruth, Truth, attitude_error, period_ns
+from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, period_ns
 from lie_rigid_body.evaluation.causes import Part, fit, late, undone
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
@@ -35,10 +35,18 @@ UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
 
+@runtime_checkable
+class HasScore(Protocol):
+    """Something that scores an estimate against its own truth, as a run does."""
+
+    def score(self, *given: Any, **how: Any) -> Score:
+        """The score of an estimate, as `evaluate` makes it."""
+
+
 def evaluate(
     stamps_ns: ArrayLike,
-    attitude_xyzw: ArrayLike,
-    truth: Truth | HasTruth,
+    attitude_xyzw: Any,
+    truth: Truth | HasScore,
     *,
     limits: Limits | None = None,
     covariance: ArrayLike | None = None,
@@ -58,9 +66,10 @@ def evaluate(
     stamps_ns : array_like of int, shape (N,)
         Stamps of the estimate, ns, on the clock of the truth, never decreasing.
     attitude_xyzw : array_like, shape (N, 4)
-        The estimate, taken to be world-from-body, scalar last.
-    truth : Truth or HasTruth
-        A `Run`, an `ExactTruth` or a `SampledTruth`.
+        The estimate, taken to be world-from-body, scalar last; beside a run also an `Estimate`.
+    truth : Truth or HasScore
+        An `ExactTruth`, a `SampledTruth`, or a `Run`. A run scores the estimate by its method ``score``; it knows
+        `bound` and `sensors`, and takes no `left_out` or `due_ns`.
     limits : Limits, optional
     covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
         The estimator's own; see `attitude_nees`. A single one is that of every sample.
@@ -77,7 +86,7 @@ def evaluate(
         What the sensors' noise leaves at best, on the same clock.
     sensors : float
         Largest constant turn that the declared errors of the sensors leave to a right filter, rad: none as small is a
-        mistake. A run as the truth tells it.
+        mistake.
     left_out : int
         Further estimates that were given, and left out before: limits are broken where most were.
     due_ns : int, optional
@@ -99,8 +108,21 @@ def evaluate(
         quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
     if not isinstance(limits, Limits | None):
         raise InputError(f"limits: {shown(limits)} is none: give for example Limits.parse('1deg', '10s:2deg')")
-    if isinstance(run := truth, HasTruth):
-        truth, sensors = run.attitude(), max(sensors, run.left_by_errors())
+    if isinstance(truth, HasScore):
+        if (bound, sensors, left_out, due_ns) != (None, 0.0, 0, None):
+            raise InputError(
+                "bound, sensors, left_out, due_ns: a run tells them: leave them out, or give run.attitude()"
+            )
+        return truth.score(
+            attitude_xyzw,
+            stamps_ns,
+            limits=limits,
+            covariance=covariance,
+            covariance_axes=None if covariance is None else covariance_axes,
+            converged_deg=converged_deg,
+            longest_lag_s=longest_lag_s,
+            diagnosed=diagnosed,
+        )
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
     (stamps, attitude), limits = read_series("estimate", stamps_ns, attitude_xyzw), limits or Limits()

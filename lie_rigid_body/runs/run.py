@@ -314,7 +314,7 @@ class Run(_NamedSensors, Shown):
             longest_lag_s=longest_lag_s,
             diagnosed=diagnosed,
             bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
-            sensors=self.left_by_errors(),
+            sensors=left_by_errors_of(self.segments),
         )
         if self.imu is not None:
             score = replace(score, gyro_at_limit=at_limit(self.imu.gyro, self.scenario))
@@ -322,10 +322,6 @@ class Run(_NamedSensors, Shown):
             return score
         bias = numbers("gyro_bias", estimate.gyro_bias, 3)
         return replace(score, gyro_bias=BiasEstimate(estimate.t_ns, bias, self.gyro_bias_at(estimate.t_ns)))
-
-    def left_by_errors(self) -> float:
-        """Largest constant turn, rad, that the declared errors of the sensors leave to a right filter; 0 if perfect."""
-        return left_by_errors_of(self.segments)
 
     def unavoidable_error(self) -> UnavoidableError | None:
         """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.

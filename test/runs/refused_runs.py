@@ -48,6 +48,7 @@ refused = refusals(
             "gyro_bias": "gyro_bias",
             "another clock": "none of its {count} stamps is within the truth, from 0 s to .* s: they begin 1",
             "no run": "give the run",
+            "run tells": r"a run tells them: leave them out, or give run.attitude\(\)",
             # live
             "frames": "{frames}, none of which is world to base_link",
             "orientation": "has no orientation",

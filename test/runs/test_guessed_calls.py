@@ -88,8 +88,22 @@ def test_a_run_as_the_truth_tells_what_its_sensors_leave():
     """A turn of the heading that declared hard iron explains is no mistake, by either call."""
     run = simulate(duration=10.0, imu_rate=20.0, magnetometer_rate=20.0, sensor_grade="mems")
     turned = quaternion.multiply(quaternion.exp(np.array([0.0, 0.0, np.radians(5.0)])), run.truth.attitude_xyzw)
-    assert run.score(turned, run.t_ns).findings == evaluate(run.t_ns, turned, run).findings == ()
+    own, guessed = run.score(turned, run.t_ns), evaluate(run.t_ns, turned, run)
+    assert own.findings == guessed.findings == ()
+    assert own.to_dict(series=True) == guessed.to_dict(series=True)
+    assert guessed.best is not None
     assert [found.code for found in evaluate(run.t_ns, turned, run.attitude()).findings] == ["heading_offset"]
+
+
+def test_what_an_estimator_returns_is_scored_against_a_run():
+    run = simulate("tumbling_cubesat", duration=1.0, imu_rate=100.0)
+    P, own = np.eye(3) * 1e-4, "body"
+    estimate = Estimate(run.truth.attitude_xyzw, run.t_ns, P, own)
+    score = evaluate(run.t_ns, estimate, run)
+    assert score.to_dict() == run.score(estimate).to_dict()
+    assert score.consistency is not None
+    with refused("run tells"):
+        evaluate(run.t_ns, estimate, run, due_ns=7)
 
 
 def test_a_bag_is_certified_by_its_name(tmp_path):
