@@ -143,7 +143,7 @@ class CommandEstimator:
     def _output(self, readings: str) -> str:
         self.require_program()
         # no pipes: what is not read or written in time would stand in them
-        with tempfile.TemporaryFile() as given, tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        with _file() as given, _file() as output, _file() as errors:
             given.write(readings.encode())
             given.seek(0)
             try:
@@ -183,6 +183,13 @@ class CommandEstimator:
                 process.wait(_PATIENCE_S)
             if any(os.fstat(file.fileno()).st_size > most for file in files):
                 raise InputError(f"{self._name} prints more than {most} bytes: print {ANSWER} once for each reading")
+
+
+def _file() -> BinaryIO:
+    """A file without a name: in memory where a system has such, as a full disk is no fault of the filter."""
+    if hasattr(os, "memfd_create"):
+        return os.fdopen(os.memfd_create("estimator"), "w+b")
+    return tempfile.TemporaryFile()
 
 
 def _lines(run: Run) -> Iterator[str]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -99,6 +101,13 @@ def test_what_a_program_does_wrong_is_told_in_one_line(run, tmp_path, source, to
     assert "\n" not in line
     for words in told:
         assert words in line
+
+
+@pytest.mark.skipif(not hasattr(os, "memfd_create"), reason="no files in memory on this system")
+def test_a_full_disk_is_no_fault_of_the_program(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "there is none"))
+    t_ns, _ = python(tmp_path, "print('7,0,0,0,1')")(run)
+    assert t_ns.tolist() == [7]
 
 
 @pytest.mark.parametrize("stream", ["stdout", "stderr"])
