@@ -28,6 +28,9 @@ DEPENDENCE_LIMIT: Final = 1e-7
 SIZE_LIMIT: Final = 1e50
 """Largest entry that a generator may have; the inverse is the least. Products of others leave the range of a double."""
 
+MOST_GENERATORS: Final = 812
+"""Largest dimension d of a named group: its structure constants, d³ doubles, take 4 GiB at most."""
+
 # at the dependence limit the normal equations err by cond² ε ≈ 0.02, which three squarings take to round-off
 _NEWTON_STEPS: Final = 3
 

@@ -141,19 +141,20 @@ def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
     return array
 
 
-def whole_number(name: str, value: object, least: int) -> int:
-    """An argument as a whole number of at least some size.
+def whole_number(name: str, value: object, least: int, most: float = np.inf) -> int:
+    """An argument as a whole number within limits; a truth value is none.
 
     Raises
     ------
     ParameterError
     """
     try:
-        number = operator.index(value)  # type: ignore[arg-type]
+        number = operator.index(None if isinstance(value, bool) else value)  # type: ignore[arg-type]
     except TypeError:
-        raise ParameterError(name, f"{shown(value)} is no whole number: give one from {least} on") from None
-    if number < least:
-        raise ParameterError(name, f"{number} is below {least}: give a whole number from {least} on")
+        number = None
+    if number is None or not least <= number <= most:
+        limits = f"from {least} on" if most == np.inf else f"from {least} to {most:g}"
+        raise ParameterError(name, f"{shown(value)} is no whole number {limits}: give one")
     return number
 
 

@@ -88,7 +88,7 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: SO(1),
-            "n: 1 is below 2: give a whole number from 2 on",
+            "n: 1 is no whole number from 2 to 40: give one",
         ),
         (
             lambda: product(),

@@ -75,10 +75,10 @@ UNIT = np.eye(3)
             "body_rate: shape (3,) does not go with attitudes of shape (1, 4): give equal leading axes",
         ),
         (lambda: box(1.0, [1.0, -2.0]), "edges: -2 m is not positive: give more than 0 m"),
-        (lambda: ball(1.0, 1.0, 0), "dimension: 0 is below 1: give a whole number from 1 on"),
+        (lambda: ball(1.0, 1.0, 0), "dimension: 0 is no whole number from 1 on: give one"),
         (
             lambda: ball(1.0, 1.0, 2.5),  # type: ignore[arg-type]
-            "dimension: 2.5 is no whole number: give one from 1 on",
+            "dimension: 2.5 is no whole number from 1 on: give one",
         ),
         (
             lambda: MassMoments(1.0, np.zeros(3), np.diag([1, 1, -0.5])),
