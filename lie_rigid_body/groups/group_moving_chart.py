@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.group_chart import GroupChart
 from lie_rigid_body.groups.lagrangian import Lagrangian
@@ -154,7 +154,7 @@ class GroupMovingChart:
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 return runge_kutta_step(self._tableau, self._chart.field, centre, h)
-        except np.linalg.LinAlgError:
+        except (ParameterError, np.linalg.LinAlgError):
             return np.full(2 * len(self._momentum), np.inf)
 
     def _refuse(self, h: float) -> NoReturn:
@@ -203,6 +203,4 @@ def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[An
         element = group.as_elements(element)
     except InputError as error:
         raise InputError(f"the start is not an element of {group.name}: {error}") from None
-    if not np.isfinite(rate).all():
-        raise InputError(f"rate {rate.tolist()} is not finite: give finite numbers in 1/s")
     return element, rate
