@@ -19,7 +19,7 @@ from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
-from lie_rigid_body.motion.time_steps import require_order
+from lie_rigid_body.motion.time_steps import TimeSteps, require_order
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
 
@@ -115,11 +115,12 @@ class GroupMovingChart:
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached, where nothing is integrated; or if the body
-            turns by more than π in a step.
+            If a time is not an integer, or lies before one already reached or impossibly many steps ahead. Nothing is
+            integrated then. It is raised as well if the body turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
         require_order(np.atleast_1d(times), self._time_ns)
+        TimeSteps(self._max_step).through(int(times.max(initial=self._time_ns)), self._time_ns)
         flat = np.atleast_1d(times).tolist()
         group = self._lagrangian.group
         n, d = group.size, group.dimension

@@ -126,3 +126,10 @@ def test_what_leaves_double_precision_is_refused_without_a_warning(function):
 def test_a_direction_of_nearly_nothing_is_followed_for_ever():
     reach = groups.chart_reach(SO(3), [1e-320, 0.0, 0.0])
     assert np.isinf(reach).all()
+
+
+def test_impossibly_many_steps_are_refused_before_the_first():
+    chart = GroupMovingChart(BODY, GroupState(np.eye(4), 0.1 * np.ones(6)), max_step=1e-9)
+    with pytest.raises(InputError):
+        chart.at([0, 2**62])
+    chart.at([0, 3])
