@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import TRANSPOSED, Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
@@ -79,7 +79,8 @@ def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -
     if np.iscomplexobj(given):
         raise ParameterError(name, f"complex numbers: {remedy}")
     if not (given.size or empty) or not _fits(given.shape, form):
-        raise ParameterError(name, f"shape {given.shape} is not {form}: {remedy}")
+        is_transposed = given.ndim == 2 and given.size and _fits(given.shape[::-1], form)
+        raise ParameterError(name, f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}")
     require_finite(name, given)
     return given.astype(np.float64)
 

@@ -67,6 +67,10 @@ UNIT = np.eye(3)
             "attitude_xyzw: shape (3,) is not (…, 4): give finite real numbers of shape (…, 4)",
         ),
         (
+            lambda: State(np.ones((4, 9)), np.ones((9, 3))),
+            "attitude_xyzw: shape (4, 9) is not (…, 4): its rows are columns: transpose it, as array.T",
+        ),
+        (
             lambda: State([0, 0, 0, 1.00001], [0, 0, 0]),
             "attitude_xyzw: norm 1.00001 is not 1 within 1e-06: divide the quaternion x y z w by its norm",
         ),
