@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from numbers import Real
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,15 @@ Integers: TypeAlias = NDArray[np.int64]
 
 Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
+
+TRANSPOSED: Final = "its rows are columns: transpose it, as array.T"
+"""Remedy for an array whose transposed one has the shape that is wanted."""
+
+TO_NANOSECONDS: Final = {
+    "f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds",
+    "M": ", as stamps.astype('int64') of ns",
+}
+"""Remedies for times that are no integers, by the kind of their type."""
 
 
 def plain(value: object) -> Any:

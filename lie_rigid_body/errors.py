@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body.wording import LONGEST_VALUE, shortened
+from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
 
 PACKAGE: Final = f"{Path(__file__).parent}{os.sep}"
 """Folder of the package, by which a line of a traceback is known as its own."""
@@ -56,8 +56,8 @@ class ParameterError(InputError):
     """
 
     def __init__(self, name: str, message: str) -> None:
-        super().__init__(f"{shortened(name, LONGEST_VALUE)}: {message}")
-        self.name = name
+        self.name = name if isinstance(name, str) else shown(name)
+        super().__init__(f"{shortened(self.name, LONGEST_VALUE)}: {message}")
 
     def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
         """The call that makes it anew, with name and message: without the name a pool of processes waits for ever."""

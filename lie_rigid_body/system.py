@@ -9,7 +9,10 @@ import os
 import stat
 from contextlib import ExitStack
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, Final
+
+MOST_PROCESSES: Final = 9999
+"""Largest number of processes that a caller may ask for."""
 
 
 def lock(file: IO[Any], *, wait: bool = False) -> ExitStack:

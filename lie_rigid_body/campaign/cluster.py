@@ -243,8 +243,9 @@ def _client_at(scheduler: str) -> Client:
     except Empty:
         found = TimeoutError(f"nothing came within {2.0 * _ANSWERING_S:g} s")
     if isinstance(found, Exception):
-        why = shortened(str(found) or type(found).__name__, 90)
-        raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {why}: start one there")
+        keys = ", or name its certificates in Dask's tls.yaml" if scheduler.startswith(("tls:", "wss:")) else ""
+        why = shortened(str(found) or type(found).__name__, 50 if keys else 90)
+        raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {why}: start one there{keys}")
     return found
 
 

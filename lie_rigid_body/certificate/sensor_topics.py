@@ -219,7 +219,7 @@ class SegmentSensor:
         return Lost(
             first,
             min(last + 1, most),
-            lambda k, n: delivery.lost(k - first, clock.stamps_ns(k, n) - segment.start_ns),
+            lambda k, n: delivery.lost(np.arange(k, k + n) - first, clock.stamps_ns(k, n) - segment.start_ns),
         )
 
     def add(self, placed: Mapping[str, PlacedMessages]) -> int:

@@ -8,14 +8,22 @@ from typing import Final
 
 from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.system import MOST_PROCESSES
 from lie_rigid_body.wording import shown
 
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
 
 
-def _workers(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 4 and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to 9999")
+def processes(text: str) -> int:
+    """The number of processes of a command line, for `argparse`.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is none from 1 to `MOST_PROCESSES`.
+    """
+    if not (text.isascii() and text.isdigit() and len(text) <= 4 and 1 <= int(text) <= MOST_PROCESSES):
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to {MOST_PROCESSES}")
     return int(text)
 
 
@@ -38,7 +46,7 @@ def _workers(text: str) -> int:
     ),
     FORCE_PAGE,
     either=(
-        argument("--workers", metavar="N", type=_workers, help="processes on this machine; one per core if absent"),
+        argument("--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"),
         argument("--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"),
     ),
 )

@@ -17,8 +17,8 @@ from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job, settled
 from lie_rigid_body.diagnosis.search import NEAR, Each, Search, Trial, plain
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.track import error_of
+from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.runs.programs import NodeEstimator, time_limit
@@ -26,8 +26,8 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import assignments
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown
-from lie_rigid_body.system import cores
-from lie_rigid_body.wording import counted, shortened, shown
+from lie_rigid_body.system import MOST_PROCESSES, cores
+from lie_rigid_body.wording import counted, shortened
 
 MOST_RUNS: Final = 2000
 """Default number of runs of the filter after which no more repairs are tried."""
@@ -234,9 +234,9 @@ def diagnose(
         else scenario_of(scenario, parameters).parameters()
     )
     courses = courses_of(given, parameters)
-    for name, value in (("workers", workers), ("max_runs", max_runs)):
-        if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
-            raise InputError(f"{name}: {shown(value)} is no number from 1 on: give for example {name}=2")
+    for name, value, limit in (("workers", workers, MOST_PROCESSES), ("max_runs", max_runs, np.inf)):
+        if value is not None:
+            whole_number(name, value, 1, limit)
     time_limit(timeout)
     source = source_of(estimate)
     is_node = isinstance(source, NodeEstimator)

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers, as_double
+from lie_rigid_body.arrays import TO_NANOSECONDS, TRANSPOSED, Array, Integers, as_double
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import shown
@@ -101,7 +101,7 @@ def numbers(name: str, value: ArrayLike, *size: int, whole: bool = False) -> Arr
 def shape_remedy(shape: tuple[int, ...], size: tuple[int, ...]) -> str:
     """Words that tell what to do about an array of a wrong shape, whose last axes should have some size."""
     if len(shape) == 2 and size == shape[:1] != shape[1:]:
-        return "its rows are columns: transpose it, as array.T"
+        return TRANSPOSED
     if size == (4,) and shape[-2:] == (3, 3):
         return "give quaternions, as by scipy's Rotation.from_matrix(...).as_quat()"
     if size == (4,) and len(shape) > 1 and shape[-1] == 3:
@@ -142,10 +142,8 @@ def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     except ValueError:  # rows of unequal length
         stamps = np.asarray(stamps_ns, dtype=object)
     if stamps.size and stamps.dtype.kind not in "iu":
-        how = {"f": ", as np.round(t_s * 1e9).astype(np.int64) of seconds", "M": ", as stamps.astype('int64') of ns"}
-        raise InputError(
-            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how.get(stamps.dtype.kind, '')}"
-        )
+        how = TO_NANOSECONDS.get(stamps.dtype.kind, "")
+        raise InputError(f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how}")
     if stamps.size and max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
         raise InputError(
             f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"

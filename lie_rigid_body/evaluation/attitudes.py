@@ -208,6 +208,9 @@ class Truth(ABC):
     first_ns: int
     last_ns: int
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} from {self.first_ns} to {self.last_ns} ns>"
+
     @abstractmethod
     def at(self, stamps_ns: Integers) -> Array:
         """Unit quaternions world-from-body, scalar last, shape (..., 4), at stamps of any shape within its times."""

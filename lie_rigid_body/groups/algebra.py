@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
+from lie_rigid_body.groups.arguments import within_doubles
 from lie_rigid_body.groups.exponential import Matrix
-from lie_rigid_body.mechanics.array_input import as_numbers, require_finite
+from lie_rigid_body.mechanics.array_input import as_numbers, real_array, require_finite
 from lie_rigid_body.short_dataclass import short_dataclass
 
 SPAN_TOLERANCE: Final = 1e-9
@@ -27,6 +28,9 @@ DEPENDENCE_LIMIT: Final = 1e-7
 
 SIZE_LIMIT: Final = 1e50
 """Largest entry that a generator may have; the inverse is the least. Products of others leave the range of a double."""
+
+MOST_GENERATORS: Final = 812
+"""Largest dimension d of a named group: its structure constants, d³ doubles, take 4 GiB at most."""
 
 # at the dependence limit the normal equations err by cond² ε ≈ 0.02, which three squarings take to round-off
 _NEWTON_STEPS: Final = 3
@@ -129,9 +133,10 @@ class MatrixLieAlgebra:
     def _adjoint_rows(self) -> Array:
         return self.adjoint_representation.reshape(self.dimension, -1)
 
+    @within_doubles
     def scaled_trace(self, scale: float) -> Array:
         """The matrix scale · Re tr(Tᵃ†Tᵇ), shape (d, d)."""
-        return np.asarray(scale * np.real(self._rows.conj() @ self._rows.T))
+        return np.asarray(real_array("scale", scale, "()") * np.real(self._rows.conj() @ self._rows.T))
 
     def as_components(self, x: ArrayLike, name: str = "coordinates") -> Array:
         """The argument as float64 components along the generators: coordinates, rates, momenta or gradients.
@@ -149,7 +154,7 @@ class MatrixLieAlgebra:
         Raises
         ------
         ParameterError
-            If they are not real numbers, or the last axis is not of length d.
+            If they are not finite real numbers, or the last axis is not of length d.
         """
         x = as_numbers(name, x)
         if np.iscomplexobj(x):
@@ -159,8 +164,10 @@ class MatrixLieAlgebra:
                 name,
                 f"shape {x.shape} is not (..., {self.dimension}): put a component for each generator on the last axis",
             )
+        require_finite(name, x)
         return x.astype(np.float64, copy=False)
 
+    @within_doubles
     def hat(self, x: ArrayLike) -> Matrix:
         """The matrix xᵃTᵃ of the algebra, of coordinates x; Ȧ = A hat(ω) in eq. (8).
 
@@ -176,14 +183,17 @@ class MatrixLieAlgebra:
         matrices: Matrix = (x @ self._rows).reshape(*x.shape[:-1], self.size, self.size)
         return matrices
 
-    def coordinates(self, X: Matrix) -> Array:
-        """Coordinates of the nearest matrix of the algebra, shape (..., d); X has shape (..., n, n)."""
-        if np.iscomplexobj(self.generators):
-            X = X.astype(np.complex128, copy=False)
-        return np.asarray(flattened(X) @ self._dual.T)
+    def as_matrices(self, X: Any) -> Matrix:
+        """Matrices, shape (..., n, n), in the number type of the generators; a group also checks them."""
+        return np.asarray(X, self.generators.dtype)
 
-    def off_span(self, X: Matrix) -> Array:
+    def coordinates(self, X: Any) -> Array:
+        """Coordinates of the nearest matrix of the algebra, shape (..., d); X has shape (..., n, n)."""
+        return np.asarray(flattened(self.as_matrices(X)) @ self._dual.T)
+
+    def off_span(self, X: Any) -> Array:
         """Frobenius distance of matrices from the span, shape (...)."""
+        X = self.as_matrices(X)
         return frobenius(X - self.hat(self.coordinates(X)))
 
     def vee(self, X: Any) -> Array:
@@ -200,6 +210,7 @@ class MatrixLieAlgebra:
         -------
         ndarray, shape (..., d)
         """
+        X = self.as_matrices(X)
         require_finite("matrix", X)
         x = self.coordinates(X)
         # measured in the largest entry, so that no square of an entry underflows or overflows
@@ -213,6 +224,7 @@ class MatrixLieAlgebra:
             )
         return x
 
+    @within_doubles
     def ad(self, x: ArrayLike) -> Array:
         """The matrix of y ↦ [x, y] in coordinates: xᵃfᵃᵇᶜ at [c, b].
 
@@ -227,6 +239,7 @@ class MatrixLieAlgebra:
         x = self.as_components(x)
         return np.asarray((x @ self._adjoint_rows).reshape(*x.shape, self.dimension))
 
+    @within_doubles
     def dexp(self, x: ArrayLike) -> Array:
         """The Jacobian J with d/dt exp(x) = hat(J ẋ) exp(x), which is 1 at x = 0: eqs. (11) and (15).
 
@@ -243,6 +256,7 @@ class MatrixLieAlgebra:
         """
         return exponential.phi(self.ad(x))
 
+    @within_doubles
     def dexpinv(self, x: ArrayLike) -> Array:
         """The inverse of `dexp`, the rate of chart coordinates: ẋ = dexpinv(x) ω where exp(x) turns with rate ω.
 

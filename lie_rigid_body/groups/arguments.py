@@ -1,13 +1,20 @@
-"""Arguments that are mixed up: a body given for its group, or an object for one of its arrays."""
+"""Arguments that are mixed up, as a body given for its group, and arguments whose results leave double precision."""
 
 from __future__ import annotations
 
-from typing import Final, TypeVar
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, Final, ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import shown
 
 Kind = TypeVar("Kind")
+Given = ParamSpec("Given")
+Numbers = TypeVar("Numbers", bound=NDArray[Any])
 
 MADE_BY: Final = "SO(n), SU(n), U1(), product(group, …) or MatrixLieGroup.from_generators(matrices)"
 """How groups are made, for messages."""
@@ -50,3 +57,44 @@ def refuse_whole(name: str, value: object, part: str) -> None:
     """
     if hasattr(value, part):
         raise ParameterError(name, f"a {type(value).__name__} was given: give its {part}")
+
+
+def require_batches(**shapes: tuple[int, ...]) -> None:
+    """Refuse arguments whose leading axes do not broadcast.
+
+    Parameters
+    ----------
+    **shapes : tuple of int
+        The leading axes of each argument by its name.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        told = ", ".join(f"{shape} of {name}" for name, shape in shapes.items())
+        raise InputError(f"leading axes {told} do not go together: give equal ones, or 1 for all") from None
+
+
+def within_doubles(function: Callable[Given, Numbers]) -> Callable[Given, Numbers]:
+    """A function of finite arguments whose results are finite, or refused in place of a warning of NumPy.
+
+    Raises
+    ------
+    ParameterError
+        Naming the function.
+    """
+
+    @wraps(function)
+    def checked(*arguments: Given.args, **named: Given.kwargs) -> Numbers:
+        with np.errstate(all="ignore"):  # what goes wrong is said below
+            result = function(*arguments, **named)
+        if not np.isfinite(result).all():
+            raise ParameterError(
+                function.__name__, "a result is beyond double precision, 1.8e308: give smaller numbers"
+            )
+        return result
+
+    return checked

@@ -26,6 +26,12 @@ UNIQUE_LIMIT: Final = 1e-12
 TIE_MARGIN: Final = 1e-13
 """Angle, rad, below which rounding decides which of two logarithms is the shorter."""
 
+LARGEST_SO: Final = 40
+"""Largest n of SO(n): the next has more than `MOST_GENERATORS`."""
+
+LARGEST_SU: Final = 28
+"""Largest n of SU(n), by the same limit."""
+
 _BISECTIONS: Final = 60
 
 
@@ -40,9 +46,9 @@ def SO(n: int) -> MatrixLieGroup:  # noqa: N802
     Parameters
     ----------
     n : int
-        At least 2.
+        From 2 to 40.
     """
-    n = whole_number("n", n, 2)
+    n = whole_number("n", n, 2, LARGEST_SO)
     algebra = MatrixLieAlgebra(_so_generators(n))
     return MatrixLieGroup(algebra.generators, f"SO({n})", algebra.scaled_trace(0.5), OrthogonalElements(n))
 
@@ -57,9 +63,9 @@ def SU(n: int) -> MatrixLieGroup:  # noqa: N802
     Parameters
     ----------
     n : int
-        At least 2.
+        From 2 to 28.
     """
-    n = whole_number("n", n, 2)
+    n = whole_number("n", n, 2, LARGEST_SU)
     algebra = MatrixLieAlgebra(_su_generators(n))
     return MatrixLieGroup(algebra.generators, f"SU({n})", algebra.scaled_trace(2.0), SpecialUnitaryElements(n))
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
 INVARIANCE_TOLERANCE: Final = 1e-9
@@ -22,6 +22,7 @@ REGULARITY_LIMIT: Final = 1e-9
 """Smallest singular value of a form, relative to the largest, from which on it counts as regular."""
 
 
+@within_doubles
 def coadjoint_action(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Array:
     """The coadjoint action ad*_ω p, with components ωᶜ f[c,a,d] p_d: ⟨ad*_ω p, η⟩ = ⟨p, [ω, η]⟩ for every η.
 
@@ -43,6 +44,7 @@ def coadjoint_action(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike
     ndarray, shape (..., d)
     """
     w, p = of_kind(group, MatrixLieGroup).as_components(rate, "rates"), group.as_components(momentum, "momenta")
+    require_batches(rate=w.shape[:-1], momentum=p.shape[:-1])
     turning = np.tensordot(w, group.structure_constants, axes=1)
     return np.asarray((turning @ p[..., np.newaxis])[..., 0])
 

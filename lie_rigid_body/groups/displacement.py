@@ -66,7 +66,8 @@ class Displacement:
         ndarray, shape (..., n)
             World frame, m.
         """
-        return np.asarray(points, dtype=np.float64) @ self.rotation.T + self.translation
+        x = real_array("points", points, f"(…, {len(self.translation)})", empty=True)
+        return np.asarray(x @ self.rotation.T + self.translation)
 
 
 def chasles(points: ArrayLike, displaced: ArrayLike, weights: ArrayLike | None = None) -> Displacement:

@@ -24,6 +24,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.classical_groups import SO, SU
 from lie_rigid_body.groups.matrix_lie_group import ELEMENT_TOLERANCE
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.mechanics.array_input import real_array
 
 Complex = NDArray[np.complex128]
 
@@ -46,7 +47,7 @@ def from_quaternion(q: ArrayLike) -> Complex:
     -------
     ndarray, shape (..., 2, 2), complex
     """
-    q = np.asarray(q, dtype=np.float64)
+    q = real_array("quaternions", q, "(…, 4)", empty=True)
     _refuse_off_sphere(np.abs(quaternion.norm(q) - 1.0))
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     U = np.empty((*q.shape[:-1], 2, 2), dtype=np.complex128)
@@ -122,7 +123,7 @@ def lift(R: ArrayLike) -> Complex:
     InputError
         If the path has no point, or neighbours are so far apart that the path between them is ambiguous.
     """
-    R = np.asarray(R, dtype=np.float64)
+    R = _SO3.as_matrices(R)
     if R.ndim != 3 or len(R) == 0:
         raise InputError(f"a path needs shape (N, 3, 3) with N ≥ 1, given {R.shape}: stack its rotations")
     q = to_quaternion(preimages(R)[0])

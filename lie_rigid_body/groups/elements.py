@@ -9,6 +9,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.groups.algebra import frobenius
+from lie_rigid_body.groups.arguments import within_doubles
 from lie_rigid_body.groups.exponential import Matrix
 
 NEGLIGIBLE_ANGLE: Final = 1e-5
@@ -73,7 +75,7 @@ def multiple_until(limit: float, angles: Array, X: Matrix) -> Array:
     X : ndarray, shape (..., n, n)
         Their norm tells which angles are round-off.
     """
-    turns = angles > NEGLIGIBLE_ANGLE * np.linalg.norm(X, axis=(-2, -1))
+    turns = angles > NEGLIGIBLE_ANGLE * within_doubles(frobenius)(X)
     return np.where(turns, limit / np.where(turns, angles, 1.0), np.inf)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.elements import multiple_until
 from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
@@ -44,6 +44,7 @@ class ChartReach(NamedTuple):
     regular: Array
 
 
+@np.errstate(over="ignore")  # the multiples of a direction of nearly 0 are infinite
 def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     """The reach of the chart A₀ exp(βᵃTᵃ), eq. (38), along a direction: where its coordinates end.
 
@@ -66,6 +67,7 @@ def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     return ChartReach(group.elements.one_to_one(X), multiple_until(2.0 * np.pi, turn, ad))
 
 
+@within_doubles
 def chart_metric(lagrangian: Lagrangian, coordinates: ArrayLike) -> Array:
     """The metric in the chart A₀ exp(βᵃTᵃ), dexp(−β)ᵀ M dexp(−β): L = ½ Gᵃᵇ(β) β̇ᵃβ̇ᵇ, eq. (14) away from the centre.
 

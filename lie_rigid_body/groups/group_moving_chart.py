@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.group_chart import GroupChart
 from lie_rigid_body.groups.lagrangian import Lagrangian
@@ -19,7 +19,7 @@ from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
-from lie_rigid_body.motion.time_steps import require_order
+from lie_rigid_body.motion.time_steps import TimeSteps, require_order
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
 
@@ -115,11 +115,12 @@ class GroupMovingChart:
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached, where nothing is integrated; or if the body
-            turns by more than π in a step.
+            If a time is not an integer, or lies before one already reached or impossibly many steps ahead. Nothing is
+            integrated then. It is raised as well if the body turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
         require_order(np.atleast_1d(times), self._time_ns)
+        TimeSteps(self._max_step).through(int(times.max(initial=self._time_ns)), self._time_ns)
         flat = np.atleast_1d(times).tolist()
         group = self._lagrangian.group
         n, d = group.size, group.dimension
@@ -154,7 +155,7 @@ class GroupMovingChart:
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 return runge_kutta_step(self._tableau, self._chart.field, centre, h)
-        except np.linalg.LinAlgError:
+        except (ParameterError, np.linalg.LinAlgError):
             return np.full(2 * len(self._momentum), np.inf)
 
     def _refuse(self, h: float) -> NoReturn:
@@ -203,6 +204,4 @@ def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[An
         element = group.as_elements(element)
     except InputError as error:
         raise InputError(f"the start is not an element of {group.name}: {error}") from None
-    if not np.isfinite(rate).all():
-        raise InputError(f"rate {rate.tolist()} is not finite: give finite numbers in 1/s")
     return element, rate

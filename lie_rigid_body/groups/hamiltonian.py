@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -76,6 +76,7 @@ class Hamiltonian(Immutable):
     def __repr__(self) -> str:
         return call_repr(self, {"group": self.group, "inverse_metric": self.inverse_metric})
 
+    @within_doubles
     def value(self, momentum: ArrayLike) -> Array:
         """The Hamiltonian H(p), eq. (34).
 
@@ -92,6 +93,7 @@ class Hamiltonian(Immutable):
         p = self.group.as_components(momentum, "momenta")
         return np.asarray(0.5 * np.sum(p * self.rates(p), axis=-1))
 
+    @within_doubles
     def rates(self, momentum: ArrayLike) -> Array:
         """The rates ω = ∂H/∂p = M⁻¹p, eq. (35a).
 
@@ -150,6 +152,7 @@ def inverse_legendre_transform(hamiltonian: Hamiltonian) -> Lagrangian:
     return Lagrangian(of_kind(hamiltonian, Hamiltonian).group, symmetrised(np.linalg.inv(hamiltonian.inverse_metric)))
 
 
+@within_doubles
 def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     """The Poisson tensor: the brackets {pᵃ, pᵇ} = −f[a,b,c] p_c of the momenta.
 
@@ -166,6 +169,7 @@ def poisson_tensor(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     return coadjoint_directions(group, of_kind(group, MatrixLieGroup).as_components(momentum, "momenta"))
 
 
+@within_doubles
 def lie_poisson_bracket(
     group: MatrixLieGroup, momentum: ArrayLike, first_gradient: ArrayLike, second_gradient: ArrayLike
 ) -> Array:
@@ -184,4 +188,5 @@ def lie_poisson_bracket(
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     first, second = (group.as_components(v, "gradients") for v in (first_gradient, second_gradient))
+    require_batches(momentum=p.shape[:-1], first_gradient=first.shape[:-1], second_gradient=second.shape[:-1])
     return np.asarray(np.sum(first * coadjoint_action(group, second, p), axis=-1))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -27,6 +27,7 @@ _CASIMIR_TOLERANCE: Final = 1e-10
 """Change of a quadratic form under the coadjoint action, relative to the structure constants, taken for round-off."""
 
 
+@within_doubles
 def momentum_matrix(group: MatrixLieGroup, momentum: ArrayLike) -> NDArray[Any]:
     """The momentum as a matrix P of the algebra, for which Euler's equations are Ṗ = [P, Ω] with Ω = A⁻¹Ȧ.
 
@@ -80,6 +81,7 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
     return canonical_basis(kept.T @ symmetric.reshape(len(symmetric), -1)).reshape(-1, *symmetric.shape[1:])
 
 
+@within_doubles
 def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n), SU(n), U(1) and their products, those of a product factor by factor.
 
@@ -117,6 +119,7 @@ def casimirs(group: MatrixLieGroup, momentum: ArrayLike) -> Array:
     return family(momentum_matrix(group, p))
 
 
+@within_doubles
 def rotation_casimirs(momentum: ArrayLike) -> Array:
     """The independent Casimirs of SO(n): tr(Pᵏ) for every even k < n, and for even n the Pfaffian of P.
 
@@ -144,6 +147,7 @@ def rotation_casimirs(momentum: ArrayLike) -> Array:
     return traces if n % 2 else np.concatenate([traces, pfaffian(p)[..., np.newaxis]], axis=-1)
 
 
+@within_doubles
 def unitary_casimirs(momentum: ArrayLike) -> Array:
     """The independent Casimirs of SU(n): tr((−iP)ᵏ) for 2 ≤ k ≤ n, which is real; for even k it is ± tr(Pᵏ).
 
@@ -167,6 +171,7 @@ def unitary_casimirs(momentum: ArrayLike) -> Array:
     return np.asarray(_power_traces(-1j * _nonempty(_antihermitian_matrices("P", momentum)))[..., 1:].real)
 
 
+@within_doubles
 def pfaffian(matrices: ArrayLike) -> Array:
     """The Pfaffian Pf P, with (Pf P)² = det P, by antisymmetric Gauss elimination with pivoting.
 
@@ -198,6 +203,7 @@ def pfaffian(matrices: ArrayLike) -> Array:
     return np.asarray(value)
 
 
+@within_doubles
 def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
     """Manakov's integrals: the coefficients of tr (P + λK²)ᵏ, conserved by the free body with P = KΩ + ΩK.
 

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
@@ -75,6 +75,7 @@ class Lagrangian(Immutable):
     def __repr__(self) -> str:
         return call_repr(self, {"group": self.group, "metric": self.metric})
 
+    @within_doubles
     def value(self, rate: ArrayLike) -> Array:
         """The Lagrangian L(ω), eq. (14), which for free motion is the kinetic energy, of a body eqs. (7) and (9).
 
@@ -91,6 +92,7 @@ class Lagrangian(Immutable):
         w = self.group.as_components(rate, "rates")
         return np.asarray(0.5 * np.sum(w * self.momenta(w), axis=-1))
 
+    @within_doubles
     def momenta(self, rate: ArrayLike) -> Array:
         """The momenta pᵃ = ∂L/∂ωᵃ = Mᵃᵇωᵇ, eq. (19); at the centre of the chart they are ∂L/∂α̇ᵃ.
 
@@ -105,6 +107,7 @@ class Lagrangian(Immutable):
         """
         return np.asarray(self.group.as_components(rate, "rates") @ self.metric)
 
+    @within_doubles
     def rates(self, momentum: ArrayLike) -> Array:
         """The rates ω = M⁻¹p of given momenta; inverse of `momenta`.
 
@@ -118,6 +121,7 @@ class Lagrangian(Immutable):
         """
         return np.asarray(self.group.as_components(momentum, "momenta") @ self.inverse_metric)
 
+    @within_doubles
     def chart_force(self, rate: ArrayLike) -> Array:
         """The force ∂L/∂βᵃ = ½ f[c,a,d] ωᶜ p_d at the centre β = 0 of the chart A₀ exp(βᵃTᵃ), where β̇ = ω.
 
@@ -138,6 +142,7 @@ class Lagrangian(Immutable):
         """
         return 0.5 * self.momentum_rate(rate)
 
+    @within_doubles
     def momentum_rate(self, rate: ArrayLike) -> Array:
         """The rate of change of the momenta by the equations of motion, ṗᵃ = f[c,a,d] ωᶜ p_d: eq. (21), with (20).
 
@@ -156,6 +161,7 @@ class Lagrangian(Immutable):
         w = self.group.as_components(rate, "rates")
         return coadjoint_action(self.group, w, self.momenta(w))
 
+    @within_doubles
     def acceleration(self, rate: ArrayLike) -> Array:
         """The rate of change ω̇ by the equations of motion, Mᵃᵇω̇ᵇ = f[c,a,d] Mᵈᵇ ωᵇωᶜ: the geodesics of the metric M.
 
@@ -173,6 +179,7 @@ class Lagrangian(Immutable):
         """
         return np.asarray(self.momentum_rate(rate) @ self.inverse_metric)
 
+    @within_doubles
     def action(self, path: ArrayLike, step: float) -> Array:
         """The action ∫ L dt of a path, eq. (36), by its chords Aₖ₊₁ = Aₖ exp(h ω): Σ h L(ω), with an error of order h².
 
@@ -200,6 +207,7 @@ class Lagrangian(Immutable):
         return np.asarray(self.value(chords / step).sum(axis=-1) * step)
 
 
+@within_doubles
 def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
     """The metric in the space frame at a group element, Ad(A)⁻ᵀ M Ad(A)⁻¹; of a body it is eq. (13) with A₀ = A.
 
@@ -224,6 +232,7 @@ def metric_at(lagrangian: Lagrangian, element: NDArray[Any]) -> Array:
     return symmetrised(np.swapaxes(to_body, -1, -2) @ lagrangian.metric @ to_body)
 
 
+@within_doubles
 def connection_coefficients(lagrangian: Lagrangian) -> Array:
     """The connection of the metric M in the frame of the left-invariant fields Tᵃ: ∇_Tᵃ Tᵇ = Γ[a,b,c] Tᶜ.
 

@@ -19,11 +19,11 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
-from lie_rigid_body.groups.arguments import MADE_BY, of_kind
+from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
 from lie_rigid_body.groups.elements import Elements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.generated import GeneratedElements
-from lie_rigid_body.mechanics.array_input import as_numbers, require_finite
+from lie_rigid_body.mechanics.array_input import as_numbers, real_array, require_finite
 from lie_rigid_body.wording import shortened, shown
 
 ELEMENT_TOLERANCE: Final = 1e-9
@@ -122,28 +122,16 @@ class MatrixLieGroup(MatrixLieAlgebra):
 
         For a group from generators every matrix passes that is not ruled out; see `from_generators`.
         """
-        A = self.as_matrices(A)
+        A, limit = self.as_matrices(A), float(real_array("tolerance", tolerance, "()"))
         worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
-        if not worst <= tolerance:
+        if not worst <= limit:
             raise InputError(
-                f"a matrix is {worst:.3g} off {self.name} (limit {tolerance:g}): "
+                f"a matrix is {worst:.3g} off {self.name} (limit {limit:g}): "
                 "give an element of the group, or its projection by project()"
             )
         return A
 
-    def vee(self, X: ArrayLike) -> Array:
-        """Coordinates of a matrix of the algebra; inverse of `hat`. Refuses a matrix outside the algebra.
-
-        Parameters
-        ----------
-        X : array_like, shape (..., n, n)
-
-        Returns
-        -------
-        ndarray, shape (..., d)
-        """
-        return super().vee(self.as_matrices(X))
-
+    @within_doubles
     def exp(self, x: ArrayLike) -> Matrix:
         """The element exp(xᵃTᵃ).
 
@@ -205,11 +193,11 @@ class MatrixLieGroup(MatrixLieAlgebra):
 
         For a group from generators an element is recognised by its principal logarithm; see `from_generators`.
         """
-        return measured(self.as_matrices(A), self.elements.distance) <= tolerance
+        return measured(self.as_matrices(A), self.elements.distance) <= real_array("tolerance", tolerance, "()")
 
     def restored(self, A: ArrayLike) -> Matrix:
         """Elements that round-off has carried a little off the group, projected back if possible, shape (..., n, n)."""
-        return self.elements.restored(self.as_matrices(A))
+        return self.elements.restored(self._finite_matrices(A))
 
     def project(self, A: ArrayLike) -> Matrix:
         """The nearest elements in the Frobenius norm; for a group from generators, of those near the matrices.
@@ -228,9 +216,11 @@ class MatrixLieGroup(MatrixLieAlgebra):
         InputError
             If the nearest element is not unique; for a group from generators, if none is found near A.
         """
-        A = self.as_matrices(A)
-        require_finite(f"matrices of {self.name}", A)
-        return self.elements.project(A)
+        return self.elements.project(self._finite_matrices(A))
+
+    def _finite_matrices(self, A: ArrayLike) -> Matrix:
+        require_finite(f"matrices of {self.name}", A := self.as_matrices(A))
+        return A
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...] = ()) -> Matrix:
         """Independent random elements, shape `shape` + (n, n).

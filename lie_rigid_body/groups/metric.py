@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.groups.arguments import of_kind, refuse_whole
+from lie_rigid_body.groups.arguments import of_kind, refuse_whole, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, as_numbers, real_array, symmetric_matrix, symmetrised
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
@@ -20,6 +20,7 @@ from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second
 _GENERATOR_ROUND_OFF: Final = 1e-12
 
 
+@within_doubles
 def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: ArrayLike | None = None) -> Array:
     """The metric of a rigid body on its rotation group, Mᵃᵇ = −½ tr[A₀ K A₀ᵀ {Tᵃ, Tᵇ}]: eq. (13).
 
@@ -57,6 +58,7 @@ def mass_matrix(second_moment: ArrayLike, generators: ArrayLike, attitude: Array
     return symmetrised((T @ K[..., None, :, :]).reshape(*K.shape[:-2], *flat.shape) @ flat.T)
 
 
+@within_doubles
 def metric_derivative(group: MatrixLieGroup, metric: ArrayLike) -> Array:
     """The derivative of the metric in the space frame along the group, eq. (32) with the opposite sign.
 

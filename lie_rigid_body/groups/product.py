@@ -9,10 +9,11 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.algebra import frobenius
+from lie_rigid_body.groups.algebra import MOST_GENERATORS, frobenius
 from lie_rigid_body.groups.elements import Elements
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
+from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.wording import shown
 
 
@@ -27,7 +28,7 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
     Raises
     ------
     InputError
-        If no group is given, or an argument is no group.
+        If no group is given, an argument is no group, or the dimensions add up to more than 812.
     """
     if not groups:
         raise InputError("product() of 0 groups (limit 1): give at least one group")
@@ -38,7 +39,8 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
                 "as product(SO(3), SU(2))"
             )
     dtype = np.result_type(*(group.generators.dtype for group in groups))
-    T = np.zeros((sum(g.dimension for g in groups), sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
+    d = whole_number("dimension", sum(g.dimension for g in groups), 1, MOST_GENERATORS)
+    T = np.zeros((d, sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
     metric = np.zeros((len(T), len(T)))
     for group, rows, block in zip(groups, _slices([g.dimension for g in groups]), _blocks(groups), strict=True):
         T[rows, block, block] = group.generators

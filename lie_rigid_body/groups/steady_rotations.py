@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
@@ -164,21 +164,23 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     return RelativeEquilibrium(w, np.sort_complex(eigenvalues), stability)
 
 
-def linearisation(lagrangian: Lagrangian, rate: Array) -> Array:
+@within_doubles
+def linearisation(lagrangian: Lagrangian, rate: ArrayLike) -> Array:
     """Euler's equations linearised about p = Mω: the matrix of δp ↦ d/dt δp = ad*_{M⁻¹δp} p + ad*_ω δp.
 
     Parameters
     ----------
     lagrangian : Lagrangian
-    rate : ndarray, shape (..., d)
+    rate : array_like, shape (..., d)
 
     Returns
     -------
     ndarray, shape (..., d, d)
         1/s.
     """
-    turning = np.tensordot(rate, of_kind(lagrangian, Lagrangian).group.structure_constants, axes=1)
-    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(rate))
+    w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates")
+    turning = np.tensordot(w, lagrangian.group.structure_constants, axes=1)
+    directions = coadjoint_directions(lagrangian.group, lagrangian.momenta(w))
     return np.asarray(directions @ lagrangian.inverse_metric + turning)
 
 
@@ -210,9 +212,9 @@ def _orbit(directions: Array, zero: float) -> tuple[Array, Array, Array]:
 
 def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
     """Size of ad*_ω Mω relative to |ω|, |Mω| and the structure constants; refused above `STEADY_TOLERANCE`."""
-    if rate.ndim != 1 or not np.isfinite(rate).all():
+    if rate.ndim != 1:
         raise InputError(
-            f"a steady rotation needs one rate of {lagrangian.group.dimension} finite numbers, given {rate.tolist()}: "
+            f"a steady rotation needs one rate of {lagrangian.group.dimension} numbers, given {rate.tolist()}: "
             "give one at a time"
         )
     momentum = lagrangian.momenta(rate)

@@ -11,15 +11,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.groups.arguments import of_kind
+from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
+from lie_rigid_body.mechanics.array_input import real_array
 
 _TOLERANCE: Final = 1e-12
 _TIE: Final = 1e-8
 """Difference of squared distances to the span below which two generators count as equally near."""
 
 
+@within_doubles
 def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayLike) -> Array:
     """The momentum in the space frame, Ad(A)⁻ᵀ p, of which every component is conserved.
 
@@ -47,6 +49,7 @@ def spatial_momentum(group: MatrixLieGroup, element: ArrayLike, momentum: ArrayL
     """
     p = of_kind(group, MatrixLieGroup).as_components(momentum, "momenta")
     to_body = group.Ad(group.inverse(element))
+    require_batches(element=to_body.shape[:-2], momentum=p.shape[:-1])
     return np.asarray((p[..., np.newaxis, :] @ to_body)[..., 0, :])
 
 
@@ -87,7 +90,7 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     rows = np.swapaxes(condition, 1, 2).reshape(-1, group.dimension)
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
     scale = float(np.linalg.norm(m, 2)) * float(np.abs(f).max(initial=0.0))
-    conserved = directions[sizes <= tolerance * scale] / size
+    conserved = directions[sizes <= real_array("tolerance", tolerance, "()") * scale] / size
     return canonical_basis(np.linalg.qr(conserved.T)[0].T)
 
 

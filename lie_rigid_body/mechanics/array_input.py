@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import TRANSPOSED, Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
@@ -79,7 +79,8 @@ def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -
     if np.iscomplexobj(given):
         raise ParameterError(name, f"complex numbers: {remedy}")
     if not (given.size or empty) or not _fits(given.shape, form):
-        raise ParameterError(name, f"shape {given.shape} is not {form}: {remedy}")
+        is_transposed = given.ndim == 2 and given.size and _fits(given.shape[::-1], form)
+        raise ParameterError(name, f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}")
     require_finite(name, given)
     return given.astype(np.float64)
 
@@ -141,19 +142,20 @@ def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
     return array
 
 
-def whole_number(name: str, value: object, least: int) -> int:
-    """An argument as a whole number of at least some size.
+def whole_number(name: str, value: object, least: int, most: float = np.inf) -> int:
+    """An argument as a whole number within limits; a truth value is none.
 
     Raises
     ------
     ParameterError
     """
     try:
-        number = operator.index(value)  # type: ignore[arg-type]
+        number = operator.index(None if isinstance(value, bool) else value)  # type: ignore[arg-type]
     except TypeError:
-        raise ParameterError(name, f"{shown(value)} is no whole number: give one from {least} on") from None
-    if number < least:
-        raise ParameterError(name, f"{number} is below {least}: give a whole number from {least} on")
+        number = None
+    if number is None or not least <= number <= most:
+        limits = f"from {least} on" if most == np.inf else f"from {least} to {most:g}"
+        raise ParameterError(name, f"{shown(value)} is no whole number {limits}: give one")
     return number
 
 

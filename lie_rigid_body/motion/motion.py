@@ -9,7 +9,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers, plain
+from lie_rigid_body.arrays import TO_NANOSECONDS, Array, Integers, plain
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.array_input import as_numbers
@@ -144,8 +144,9 @@ def nanoseconds(t_ns: ArrayLike) -> Integers:
     if array.size == 0 and array.ndim == 1:
         return np.empty(0, dtype=np.int64)
     if array.dtype.kind not in "iu" or array.ndim > 1:
+        how = TO_NANOSECONDS.get(array.dtype.kind, "")
         raise InputError(
-            f"t_ns has type {array.dtype} and shape {array.shape}: give integer nanoseconds, one or a flat list"
+            f"t_ns has type {array.dtype} and shape {array.shape}: give integer nanoseconds, one or a flat list{how}"
         )
     if array.dtype.kind == "u" and array.size and int(array.max()) > np.iinfo(np.int64).max:
         raise InputError(

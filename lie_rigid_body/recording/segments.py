@@ -20,6 +20,7 @@ from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
+from lie_rigid_body.simulation.segment import Arrivals
 
 MOST_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
@@ -192,6 +193,7 @@ class SensorClocks:
         self._from_ns = np.array([of_one[0] for of_one in shown]) - _ROUNDING_NS
         self._until_ns = np.array([*(of_one[-1] for of_one in shown[:-1]), _FAR - _ROUNDING_NS]) + _ROUNDING_NS
         self.early, self.unshown = 0, (0, 0)
+        self._arriving = dict[int, tuple[int, int]]()  # by places, the first reading and that which arrives too late
 
     def placed(self, messages: TopicMessages, *, in_order: bool) -> Iterator[PlacedMessages]:
         """The messages that come next by their segments, in the order of these.
@@ -248,9 +250,23 @@ class SensorClocks:
         numbers, times, off = self._read(place, stamps_ns)
         is_early = times < self._starts[0] - _ROUNDING_NS  # near a reading, but of an untold scenario
         rows = np.flatnonzero((np.searchsorted(self._starts, times - off, side="right") - 1 == place) & ~is_early)
-        if self._models[place] is None:
-            off = np.full_like(off, _FAR)  # where there is no sensor, any clock of one shows a stamp rather
-        return np.stack([rows, off[rows], np.full(len(rows), place), numbers[rows], times[rows]])
+        # where there is no sensor, or none arrives, any clock of another shows a stamp rather
+        off = np.where(self._arrives(place, numbers[rows], (times - off)[rows]), off[rows], _FAR)
+        return np.stack([rows, off, np.full(len(rows), place), numbers[rows], times[rows]])
+
+    def _arrives(self, place: int, numbers: Integers, measured_ns: Integers) -> Booleans:
+        """Whether readings within a segment arrive: its sensor is on, loses none of them, and no reset comes before."""
+        segment, model = self._segments[place], self._models[place]
+        if model is None or model.delivery is None or not len(numbers):
+            return np.full(len(numbers), model is not None)
+        if place not in self._arriving:
+            clock = SampleClock(segment.scenario.epoch_ns, model.rate)
+            first = clock.count_until(segment.start_ns - 1)
+            end_ns = int(self._starts[place + 1]) - 1 if place + 1 < len(self._starts) else MAX_EPOCH_NS + 1
+            arrivals = Arrivals(clock, first, segment.start_ns, model.delivery)
+            self._arriving[place] = first, arrivals.count_until(end_ns)
+        first, end = self._arriving[place]
+        return (numbers < end) & ~model.delivery.lost(numbers - first, measured_ns - segment.start_ns)
 
     def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers, Integers]:
         """The readings of a segment that are nearest to stamps: numbers, times with what is off, and that alone, ns."""

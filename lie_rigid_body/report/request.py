@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 
 TITLE: Final = "attitude estimate"
 """Title of a picture or a page that is given none."""
+_INSTEAD: Final = {
+    "Run": "give run.score(attitude_xyzw)",
+    "Certificate": "lie-rigid-body check BAG --report OUT.html writes its page",
+    "FilterDiagnosis": "lie-rigid-body diagnose ESTIMATOR --report OUT.html writes its page",
+}
+"""Remedies where another result is given for a score, by its class."""
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth", "out": ""}
 """Options that go with a bag, each with the topic that one remaps without a bag, if there is one."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
@@ -178,6 +184,14 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     )
 
 
+def _require_score(score: object) -> None:
+    from lie_rigid_body.evaluation import Score
+
+    if not isinstance(score, Score):
+        kind = type(score).__name__
+        raise InputError(f"a {kind} is no score: {_INSTEAD.get(kind, 'give what evaluate() or run.score() returns')}")
+
+
 def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
     """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
 
@@ -193,11 +207,12 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     Raises
     ------
     InputError, BagError
-        If the name ends otherwise, or the file exists or cannot be written.
+        If it is no score, the name ends otherwise, or the file exists or cannot be written.
     """
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import drawing, scores
 
+    _require_score(score)
     require_suffix("path", str(path), ".png")
     write_file(path, drawing.png(partial(scores.draw, title, score)), overwrite=overwrite)
 
@@ -210,5 +225,6 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import scores
 
+    _require_score(score)
     require_suffix("path", str(path), ".html")
     write_file(path, scores.page(title, None, score), overwrite=overwrite)

@@ -66,23 +66,23 @@ class Delivery(Faulty):
         """Whether the sensor's clock is wrong."""
         return bool(self.clock_offset_ns or self.clock_skew)
 
-    def lost(self, first: int, times_ns: Integers) -> Booleans:
+    def lost(self, numbers: Integers, times_ns: Integers) -> Booleans:
         """Tell which of some readings never arrive.
 
         Parameters
         ----------
-        first : int
-            Number of the first of them, counted from 0 in the segment.
+        numbers : ndarray of int64, shape (N,)
+            Their numbers, counted from 0 in the segment.
         times_ns : ndarray of int64, shape (N,)
             Times of their measurement since the segment's start, ns.
         """
-        lost = self._dropped(first, times_ns)
+        lost = self._dropped(numbers, times_ns)
         return lost if self.outage is None else lost | (self.outage.at(times_ns) >= 0)
 
-    def _dropped(self, first: int, times_ns: Integers) -> Booleans:
+    def _dropped(self, numbers: Integers, times_ns: Integers) -> Booleans:
         if not self.dropout_probability:
             return np.zeros(len(times_ns), dtype=np.bool_)
-        drawn = self.draws("dropout").following(first, len(times_ns))[:, 0]
+        drawn = self.draws("dropout").of(numbers)[:, 0]
         return np.asarray((drawn < self.dropout_probability) & self.window.holds(times_ns))
 
     def delays_ns(self, first: int, count: int) -> Integers:
@@ -138,7 +138,7 @@ class Delivery(Faulty):
         for kind, size in lasting.items() if begin_ns <= 0 < end_ns else ():
             if size:
                 yield Fault(kind, self.sensor, "", 0, None, size)
-        for time in times_ns[self._dropped(first, times_ns)].tolist():
+        for time in times_ns[self._dropped(first + np.arange(len(times_ns)), times_ns)].tolist():
             yield Fault("dropout", self.sensor, "", time, time)
         for _, begin, end in self.outage.between(begin_ns, end_ns) if self.outage else ():
             yield Fault("outage", self.sensor, "", begin, end)

@@ -223,7 +223,8 @@ class Arrivals:
     def of(self, number: int, measured_ns: Integers) -> tuple[Integers, Integers, Booleans]:
         """Arrival times and stamps, ns, of the readings from one number on, and which of them are lost."""
         stamps = self._delivery.stamps_ns(measured_ns, self._clock.epoch_ns)
-        lost = self._delivery.lost(number - self._first, measured_ns - self._start_ns)
+        numbers = number - self._first + np.arange(len(measured_ns))
+        lost = self._delivery.lost(numbers, measured_ns - self._start_ns)
         return self._latest(number, measured_ns), stamps, lost
 
     def _latest(self, number: int, measured_ns: Integers) -> Integers:

@@ -9,6 +9,7 @@ import pytest
 from campaigns import CAMPAIGN, NEEDS_DASK, written
 from test_what_campaigns_say import CAMPAIGNS
 
+from lie_rigid_body.campaign.cluster import is_open
 from lie_rigid_body.cli.campaign import main
 
 pytestmark = NEEDS_DASK
@@ -44,6 +45,13 @@ def test_what_is_no_address_is_refused_before_a_folder_is_made(
     assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--scheduler", address]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("protocol", "asks_nobody"), [("tcp://", True), ("", True), ("ws://", True), ("tls://", False), ("wss://", False)]
+)
+def test_a_protocol_without_tls_is_open(protocol: str, asks_nobody: bool) -> None:
+    assert is_open(f"{protocol}host:8786") == asks_nobody
 
 
 def test_workers_of_this_machine_and_a_scheduler_elsewhere_are_refused(

@@ -84,6 +84,24 @@ def test_the_order_of_a_recorder_tells_which_clock_shows_a_stamp(tmp_path, befor
     assert len(found.segments) == 2
 
 
+@pytest.mark.parametrize(
+    "none_arrives",
+    [
+        {"imu_latency": 3.0},
+        {"imu_latency": 0.5, "imu_latency_jitter": 3.0},
+        {"imu_dropout_probability": 1.0},
+        {"imu_outage_interval": 0.3, "imu_outage_duration": 0.3},
+    ],
+)
+def test_a_clock_shows_no_stamp_of_a_reading_that_never_arrives(tmp_path, none_arrives):
+    """It shows those of the readings after the reset, whose own clock is right."""
+    even: dict[str, object] = {"motion": "closed_form", "rate": 50.0, "imu_rate": 100.0, "magnetometer_rate": 0.0}
+    stages = (even, 0.3), ({**even, "imu_clock_offset": 0.2, **none_arrives}, 0.4), (even, 0.5)
+    found = certify(Bag(tamper(write(tmp_path / "a.mcap", *stages), tmp_path / "b.mcap", recorded(0.0))))
+    assert found.passed, found.messages
+    assert len(found.segments) == 3
+
+
 def test_a_reading_just_before_the_first_scenario_is_none_of_it(tmp_path):
     """A recorder began between it and a reset: half a period from the first reading, whose clock is known."""
     even: dict[str, object] = {

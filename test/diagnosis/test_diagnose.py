@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 import lie_rigid_body
 from lie_rigid_body import InputError
 from lie_rigid_body.cli.diagnose import main
+from lie_rigid_body.cli.league import main as league
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
@@ -232,6 +233,10 @@ def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any]
         ({"gyro_noise_density": 1e-3}, "gyro_noise_density"),
         ({"initial_body_rate": [0.0, 0.0, 0.0]}, "initial_body_rate"),
         ({"workers": 0}, "workers"),
+        ({"workers": 10_000}, "workers"),
+        ({"workers": 10**400}, "workers"),
+        ({"workers": True}, "workers"),
+        ({"max_runs": 2.5}, "max_runs"),
         ({"timeout": 0.0}, "timeout"),
         ({"timeout": float("inf")}, "timeout"),
     ],
@@ -264,6 +269,15 @@ def test_verb_names_a_mistake_with_status_1(capsys: pytest.CaptureFixture[str], 
 )
 def test_name_without_a_function_is_one_line_and_status_2(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([name, "--workers", "1"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("verb", [main, league])
+@pytest.mark.parametrize("workers", ["0", "10000", "1e3", str(10**400)])
+def test_what_is_no_number_of_processes_is_one_line_and_status_2(
+    verb: Callable[[list[str]], int], workers: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert verb(["textbook:triad", "--workers", workers]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 

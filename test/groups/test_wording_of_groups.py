@@ -21,6 +21,7 @@ from lie_rigid_body.groups import (
     MatrixLieGroup,
     casimirs,
     chasles,
+    coadjoint_action,
     double_cover,
     inverse_legendre_transform,
     killing_form,
@@ -88,7 +89,19 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: SO(1),
-            "n: 1 is below 2: give a whole number from 2 on",
+            "n: 1 is no whole number from 2 to 40: give one",
+        ),
+        (
+            lambda: TOP.momenta([1e308, 1e308, 1e308]),
+            "momenta: a result is beyond double precision, 1.8e308: give smaller numbers",
+        ),
+        (
+            lambda: coadjoint_action(SO(3), np.ones((2, 3)), np.ones((3, 3))),
+            "leading axes (2,) of rate, (3,) of momentum do not go together: give equal ones, or 1 for all",
+        ),
+        (
+            lambda: SO(3).contains(np.eye(3), "x"),  # type: ignore[arg-type]
+            "tolerance: 'x' is not numbers: give an array of them, in equal rows",
         ),
         (
             lambda: product(),
@@ -263,7 +276,7 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: steady_rotation(TOP, [np.nan, 0.0, 0.0]),
-            "a steady rotation needs one rate of 3 finite numbers, given [nan, 0.0, 0.0]: give one at a time",
+            "rates: nan is not finite: give finite numbers",
         ),
         (
             lambda: chasles(np.ones((4, 1)), np.ones((4, 1))),
@@ -311,7 +324,7 @@ def noisy_line() -> list[np.ndarray]:
         ),
         (
             lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.array([0.0, np.nan, 0.0]))),
-            "rate [0.0, nan, 0.0] is not finite: give finite numbers in 1/s",
+            "rates: nan is not finite: give finite numbers",
         ),
         (
             lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.full(3, 10.0)), max_step=0.2).at(10**9),

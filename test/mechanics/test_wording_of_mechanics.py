@@ -67,6 +67,10 @@ UNIT = np.eye(3)
             "attitude_xyzw: shape (3,) is not (…, 4): give finite real numbers of shape (…, 4)",
         ),
         (
+            lambda: State(np.ones((4, 9)), np.ones((9, 3))),
+            "attitude_xyzw: shape (4, 9) is not (…, 4): its rows are columns: transpose it, as array.T",
+        ),
+        (
             lambda: State([0, 0, 0, 1.00001], [0, 0, 0]),
             "attitude_xyzw: norm 1.00001 is not 1 within 1e-06: divide the quaternion x y z w by its norm",
         ),
@@ -75,10 +79,10 @@ UNIT = np.eye(3)
             "body_rate: shape (3,) does not go with attitudes of shape (1, 4): give equal leading axes",
         ),
         (lambda: box(1.0, [1.0, -2.0]), "edges: -2 m is not positive: give more than 0 m"),
-        (lambda: ball(1.0, 1.0, 0), "dimension: 0 is below 1: give a whole number from 1 on"),
+        (lambda: ball(1.0, 1.0, 0), "dimension: 0 is no whole number from 1 on: give one"),
         (
             lambda: ball(1.0, 1.0, 2.5),  # type: ignore[arg-type]
-            "dimension: 2.5 is no whole number: give one from 1 on",
+            "dimension: 2.5 is no whole number from 1 on: give one",
         ),
         (
             lambda: MassMoments(1.0, np.zeros(3), np.diag([1, 1, -0.5])),

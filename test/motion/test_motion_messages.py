@@ -51,6 +51,7 @@ MESSAGES: list[tuple[Callable[[], object], type[Exception], str]] = [
     (lambda: MovingChart(BODY, START, method="rkmk9"), ParameterError, r"method: .*rkmk9.*choose one of rkmk1, rkmk2"),
     (lambda: MovingChart(BODY, START, max_step=-1.0), ParameterError, r"max_step: -1.0 s is not a positive finite"),
     (lambda: ClosedForm(BODY, START).at(0.5), InputError, r"t_ns has type float64 and shape \(\): give integer"),
+    (lambda: MovingChart(BODY, START).at([0.1]), InputError, r".*list, as np\.round\(t_s \* 1e9\).* of seconds$"),
     (lambda: ClosedForm(BODY, START).at([[1, 2], [3]]), InputError, r"t_ns: .* is not numbers: give an array"),
     (lambda: MovingChart(BODY, START, max_step=10**400), ParameterError, r"max_step: .* is not a positive finite time"),
     (lambda: reached(1000).at(999), InputError, r"t_ns 999 lies before 1000, which is already reached: give times"),

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from browser import PROGRAM, Browser
 
-from lie_rigid_body import Estimate, Limits, Run, simulate
+from lie_rigid_body import Estimate, InputError, Limits, Run, simulate
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
 from lie_rigid_body.diagnosis.examination import ErrorOverTime
 from lie_rigid_body.evaluation import Score
@@ -146,6 +146,16 @@ def test_a_score_is_told_where_reports_are_made(run: Any, tmp_path: Path) -> Non
     page = (tmp_path / "e.html").read_text("utf-8")
     order = [page.index(text) for text in ("<h1>", "The attitude error is", "<svg", "Findings", "<table")]
     assert order == sorted(order)
+
+
+@pytest.mark.parametrize("write", [write_plot, write_report])
+def test_what_is_no_score_is_told_what_makes_its_page(write: Any, run: Any, tmp_path: Path) -> None:
+    found = FilterDiagnosis((), (), (), 1, 90.0, 0.1)
+    remedies = {"run.score": run, "check": run.certificate(), "diagnose": found, "evaluate": None}
+    for remedy, given in remedies.items():
+        with pytest.raises(InputError, match=remedy):
+            write(given, tmp_path / "e.png")
+    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
