@@ -294,5 +294,5 @@ def _loss(found: SurveyedSegment) -> str:
     return (
         f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
         "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
-        "network lost them: give the recorder a deeper history (docs/ros.md)"
+        "network lost them: give the recorder config/rosbag2/qos.yaml of this package, by --qos-profile-overrides-path"
     )
