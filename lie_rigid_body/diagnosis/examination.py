@@ -307,8 +307,8 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     before = left.get("", float(np.degrees(plain(search.trials).error)))
     for found in named.mistakes:
         after, instead = left.get(found.code, before), or_else(named, others, found.code)
-        doubt = f" Undoing {' or '.join(instead)} does as well on this motion." if instead else ""
-        message = f"{found.fact}. {found.deed} {degrees(after)} instead of {degrees(before)}.{doubt}"
+        doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
+        message = f"{found.fact}. {found.deed} an error of {degrees(after)} instead of {degrees(before)}.{doubt}"
         yield Mistake(found.code, message, found.text, before, after, instead)
         before = after
 
