@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import lie_rigid_body
 import rooms
 import tables
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES
@@ -101,6 +102,14 @@ def test_the_page_of_diagnose_has_every_code():
     told = {code for row in re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE) for code in re.findall(r"`(\w+)`", row)}
     assert {*ORDER, *(probe.code for probe in PROBES), "follows"} - told == set()
     assert all(f"`{note.code}`" in text for note in NOTES)
+
+
+def test_what_a_page_of_the_reference_excludes_is_on_another():
+    reference = "".join(page.read_text(encoding="utf-8") for page in sorted((DOCS / "reference").glob("*.rst")))
+    own = set(re.findall(r"auto(?:class|function):: (\w+)", reference))
+    for module, names in re.findall(r"automodule:: (\S+)\n   :members:\n   :exclude-members: (.+)", reference):
+        there = own if module == "lie_rigid_body" else own | set(lie_rigid_body.__all__)
+        assert set(names.split(", ")) <= there, module
 
 
 def test_the_reference_has_every_room_for_use_from_python():
