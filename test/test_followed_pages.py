@@ -93,6 +93,8 @@ def test_a_command_that_fails_ends_the_page(tmp_path: Path, reader: dict[str, st
 @pytest.mark.parametrize("name", PAGES)
 def test_every_block_is_found_and_has_a_language(name: str) -> None:
     assert {language for language, _ in FENCED.findall(PAGES[name])} <= set(LANGUAGES)
+    for block in blocks(PAGES[name], "python", "yaml"):
+        assert FILE.match(block) or not re.match(r"# \S+\.(py|ya?ml)\b", block), "the name stands alone in its line"
     rest = FENCED.sub("", PAGES[name])
     assert "```" not in re.sub(r"`{1,2}[^`\n]+`{1,2}", "", rest)
     assert re.findall(r"\n\n(    (?! *[-*] ).*)", rest) == [], "an indented block has no language: fence it"

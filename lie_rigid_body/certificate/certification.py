@@ -158,7 +158,8 @@ def certify(
 ) -> Certificate:
     """Hold every law against every segment of a bag.
 
-    It is read once, if it is whole: its survey, on which limits depend, is then foreseen. Otherwise it is read again.
+    The limits depend on a survey of the bag. A whole bag is read once, as its survey is known in advance. Any other is
+    read twice.
 
     Parameters
     ----------
