@@ -7,6 +7,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from sphinx.util import logging
+
 project = "lie_rigid_body"
 author = "Seed 2b615e39 maintainers"
 project_copyright = author
@@ -39,6 +41,7 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
+LONGEST_PAGE = 2500
 PAGES_ABOVE = {"README.md": "readme", "CONTRIBUTING.md": "contributing"}
 
 
@@ -65,7 +68,15 @@ def with_bars(_app: object, _what: str, _name: str, _object: object, _options: o
     lines[:] = [re.sub(r"(``.*?``)|\|", lambda found: found[1] or r"\|", line) for line in lines]
 
 
+def with_few_words(app: Any, tree: Any, page: str) -> None:
+    """Warn of a page from docstrings that is longer than one reads; test_sentences.py counts the words of others."""
+    count = len(tree.astext().split())
+    if str(app.env.doc2path(page)).endswith(".rst") and count > LONGEST_PAGE:
+        logging.getLogger(__name__).warning("%s has %d words (limit %d): split it", page, count, LONGEST_PAGE)
+
+
 def setup(app: Any) -> None:
     """Tell Sphinx what to do when it has read a page or a docstring."""
     app.connect("source-read", with_pages_above)
     app.connect("autodoc-process-docstring", with_bars)
+    app.connect("doctree-resolved", with_few_words)

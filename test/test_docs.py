@@ -4,48 +4,51 @@ from __future__ import annotations
 
 import re
 import shlex
+from contextlib import redirect_stdout
+from io import StringIO
 from itertools import takewhile
 from pathlib import Path
 
 import pytest
 
+import lie_rigid_body
 import rooms
 import tables
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES
 from lie_rigid_body.diagnosis.repairs import ORDER
+from reader import DOCS, FENCED, blocks, commands, is_run
 
-DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 
 
-def blocks(page: Path) -> list[str]:
-    return re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+OWN = ("paper.md", "python.md")
+SHELL = {page: commands(*blocks(page.read_text(encoding="utf-8"), "bash", "console")) for page in PAGES}
+PYTHON = {page: blocks(page.read_text(encoding="utf-8"), "python") for page in PAGES}
 
 
-# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py; test_tutorials.py
-# follows the tutorials
+# of paper.md each section is a program, of python.md each block: test_paper.py and test_readme.py; those that have
+# commands as well are followed by test_followed_pages.py
 @pytest.mark.parametrize(
     "page",
-    [p for p in PAGES if blocks(p) and p.name not in ("paper.md", "python.md") and p.parent.name != "tutorials"],
-    ids=lambda p: p.relative_to(DOCS).as_posix(),
+    [page for page, code in PYTHON.items() if code and not any(map(is_run, SHELL[page])) and page.name not in OWN],
+    ids=lambda page: page.relative_to(DOCS).as_posix(),
 )
-def test_code_blocks_of_a_page_run_as_one_program(page):
-    exec(compile("\n".join(blocks(page)), page.name, "exec"), {})
+def test_the_python_of_a_page_runs_as_one_program(page):
+    with redirect_stdout(StringIO()) as printed:
+        exec(compile("\n".join(PYTHON[page]), page.name, "exec"), {})
+    assert all(shown in printed.getvalue() for shown in blocks(page.read_text(encoding="utf-8"), "json", "text"))
 
 
-def commands(text: str) -> list[list[str]]:
+def verbs(text: str) -> list[list[str]]:
     """Command lines of the package, in blocks and within a line, without what is given to ROS."""
-    shown = re.findall(r"^```(?:bash|console)\n(.*?)^```|(?<=\n\n)((?:    .*\n)+)", text, re.MULTILINE | re.DOTALL)
-    spans = re.findall(
-        r"`(lie-rigid-body \w+ [^`]+)`", re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
-    )
-    lines = [line.strip() for block in shown for part in block for line in part.splitlines()]
-    found = [re.match(r"(?:\$ )?(?:timeout .*)?\blie-rigid-body (\w.*)", line) for line in (*lines, *spans)]
+    spans = re.findall(r"`(lie-rigid-body \w+ [^`]+)`", FENCED.sub("", text))
+    lines = commands(*blocks(text, "bash", "console"))
+    found = [re.match(r"(?:timeout .*)?\blie-rigid-body (\w.*)", line) for line in (*lines, *spans)]
     words = [shlex.split(line[1], comments=True) for line in found if line]
     return [list(takewhile(lambda word: word != "--ros-args", line)) for line in words]
 
 
-SHOWN = [(page, *line) for page in [DOCS.parent / "README.md", *PAGES] for line in commands(page.read_text("utf-8"))]
+SHOWN = [(page, *line) for page in [DOCS.parent / "README.md", *PAGES] for line in verbs(page.read_text("utf-8"))]
 
 
 @pytest.mark.parametrize(
@@ -59,9 +62,8 @@ def test_a_verb_understands_what_a_page_gives_it(page, verb, words):
 
 def test_commands_are_found():
     assert len(SHOWN) > 30
-    assert commands(
-        "```bash\n$ lie-rigid-body a b  # c\n```\n`lie-rigid-body d e`\n\n    lie-rigid-body f --ros-args g\n\n"
-    ) == [
+    console, bash = "```console\n$ lie-rigid-body a b  # c\n```\n", "```bash\nlie-rigid-body f --ros-args g\n```\n"
+    assert verbs(f"{console}`lie-rigid-body d e`\n\n{bash}") == [
         ["a", "b"],
         ["f"],
         ["d", "e"],
@@ -100,6 +102,14 @@ def test_the_page_of_diagnose_has_every_code():
     told = {code for row in re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE) for code in re.findall(r"`(\w+)`", row)}
     assert {*ORDER, *(probe.code for probe in PROBES), "follows"} - told == set()
     assert all(f"`{note.code}`" in text for note in NOTES)
+
+
+def test_what_a_page_of_the_reference_excludes_is_on_another():
+    reference = "".join(page.read_text(encoding="utf-8") for page in sorted((DOCS / "reference").glob("*.rst")))
+    own = set(re.findall(r"auto(?:class|function):: (\w+)", reference))
+    for module, names in re.findall(r"automodule:: (\S+)\n   :members:\n   :exclude-members: (.+)", reference):
+        there = own if module == "lie_rigid_body" else own | set(lie_rigid_body.__all__)
+        assert set(names.split(", ")) <= there, module
 
 
 def test_the_reference_has_every_room_for_use_from_python():

@@ -13,24 +13,19 @@ import pytest
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
 from lie_rigid_body.sensors import GRADE, SENSORS
+from reader import ROOT, blocks, commands
 
-ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 NAMES = ("reference/imu.md", "sensors.md", "reference/commands.md", "reference/parameters.md", "reference/python.md")
 IMU_PAGE, SENSORS_PAGE, COMMANDS_PAGE, PARAMETERS_PAGE, PYTHON_PAGE = (
     (ROOT / "docs" / name).read_text(encoding="utf-8") for name in NAMES
 )
 LAUNCH_PAGE = (ROOT / "docs" / "reference" / "launch.md").read_text(encoding="utf-8")
-ROS2_PAGE = (ROOT / "docs" / "how-to" / "ros2.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str, text: str = README) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
-
-
-def commands(language: str, program: str, text: str = README) -> list[list[str]]:
-    lines = [line.removeprefix("$ ") for block in blocks(language, text) for line in block.splitlines()]
-    return [shlex.split(line, comments=True) for line in lines if line.removeprefix("$ ").startswith(program)]
+def started(program: str, text: str = README) -> list[list[str]]:
+    lines = commands(*blocks(text, "bash", "console"))
+    return [shlex.split(line, comments=True) for line in lines if line.startswith(program)]
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +34,7 @@ def worked(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[l
     folder, runs = tmp_path_factory.mktemp("readme"), []
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        for _, *arguments in commands("bash", "lie-rigid-body", COMMANDS_PAGE):
+        for _, *arguments in started("lie-rigid-body", COMMANDS_PAGE):
             with redirect_stderr(StringIO()) as complained:
                 status = main(arguments)
             runs.append((arguments, status, complained.getvalue()))
@@ -53,14 +48,14 @@ def test_headless_commands_run_in_their_order(worked):
     assert (folder / "flips.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("code", blocks("python", PYTHON_PAGE))
+@pytest.mark.parametrize("code", blocks(PYTHON_PAGE, "python"))
 def test_python_runs(code, worked, monkeypatch):
     monkeypatch.chdir(worked[0])
     exec(compile(code, "python.md", "exec"), {})
 
 
 def test_the_first_screen_prints_the_score_that_it_shows():
-    [code], [score, _] = blocks("python"), blocks("text")
+    [code], [score, _] = blocks(README, "python"), blocks(README, "text")
     with redirect_stdout(StringIO()) as printed:
         exec(compile(code, "README.md", "exec"), {"__name__": "__main__"})
     rows = [line.rsplit(maxsplit=5) for line in printed.getvalue().splitlines()]
@@ -71,8 +66,8 @@ def test_the_first_screen_prints_the_score_that_it_shows():
 
 @pytest.mark.slow
 def test_the_first_screen_shows_what_diagnose_says(tmp_path, monkeypatch):
-    [code], [_, said] = blocks("python"), blocks("text")
-    [[_, *arguments]] = commands("bash", "lie-rigid-body")
+    [code], [_, said] = blocks(README, "python"), blocks(README, "text")
+    [[_, *arguments]] = started("lie-rigid-body")
     (tmp_path / "my_filter.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     with redirect_stdout(StringIO()) as printed:
@@ -88,14 +83,13 @@ def test_the_readme_is_short_and_begins_with_the_two_commands():
 
 def test_make_targets_exist():
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.MULTILINE)
-    shown = [words[1] for words in commands("bash", "make")]
+    shown = [words[1] for words in started("make")]
     assert shown == ["sim", "test"]
     assert {*shown, "test-oldest"} <= set(targets)
 
 
-@pytest.mark.parametrize("text", [ROS2_PAGE, LAUNCH_PAGE], ids=["ros2.md", "launch.md"])
-def test_every_launch_file_is_shown(text):
-    launched = commands("console", "ros2 launch", text)
+def test_every_launch_file_is_shown():
+    launched = started("ros2 launch", LAUNCH_PAGE)
     assert {words[3] for words in launched} == {file.name for file in (ROOT / "launch").glob("*.launch.py")}
 
 

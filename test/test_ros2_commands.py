@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -15,9 +14,9 @@ from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.sim import given_to_ros, parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
+from reader import FENCED, ROOT, blocks, commands
 from tables import parser_of
 
-ROOT = Path(__file__).parent.parent
 LIST = ROOT / "test" / "data" / "ros2_commands.txt"
 COMMANDS = [line for line in LIST.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -29,18 +28,15 @@ PARSERS: dict[str, Callable[[list[str]], object]] = {
 
 
 def shown(text: str) -> set[str]:
-    """The commands in console blocks and in code within a line, without what follows an argument of the user's own."""
-    consoles = re.findall(r"^```console\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
-    lines = [line for block in consoles for line in block.splitlines()]
-    prose = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
-    spans = re.findall(r"`(ros2 [^`]+)`", prose)
-    return {own for text in (*lines, *spans) for own in parts(text)}
+    """The commands in blocks and in code within a line, without what follows an argument of the user's own."""
+    spans = re.findall(r"`(ros2 [^`]+)`", FENCED.sub("", text))
+    return {own for text in (*commands(*blocks(text, "bash", "console")), *spans) for own in parts(text)}
 
 
 def parts(text: str) -> list[str]:
     """The commands of a line: substituted ones by themselves, and that around them up to the first of these."""
     inner = re.findall(r"\$\((ros2 [^)]+)\)", text)
-    outer = re.findall(r"^(?:\$ )?(ros2 .+)", re.split(r"\$\(|…|  #", text)[0])
+    outer = re.findall(r"^(ros2 .+)", re.split(r"\$\(|…|  #", text)[0])
     return [command.strip() for command in (*inner, *outer)]
 
 

@@ -23,21 +23,25 @@ EDITION = ROOT / "docs" / "paper.md"
 INDENTED = re.compile(r"(?<=\n\n)(?:    .*\n)+")  # code, or formulas
 NO_SENTENCE = [
     re.compile(r"^(```|~~~).*?^\1|<!--.*?-->|\$\$.*?\$\$", re.MULTILINE | re.DOTALL),  # blocks of code, notes, formulas
-    re.compile(r"^\s*\|.*$", re.MULTILINE),  # rows of tables
     INDENTED,
     re.compile(r"^\.\. .*\n(?:\s*\n|   .*\n)*", re.MULTILINE),  # directives and what belongs to them
 ]
 ONE_WORD = re.compile(r"``[^`]+``|`[^`]+`|\$[^$]+\$")
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
+ROW = re.compile(r"^\s*\|.*$", re.MULTILINE)
 ITEM = re.compile(r"^\s*(?:[-*] |\d+\. |#)", re.MULTILINE)
 END = re.compile(r"\n\s*\n|(?<=[.?!])[*)\"]*\s+")
 
 
 def sentences(text: str) -> list[list[str]]:
-    """Words of each sentence of a page: code, or a formula, within a line is one word, an item of a list a sentence."""
+    """Words of each sentence of a page.
+
+    Code, or a formula, within a line is one word; an item of a list is a sentence, and so is a cell of a table, whole.
+    """
     for pattern in NO_SENTENCE:
         text = pattern.sub("\n\n", text)
     text = ITEM.sub("\n\n", LINK.sub(r"\1", ONE_WORD.sub("x", text)))
+    text = ROW.sub(lambda row: re.sub(r"[.?!](?= )", "", row[0]).replace("|", "\n\n"), text)
     return [re.findall(r"\S*\w\S*", sentence) for sentence in END.split(text)]
 
 
@@ -84,7 +88,7 @@ def test_no_page_is_longer_than_one_reads(page: Path) -> None:
         ("One `a b c` $x + y$ [two three](four.md) **five.** Six.", [6, 1]),
         ("One\n\n```bash\na b c\n```\n\ntwo", [1, 1]),
         ("One ``a b`` :doc:`c d <e f>` two.", [4]),
-        ("| a b | c d |\n| --- | --- |\n\nOne", [1]),
+        ("| a b | c. d e |\n| --- | --- |\n\nOne", [2, 3, 1]),
         (".. image:: a\n   :alt: b c d\n\nOne", [1]),
         ("One $$\na b c\n$$ two", [1, 1]),
         ("One\n\n    a b c\n\ntwo", [1, 1]),

@@ -40,6 +40,19 @@ def twins(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
     return {name: modules for name, modules in homes.items() if len(modules) > 1}
 
 
+def pages(tree: ast.AST) -> Iterator[int]:
+    """Lines of texts, docstrings left out, that name a page of the clone: an installed package has none."""
+    read = {node.value for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and node not in read and "docs/" in str(node.value):
+            yield node.lineno
+
+
+def test_no_message_names_a_page_that_an_installed_package_lacks(trees: dict[str, ast.Module]) -> None:
+    assert [f"{module}:{line}" for module, tree in trees.items() for line in pages(tree)] == []
+    assert list(pages(ast.parse('"""See docs/a.md."""\nx = f"{y}: see docs/a.md"'))) == [2]
+
+
 def test_no_docstring_begins_as_a_riddle(trees: dict[str, ast.Module]) -> None:
     assert [f"{module}:{line}" for module, tree in trees.items() for line in riddles(tree)] == []
 

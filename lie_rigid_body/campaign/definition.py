@@ -60,9 +60,9 @@ class Campaign:
     runs : int
         How many, numbered from 0.
     seed : int
-        From 0 to 2⁶⁴ − 1. With the number of a run and the name of a parameter it determines the value.
+        From 0 to 2⁶⁴ − 1. With the number of a run and the name of a parameter it determines the value that is drawn.
     duration : float
-        Of each run, s, as for ``record``.
+        Length of each run, s.
     scenario : str, optional
         Name of a shipped scenario.
     parameters : mapping of str to object, optional
@@ -73,7 +73,7 @@ class Campaign:
         ``module:function`` that estimates the attitudes of a `Run`, to be scored in each run. It returns them
         world-from-body, scalar last, shape (N, 4), at the stamps of the IMU; or a tuple of stamps, ns, and attitudes.
     estimators : mapping of str to mapping, optional
-        Several that are compared, by their names: each a ``function`` with ``parameters`` and a ``grid`` of them, or a
+        Estimators to compare, by their names: each a ``function`` with ``parameters`` and a ``grid`` of them, or a
         ``command``; see `Contender`.
 
     Raises

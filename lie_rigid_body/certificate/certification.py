@@ -159,7 +159,8 @@ def certify(
 ) -> Certificate:
     """Hold every law against every segment of a bag.
 
-    It is read once, if it is whole: its survey, on which limits depend, is then foreseen. Otherwise it is read again.
+    The limits depend on a survey of the bag. A whole bag is read once, as its survey is known in advance. Any other is
+    read twice.
 
     Parameters
     ----------
@@ -298,5 +299,5 @@ def _loss(found: SurveyedSegment) -> str:
     return (
         f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
         "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
-        "network lost them: give the recorder a deeper history (docs/ros.md)"
+        "network lost them: give the recorder config/rosbag2/qos.yaml of this package, by --qos-profile-overrides-path"
     )

@@ -108,7 +108,7 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFinding
         *_unshown(surveyed),
         *uncovered(bag, surveyed, sensors),
         *_unread(bag),
-        "and the fields that docs/reference/fields.md says are not",
+        "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
     )
 
 

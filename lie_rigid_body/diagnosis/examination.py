@@ -195,10 +195,10 @@ def diagnose(
     progress: Callable[[int], object] | None = None,
     **parameters: object,
 ) -> FilterDiagnosis:
-    """Say what is wrong with an attitude filter, by repairing it from outside, and what it can do.
+    """Find the mistakes of an attitude filter by repairs of its input and output, and probe what it can do.
 
     The filter is run again and again, with perfect sensors, on readings that are repaired: axes, units, times. The
-    repair that makes its error vanish names its mistake. Then it is probed with one thing at a time in its way.
+    repair that makes its error vanish names its mistake. Then each probe puts one difficulty in its way.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def diagnose(
         `lie_rigid_body.testing.command_estimator` makes of a program, or `node_estimator` of a ROS 2 node. It returns
         attitudes (N, 4), scalar last, at the stamps of the IMU, or stamps and attitudes.
     scenario : str, Path, Scenario or mapping, optional
-        The motion, rates and fields instead of those chosen here; of a mapping those that it has.
+        Motion, rates and fields in place of the usual ones; a mapping replaces only what it names.
     workers : int, optional
         Processes; by default one per core, and two for a node.
     max_runs : int, optional
@@ -307,8 +307,8 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     before = left.get("", float(np.degrees(plain(search.trials).error)))
     for found in named.mistakes:
         after, instead = left.get(found.code, before), or_else(named, others, found.code)
-        doubt = f" Undoing {' or '.join(instead)} does as well on this motion." if instead else ""
-        message = f"{found.fact}. {found.deed} {degrees(after)} instead of {degrees(before)}.{doubt}"
+        doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
+        message = f"{found.fact}. {found.deed} an error of {degrees(after)} instead of {degrees(before)}.{doubt}"
         yield Mistake(found.code, message, found.text, before, after, instead)
         before = after
 

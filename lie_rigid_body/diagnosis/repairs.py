@@ -105,7 +105,8 @@ def _axes() -> Iterator[Repair]:
     for matrix in AXES[1:]:
         name = named(matrix).replace(",", "")
         for sensor in SENSORS:
-            wrong = "the axes of the {} for others" if name != "-x -y -z" else "the {} for one of the opposite sign"
+            opposite = name == "-x -y -z"
+            wrong = "the {} with the opposite sign" if opposite else "the axes of the {} in another order or sign"
             yield Repair(
                 f"{sensor}_axes",
                 name,
@@ -120,7 +121,7 @@ def _axes() -> Iterator[Repair]:
                 name,
                 0,
                 partial(_multiplied, tuple(SENSORS), matrix),
-                "The filter takes the axes of the body for others, of all sensors alike",
+                "The filter takes the axes of the body, of all sensors alike, in another order or sign",
                 f"Given as {name} the readings leave",
             )
 
@@ -193,7 +194,7 @@ def late(sensor: str, samples: float) -> Repair:
 
 def of_output(cause: Cause, constants: Array) -> Repair:
     """A repair of the estimate by undoing a cause."""
-    text = " ".join(f"{constant:.5g}" for constant in constants) if cause.price else "undone"
+    text = " ".join([*(f"{constant:.5g}" for constant in constants), cause.unit]) if cause.price else "undone"
     return Repair(cause.code, text, cause.price, None, cause.fact(constants), cause.deed(constants), constants)
 
 

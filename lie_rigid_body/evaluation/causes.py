@@ -55,6 +55,8 @@ class Cause:
         The repair in a few words, with the verb of what it leaves, from the constants.
     remedy : callable
         What to do about an estimate whose filter is not at hand, from the constants; empty where `fact` has it.
+    unit : str
+        Unit of the constants.
     maps : tuple of ndarray, shape (d, 4, 4) each
         Matrices of the repair, of several that there may be; of one with constants the base B. None of time.
     slopes : callable
@@ -76,6 +78,7 @@ class Cause:
     )
     moved: Callable[[Array, Array], Array] = field(default=np.add, repr=False)
     remedy: Callable[[Array], str] = field(default=lambda constants: "", repr=False)
+    unit: str = ""
 
     def sentence(self, constants: Array) -> str:
         """What is wrong, and what to do about an estimate whose filter is not at hand; without a full stop."""
@@ -275,11 +278,11 @@ CAUSES: Final = (
         _fixed([0.0], [1.0]),
         lambda c: f"The world of the estimate is north-east-down{' and its body forward-right-down' if c[0] else ''}",
         lambda c: (
-            f"Turned to z up from the left{', and half a turn about x from the right' if c[0] else ''}, it leaves"
+            f"With a world whose z is up{', and a body turned by half a turn about x' if c[0] else ''}, it leaves"
         ),
         (_Z_UP[np.newaxis], _Z_UP_AND_FLU[np.newaxis]),
         remedy=lambda c: (
-            f"turn it to z up by (√½, √½, 0, 0) from the left{', and by (1, 0, 0, 0) from the right' if c[0] else ''}; "
+            f"multiply it on the left by (√½, √½, 0, 0){', and on the right by (1, 0, 0, 0)' if c[0] else ''}; "
             "if it should not be, see whether the sign of the accelerometer turns it upside down"
         ),
     ),
@@ -300,13 +303,14 @@ CAUSES: Final = (
             f"The world of the estimate is turned by {np.degrees(c[0]):+.4g}° about the vertical: tell the filter its "
             "magnetic declination or what its x axis is"
         ),
-        lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° from the left the estimate leaves",
+        lambda c: f"Turned by {-np.degrees(c[0]):+.4g}° about the world's z axis the estimate leaves",
         (_ABOUT_UP,),
         lambda track, truth, rate: quaternion.rotate(quaternion.conjugate(truth), UP)[..., np.newaxis],
         remedy=lambda c: (
-            f"turn the estimate by {-np.degrees(c[0]):+.6g}° from the left, or tell the filter its magnetic "
+            f"turn the estimate by {-np.degrees(c[0]):+.6g}° about the world's z axis, or tell the filter its magnetic "
             f"declination or what its x axis is; hard iron and a bias of the gyro turn it too, and {FEIGNED}"
         ),
+        unit="rad",
     ),
     Cause(
         "world_turned",
@@ -314,7 +318,7 @@ CAUSES: Final = (
         lambda track, turn: _turned(track, left=quaternion.exp(-turn)),
         _turn(_OF_WORLD, vector),
         lambda c: f"The world of the estimate is turned by {angle_and_axis(quaternion.exp(c))} of the world",
-        lambda c: "Turned back from the left the estimate leaves",
+        lambda c: "Turned back about this axis the estimate leaves",
         (_OF_WORLD,),
         lambda track, truth, rate: np.swapaxes(quaternion.to_matrix(truth), 1, 2),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(turn), quaternion.exp(step))),
@@ -322,6 +326,7 @@ CAUSES: Final = (
             "see whether nothing corrects a wrong first attitude, or the accelerometer, the magnetometer or what they "
             f"are held against has the wrong sign or other axes; {FEIGNED}"
         ),
+        unit="rad",
     ),
     Cause(
         "lagging",
@@ -331,6 +336,7 @@ CAUSES: Final = (
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
+        unit="s",
     ),
     Cause(
         "leading",
@@ -340,6 +346,7 @@ CAUSES: Final = (
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
+        unit="s",
     ),
     Cause(
         "clock_rate",
@@ -353,6 +360,7 @@ CAUSES: Final = (
             "stamp it with the time of the readings it is made of, in their unit and with their period, not by another "
             "clock beside a replay"
         ),
+        unit="times the rate",
     ),
     Cause(
         "body_mounting",
@@ -360,15 +368,16 @@ CAUSES: Final = (
         lambda track, turn: _turned(track, right=quaternion.exp(-turn)),
         _turn(_OF_BODY, vector),
         lambda c: f"The body axes of the estimate are turned by {angle_and_axis(quaternion.exp(c))} of the body",
-        lambda c: "Turned back from the right the estimate leaves",
+        lambda c: "Turned back about this axis the estimate leaves",
         (_OF_BODY,),
         lambda track, truth, rate: np.broadcast_to(np.eye(3), (len(truth), 3, 3)),
         lambda turn, step: quaternion.log(quaternion.multiply(quaternion.exp(step), quaternion.exp(turn))),
         lambda c: (
-            "tell the filter how the sensor is mounted, or multiply the estimate by "
-            f"({components(quaternion.exp(-c), 6)}) from the right{places(quaternion.exp(c))}; biases of the sensors "
+            "tell the filter how the sensor is mounted, or multiply the estimate on the right by "
+            f"({components(quaternion.exp(-c), 6)}){places(quaternion.exp(c))}; biases of the sensors "
             f"turn them as well, and {FEIGNED}"
         ),
+        unit="rad",
     ),
 )
 """The causes, in the order in which they are named where several do as well and cost as much."""

@@ -44,8 +44,8 @@ class Limits:
     Raises
     ------
     InputError
-        If a limit is not finite or not above 0, or a time is not finite or below 0: no error would break it, or every
-        one.
+        If a limit is not finite or not above 0, or a time is not finite or below 0. No error, or every error, would
+        break such a limit.
     """
 
     max_rms_deg: float | None = None

@@ -277,8 +277,8 @@ class Score(Shown):
 def table(score: Score) -> list[str]:
     """Statistics of the errors and of the best possible, and below what else the score tells, in aligned columns."""
     return [
-        f"{'error, deg':<14}" + "".join(f"{heading:>11}" for heading in HEADINGS),
-        *(f"{name:<14}" + "".join(f"{n:>11}" for n in numbers(statistics)) for name, statistics in angles(score)),
+        f"{'error, deg':<20}" + "".join(f"{heading:>11}" for heading in HEADINGS),
+        *(f"{name:<20}" + "".join(f"{n:>11}" for n in numbers(statistics)) for name, statistics in angles(score)),
         "",
         *(f"{name:<14}{value}" for name, value in facts(score)),
     ]
@@ -298,7 +298,10 @@ def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     calibrated = best and best.calibrated
     rows = {"total": score.total_deg, "heading": score.heading_deg, "inclination": score.inclination_deg}
     bounds = {"best filter": best and best.filtered, "best smoother": best and best.smoothed}
-    of_known = {"… calibrated": calibrated and calibrated.filtered, "… smoother": calibrated and calibrated.smoothed}
+    of_known = {
+        "calibrated filter": calibrated and calibrated.filtered,
+        "calibrated smoother": calibrated and calibrated.smoothed,
+    }
     return ((name, found) for name, found in (rows | bounds | of_known).items() if found)
 
 

@@ -72,7 +72,7 @@ def evaluate(
         `bound` and `sensors`, and takes no `left_out` or `due_ns`.
     limits : Limits, optional
     covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
-        The estimator's own; see `attitude_nees`. A single one is that of every sample.
+        Covariance that the estimator claims; see `attitude_nees`. A single one is that of every sample.
     covariance_axes : str
         ``"world"`` or ``"body"``.
     converged_deg : float, optional
@@ -85,10 +85,10 @@ def evaluate(
     bound : UnavoidableError, optional
         What the sensors' noise leaves at best, on the same clock.
     sensors : float
-        Largest constant turn that the declared errors of the sensors leave to a right filter, rad: none as small is a
-        mistake.
+        Largest constant attitude error, rad, that the declared sensor errors cause in a right filter. A smaller one is
+        no mistake.
     left_out : int
-        Further estimates that were given, and left out before: limits are broken where most were.
+        Number of estimates that were left out before this call. Limits are broken where most were left out.
     due_ns : int, optional
         The stamp until which estimates are due: limits are broken by those that end before half of the time from the
         first on. By default they may end at any time.

@@ -100,5 +100,7 @@ __all__ = [
 def __getattr__(name: str) -> NoReturn:
     """The way to make a group that has no name here, in place of ``cannot import name``."""
     if re.fullmatch(r"(S?[EOU]|[GS]L|U?Sp|Spin)\d*", name):
-        raise ImportError(f"there is no {name}: make it by {MADE_BY}, as SE(3) in docs/reference/python.md")
+        raise ImportError(
+            f"there is no {name}: make it by {MADE_BY}, as help(MatrixLieGroup.from_generators) does SE(3)"
+        )
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -93,6 +93,15 @@ class MatrixLieGroup(MatrixLieAlgebra):
         InputError
             If a generator depends on those before it, is too small or large, or a commutator leaves the span; the
             message names it.
+
+        Examples
+        --------
+        SE(3), the rigid motions of space, has turns and shifts:
+
+            turns, shifts = np.zeros((2, 3, 4, 4))
+            turns[:, :3, :3] = SO(3).generators
+            shifts[:, :3, 3] = np.eye(3)
+            group = MatrixLieGroup.from_generators(np.concatenate([turns, shifts]), name="SE(3)")
         """
         algebra = closed_algebra(generators)
         return cls(algebra.generators, name, algebra.scaled_trace(1.0), GeneratedElements(algebra))

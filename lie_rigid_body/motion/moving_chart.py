@@ -87,23 +87,22 @@ class MovingChart:
 
     The ``dmv`` methods are the discrete Moser–Veselov algorithm with preprocessed inertia, which keeps the energy and
     the spatial momentum vector. ``dmv20`` is exact to round-off at every step it takes, and its state is carried in
-    double-double. Measured on the inertia 0.6, 0.8, 1 with body momentum 1.8, 0.4, −0.9 and steps of 0.01 s. The
-    largest errors up to 10⁶ and 10⁸ steps are 1.0e-15 and 3.1e-15 rad of attitude, 4.4e-16 of the energy and 4e-16 of
-    the momentum. The last two are those of reading a state in doubles. The attitude's error grows like a random walk.
+    double-double. This was measured on the inertia 0.6, 0.8, 1 with body momentum 1.8, 0.4, −0.9 and steps of 0.01 s.
+    The largest errors up to 10⁶ and 10⁸ steps are 1.0e-15 and 3.1e-15 rad of attitude, 4.4e-16 of the energy and 4e-16
+    of the momentum. The last two come from rounding a state to doubles. The attitude's error grows like a random walk.
 
     ``rkmk1``, ``rkmk2`` and ``rkmk4`` are Runge–Kutta–Munthe-Kaas methods: their energy drifts, and the attitude with
     it.
 
-    Where numba is installed long integrations run compiled, with the same bits; the steps of all bodies together decide
-    what is long. Each body is stepped by itself, and has the bits that it has alone.
+    Where numba is installed long integrations run compiled, with the same bits. Whether one is long depends on the
+    steps of all bodies together. A body has the same bits in a batch as alone.
 
     Parameters
     ----------
     body : RigidBody
         One, or a batch.
     start : State
-        State at time 0, or one for each body. The batches broadcast; one of shape () goes with every
-        other.
+        State at time 0, or one for each body. The batches broadcast; a single one goes with every other.
     method : str, optional
         Stepper: ``rkmk1``, ``rkmk2``, ``rkmk4``, ``dmv2``, ``dmv4``, ``dmv6``, ``dmv8``, ``dmv10`` or ``dmv20``
         (default). The number is the order.

@@ -35,7 +35,7 @@ def lines_of_diagnosis(found: FilterDiagnosis) -> Iterator[str]:
     for sentence in found.sentences:
         yield from wrapped(sentence)
     if found.mistakes:
-        rows = [("mistake", "repair", "before", "after", "does as well"), *_cells_of_mistakes(found)]
+        rows = [("mistake", "repair", "before", "after", "or else"), *_cells_of_mistakes(found)]
         yield from ("", *(_MISTAKES.format(*cells).rstrip() for cells in rows))
     if found.probes:
         yield from ("", _PROBES.format("probe", "", "value").rstrip())
@@ -50,7 +50,7 @@ def lines_of_diagnosis(found: FilterDiagnosis) -> Iterator[str]:
 
 
 def _cells_of_mistakes(found: FilterDiagnosis) -> list[tuple[str, ...]]:
-    """Code, repair, error before and after, and what does as well of each mistake."""
+    """Code, repair, error before and after, and what explains each mistake as well."""
     return [
         (m.code, m.repair, degrees(m.rms_deg_before), degrees(m.rms_deg_after), ", ".join(m.or_else))
         for m in found.mistakes
@@ -81,7 +81,7 @@ def page_of_diagnosis(name: str, found: FilterDiagnosis) -> bytes:
 def mistakes(found: FilterDiagnosis) -> str:
     """Table of the mistakes as HTML."""
     return html_page.table(
-        ("mistake", "repair", "error before", "error after", "does as well"),
+        ("mistake", "repair", "error before", "error after", "or else"),
         [(cells, True) for cells in _cells_of_mistakes(found)],
     )
 

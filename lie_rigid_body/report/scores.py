@@ -144,12 +144,12 @@ def json_of_several(bag: str, scored: Scored, *, series: bool) -> dict[str, obje
 
 def extent(read: RecordedEstimate | None, score: Score) -> str:
     """Sentence that says what was compared with what; without an estimate that was read for one in arrays."""
-    kind = "attitudes" if read is None else read.track.message_type.replace("/msg/", "/")
+    kind = "" if read is None else f" of type {read.track.message_type.replace('/msg/', '/')}"
     source = "" if read is None else f" ({read.motion.source})"
     first, last = (int(score.stamps_ns[i]) / 1e9 for i in (0, -1))  # times of day to milliseconds
     left_out = f"; {score.outside} more are outside of the truth's times" if score.outside else ""
     return (
-        f"{score.samples} of {kind}, stamped {first:.13g} s to {last:.13g} s, against the truth{source} at "
+        f"{score.samples} attitudes{kind}, stamped {first:.13g} s to {last:.13g} s, against the truth{source} at "
         f"these stamps{left_out}"
     )
 

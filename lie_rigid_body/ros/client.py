@@ -22,7 +22,8 @@ from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.session import own_node, translated_errors
 from lie_rigid_body.scenario.parameter_file import parse_assignment
-from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
+from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown, suggestion
 
 SHOWN_EVERY: Final = 0.2
 """Shortest time between two printed poses, s."""
@@ -112,7 +113,8 @@ class Client:
         """Print the value of a parameter of another node."""
         values = self._of_node(GetParameters, GetParameters.Request(names=[name]), remote, "get_parameters").values
         if not values:
-            raise InputError(f"--get {name}: {remote} has no such parameter; docs/reference/parameters.md lists them")
+            hint = suggestion(name, [parameter.name for parameter in PARAMETERS], "parameters")
+            raise InputError(f"--get {name}: {remote} has no such parameter: {hint}")
         console.say(str(parameter_value_to_python(values[0])))
 
     def set_parameter(self, remote: str, assignment: str) -> None:

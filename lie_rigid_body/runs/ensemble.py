@@ -87,7 +87,7 @@ def simulate(
     start : State, optional
         Attitude and body rate at the start, over those of the scenario.
     duration : float
-        Every sample before this time after the first is simulated, s.
+        Length, s: the last sample comes less than this time after the first.
     seeds : iterable of int, optional
         Values of the parameter ``sensor_seed``, for as many runs. They share the truth, which is computed once.
     memory_limit : int, optional

@@ -19,7 +19,7 @@ BIAS: Final = "/gyro_bias"
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Attitudes, and what else an estimator tells, read when it is made.
+    """Attitudes that an estimator returns, with its stamps, covariances and biases where it has them; checked at once.
 
     Parameters
     ----------

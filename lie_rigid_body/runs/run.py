@@ -60,7 +60,7 @@ class Run(_NamedSensors, Shown):
     imu, magnetometer, attitude_sensor, sun : SensorArrays or None
         What each sensor of `SENSORS` read; None where there is no such sensor.
     sensors : mapping of str to SensorArrays
-        Those that there are, by the same names.
+        The sensors that are on, by the same names.
     segments : tuple of Segment
         The scenario in force from the start, and after each reset.
     faults : tuple of Fault
@@ -95,7 +95,7 @@ class Run(_NamedSensors, Shown):
 
     @classmethod
     def of(cls, simulation: Simulation, end_ns: int) -> Run:
-        """The run of a simulation, of which nothing was taken yet, up to a time, ns, in one segment."""
+        """Take a run of one segment, up to a time, ns, from a simulation that has not begun."""
         taken = simulation.take_until(end_ns, sys.maxsize)
         return cls(
             taken.samples.stamps_ns,
@@ -220,7 +220,7 @@ class Run(_NamedSensors, Shown):
         return table
 
     def certificate(self, inertia: Sequence[float] | None = None) -> Certificate:
-        """Hold every law against every segment, as ``check`` does: of the bag that the run is from, or that it makes.
+        """Certify the run as ``check`` does: the bag that it was read from, or the bag that it would write.
 
         Parameters
         ----------

@@ -56,22 +56,22 @@ WORDS: dict[str, tuple[Callable[[], Given], str, tuple[str, ...]]] = {
     "NED": (
         lambda: of(quaternion.multiply(NED, TRUE)),
         "ned_world",
-        ("The world of the estimate is north-east-down: turn it to z up by (√½, √½, 0, 0) from the left",),
+        ("The world of the estimate is north-east-down: multiply it on the left by (√½, √½, 0, 0)",),
     ),
     "NED and FRD": (
         lambda: of(quaternion.multiply(quaternion.multiply(NED, TRUE), FRD)),
         "ned_world",
-        ("north-east-down and its body forward-right-down", "from the left, and by (1, 0, 0, 0) from the right"),
+        ("north-east-down and its body forward-right-down", ", and on the right by (1, 0, 0, 0)"),
     ),
     "heading": (
         lambda: of(quaternion.multiply(about_up(-12.0), TRUE)),
         "heading_offset",
-        ("is turned by -12° about the vertical: turn the estimate by +12° from the left", "magnetic declination"),
+        ("-12° about the vertical: turn the estimate by +12° about the world's z axis", "magnetic declination"),
     ),
     "mounting": (
         lambda: of(quaternion.multiply(TRUE, quaternion.exp([0.0, 0.0, np.pi / 2]))),
         "body_mounting",
-        ("are turned by 90° about (0, 0, 1) of the body", f"from the right; {PLACES}y, -x, z of the body"),
+        ("are turned by 90° about (0, 0, 1) of the body", f"-0.707107, 0.707107); {PLACES}y, -x, z of the body"),
     ),
     "late": (
         lambda: of(attitude(MOTION, 0.5)),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
+from typing import Any
+
 import numpy as np
 import pytest
 from sample_groups import GENERATED, heisenberg, se3, sl2, so4_split, unit
@@ -18,6 +21,14 @@ def test_so4_splits_into_two_commuting_copies_of_so3():
     expected = np.zeros((6, 6, 6))
     expected[:3, :3, :3] = expected[3:, 3:, 3:] = epsilon
     np.testing.assert_allclose(from_generators(so4_split()).structure_constants, expected, rtol=0, atol=1e-15)
+
+
+def test_the_example_of_its_docstring_makes_rigid_motions():
+    shown = str(inspect.getdoc(from_generators)).partition("Examples\n")[2]
+    names: dict[str, Any] = {"np": np, "SO": SO, "MatrixLieGroup": MatrixLieGroup}
+    exec("\n".join(line.strip() for line in shown.splitlines() if line.startswith("    ")), names)
+    assert names["group"].name == "SE(3)"
+    np.testing.assert_array_equal(names["group"].generators, se3())
 
 
 def test_sl2_and_heisenberg_have_their_textbook_brackets():

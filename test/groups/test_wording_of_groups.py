@@ -347,5 +347,5 @@ def test_a_group_that_has_no_name_in_one_line():
         exec("from lie_rigid_body.groups import SE3")
     assert str(caught.value) == (
         "there is no SE3: make it by SO(n), SU(n), U1(), product(group, …) or "
-        "MatrixLieGroup.from_generators(matrices), as SE(3) in docs/reference/python.md"
+        "MatrixLieGroup.from_generators(matrices), as help(MatrixLieGroup.from_generators) does SE(3)"
     )

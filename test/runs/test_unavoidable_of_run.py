@@ -159,8 +159,8 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
         "inclination",
         "best filter",
         "best smoother",
-        "… calibrated",
-        "… smoother",
+        "calibrated filter",
+        "calibrated smoother",
     ]
     content = score.to_dict(series=True)
     assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms

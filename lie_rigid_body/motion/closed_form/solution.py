@@ -157,17 +157,17 @@ def _evaluation(kind: KindOfMotion, parts: list[tuple[Array, Members]]) -> Evalu
 class ClosedForm:
     """Torque-free motion by its exact solution in theta functions, of one body or of an ensemble.
 
-    The constants of a motion are computed once: of most in double-double, of those near a separatrix or of extreme
-    sizes in decimal arithmetic of 50 digits or more. A state costs a fixed number of elementwise operations, whatever
-    the time. The errors do not grow with time: the body and the start are taken as exactly the given doubles, and
-    phases are reduced in double-double.
+    The constants of a motion are computed once, mostly in double-double. Near a separatrix, and for extreme sizes,
+    decimal arithmetic of 50 digits or more computes them. A state costs a fixed number of elementwise operations,
+    whatever the time. The errors do not grow with time: the body and the start are taken as exactly the given doubles,
+    and phases are reduced in double-double.
 
     Parameters
     ----------
     body : RigidBody
         One, or a batch.
     start : State
-        One state, or one for each body. The batches broadcast; one of shape () goes with every other.
+        One state, or one for each body. The batches broadcast; a single one goes with every other.
 
     Raises
     ------
