@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.diagnosis.course import MARGIN, NOISE, REST, TINY, Course, readings
+from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.search import NEAR, Search
 from lie_rigid_body.errors import FilterError, InputError
@@ -205,20 +205,21 @@ def _noisy(search: Search, seed: int = 1) -> Course:
 
 
 def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    """Error with noise; its limit is that of TRIAD at each pair of readings, and the least possible is told."""
-    course, begin = _noisy(search), len(answers[0].track.stamps_ns) // 3
+    """Error with noise; its limit is that of TRIAD at the readings that are answered; the least possible is told."""
+    course, stamps = _noisy(search), answers[0].track.stamps_ns
     read = readings(course)
     held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
     body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
     single = Track(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course)
+    answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
     bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
     assert bound
-    least = UnavoidableError.rms(bound.filtered[begin:])
+    least = UnavoidableError.rms(bound.filtered[len(bound.filtered) // 3 :])
     return limited(
         "with the noise of tactical sensors it errs by",
         answers[0].error(),
-        1.01 * rms(single.error().total[MARGIN + begin : -MARGIN]),
+        1.01 * rms(single.error().total[answered[len(stamps) // 3 :]]),
         f"; the best filter errs by {with_unit(float(np.degrees(least)))} over many such runs",
     )
 

@@ -60,6 +60,17 @@ def test_right_filter_has_no_mistake_and_passes_every_probe() -> None:
     assert [note.code for note in found.notes] == []
 
 
+@pytest.mark.parametrize(("first", "each"), [(1, 3), (0, 7), (0, 20)])
+def test_right_filter_may_answer_some_readings(first: int, each: int) -> None:
+    """What noise may leave is asked of these readings alone."""
+
+    def some(run: Any) -> tuple[Any, Any]:
+        return run.imu.t_ns[first::each], textbook.triad(run)[first::each]
+
+    found = diagnose(some)
+    assert [mistake.code for mistake in found.mistakes] == failed(found) == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "codes"),
