@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import signal
+import sys
 import tempfile
 import time
 from asyncio import TimeoutError as Late  # before Python 3.11 not the built-in one
@@ -211,6 +212,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
                 finally:
                     _end_what_is_left(own)  # it may hold a worker's connections, whose end would be waited for
         finally:
+            sys.path[:] = [place for place in sys.path if not place.startswith(own)]  # which is free for others now
             _end_what_is_left(own)
             for process in active_children():  # there is none, unless the cluster was too late
                 if process not in others:
@@ -263,8 +265,10 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
     from distributed import LocalCluster, Security
 
     # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
-    no_pages: dict[str, list[str]] = {f"distributed.{of}.http.routes": [] for of in ("scheduler", "worker")}
-    with dask.config.set(no_pages), ThreadPoolExecutor(1, initializer=_deafen) as thread:
+    settings: dict[str, object] = {f"distributed.{of}.http.routes": [] for of in ("scheduler", "worker")}
+    # of the scheduler too, which puts its folder onto the path of modules: the default is one that all users share
+    settings["temporary-directory"] = folder
+    with dask.config.set(settings), ThreadPoolExecutor(1, initializer=_deafen) as thread:
         begun = thread.submit(
             LocalCluster,
             n_workers=workers,
@@ -273,7 +277,6 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
             memory_limit=0,
             dashboard_address="127.0.0.1:0",  # whichever port is free; nothing is shown there
             scheduler_kwargs={"dashboard": False},
-            local_directory=folder,
             silence_logs=logging.CRITICAL,
         )
         try:

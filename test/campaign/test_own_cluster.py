@@ -8,6 +8,7 @@ import socket
 import ssl
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import nullcontext, suppress
 from pathlib import Path
@@ -57,6 +58,25 @@ def own() -> Iterator[Own]:
         yield Own(client, set().union(*there.values()) - before)
     assert not [pid for pid in left if is_running(pid)]  # though each has a session of its own
     assert listening().keys() & workers == set()
+
+
+def test_no_folder_that_others_share_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dask's is that of whoever makes it first: its modules would be imported, and its lock waited for."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    shared, before = tmp_path / "dask-scratch-space", [*sys.path]
+    with client_of(1, None) as client:
+        [of_worker] = client.run(_path).values()
+        assert not [place for place in (*sys.path, *of_worker) if place.startswith(str(shared))]
+        assert not shared.exists()
+    assert sys.path == before
+    assert [*tmp_path.iterdir()] == []
+
+
+def _path() -> list[str]:
+    import sys
+
+    return sys.path
 
 
 def _process() -> dict[str, int]:
