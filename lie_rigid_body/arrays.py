@@ -29,7 +29,9 @@ TO_NANOSECONDS: Final = {
 
 def plain(value: object) -> Any:
     """A number or an array of NumPy, or a view of memory, as numbers and lists of Python."""
-    return value.tolist() if isinstance(value, np.ndarray | np.generic | memoryview) else value
+    if not isinstance(value, np.ndarray | np.generic | memoryview) or np.asarray(value).dtype.kind in "mM":
+        return value  # a time span would become a bare number of its own unit
+    return value.tolist()
 
 
 def as_double(value: object) -> float:

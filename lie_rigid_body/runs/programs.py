@@ -102,7 +102,7 @@ class CommandEstimator:
     timeout_s: float = 60.0
 
     def __post_init__(self) -> None:
-        if not words(self.command) or "\0" in self.command:
+        if not isinstance(self.command, str) or not words(self.command) or "\0" in self.command:
             raise InputError(
                 f"{self._name}: give a program as in a shell, quotations closed, such as './my_filter --rate 100'"
             )

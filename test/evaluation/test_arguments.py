@@ -34,6 +34,10 @@ def test_a_number_of_another_type_is_read_or_refused():
     for value in (np.timedelta64(1, "s"), np.bool_(True), "1", 10**400, np.nan, 0):
         with pytest.raises(InputError):
             limits(value)
+    spans: list[Any] = [np.timedelta64(1, "s"), np.timedelta64(100, "ns"), np.array(np.timedelta64(100, "ns"))]
+    for span in spans:
+        with pytest.raises(InputError):
+            simulate(duration=span)
     view: Any = memoryview(np.ones((2, 1, 1)))
     with pytest.raises(InputError):
         simulate(duration=0.1, inertia=view)
