@@ -107,6 +107,7 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
 def lines_of_league(table: LeagueTable, own: Sequence[FilterRow]) -> Iterator[str]:
     """Lines of the table for a terminal, with marks at one's own rows, and a paragraph for each of these."""
     yield f"RMS of the total error from 30 s on, degrees: medians over the cases of a grade. Edition {EDITION}."
+    yield "A star marks filters that see later readings."
     yield _ROWS.format(*_HEADINGS).rstrip()
     for row in table.rows:
         name, *others = _cells_of_row(table, row)

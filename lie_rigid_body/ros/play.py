@@ -15,9 +15,8 @@ from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.runs.programs import Answered, NodeEstimator, Reading, words
+from lie_rigid_body.runs.programs import Answered, NodeEstimator, Reading, last_words, words
 from lie_rigid_body.system import lock, open_itself
-from lie_rigid_body.wording import printable
 
 DOMAINS: Final = range(1, 102)
 """Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""
@@ -26,8 +25,6 @@ ENDING_S: Final = 2.0
 _PORTS: Final = (7400, 250, (0, *range(10, 250, 2)))
 """UDP ports of a domain on one machine: the first of domain 0, how far the next domain's are, and places of those at
 which participants listen (DDSI-RTPS 2.5, 9.6.2.3)."""
-_LONGEST_WORDS: Final = 100
-"""Largest number of bytes that are repeated of what the node prints."""
 
 
 def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | str:
@@ -45,17 +42,9 @@ def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | 
                     try:
                         return answers_to(estimator, readings, require_alive)
                     except LieRigidBodyError as error:
-                        return f"{error}{_last_words(output)}"
+                        return f"{error}{last_words(output)}"
         except LieRigidBodyError as error:
             return str(error)
-
-
-def _last_words(file: BinaryIO) -> str:
-    """The end of what a node has printed."""
-    size = os.fstat(file.fileno()).st_size
-    end = os.pread(file.fileno(), _LONGEST_WORDS, max(0, size - _LONGEST_WORDS))  # its place is that of the node
-    said = printable(" ".join(end.decode(errors="replace").split()))
-    return f"; it says: {'…' * (size > _LONGEST_WORDS)}{said}" if said else ""
 
 
 @contextmanager

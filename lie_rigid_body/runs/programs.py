@@ -32,7 +32,7 @@ from lie_rigid_body.runs.run import Run
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SensorSamples
-from lie_rigid_body.wording import listed, printable, shortened, shown
+from lie_rigid_body.wording import listed, printable, shown
 
 HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,mag_z"
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
@@ -45,8 +45,8 @@ _BYTES_OF_A_LINE: Final = 256
 """Largest output of a program: so many bytes, and so many for each line of readings; a line of all digits has 120."""
 _PATIENCE_S: Final = 0.05
 """Time, s, after which it is looked at again how much the program has printed."""
-_LONGEST_WORDS: Final = 120
-"""Largest number of characters of the program's own error that are repeated."""
+_LONGEST_WORDS: Final = 100
+"""Largest number of bytes that are repeated of what a program prints."""
 PLAYER: Final = "lie_rigid_body.ros.play"
 """Module that plays readings to a node: nothing else here needs ROS."""
 TOPIC: Final = "imu/data"
@@ -134,16 +134,20 @@ class CommandEstimator:
             If it cannot be started, ends with a status other than 0, prints nothing or a line that is no attitude, or
             does not end in time.
         """
-        return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""])))
+        with _file() as errors:
+            try:
+                return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""]), errors))
+            except InputError as error:
+                raise InputError(f"{error}{last_words(errors)}") from None
 
     @property
     def _name(self) -> str:
         return f"command {shown(self.command)}"
 
-    def _output(self, readings: str) -> str:
+    def _output(self, readings: str, errors: BinaryIO) -> str:
         self.require_program()
         # no pipes: what is not read or written in time would stand in them
-        with _file() as given, _file() as output, _file() as errors:
+        with _file() as given, _file() as output:
             given.write(readings.encode())
             given.seek(0)
             try:
@@ -164,10 +168,7 @@ class CommandEstimator:
                 kill_all(process)
                 process.wait()
             if process.returncode:
-                errors.seek(0)
-                text = errors.read(_FEWEST_BYTES).decode(errors="replace")
-                told = shortened(printable(" ".join(text.split())), _LONGEST_WORDS) or "it says nothing"
-                raise InputError(f"{self._name} ended with status {process.returncode}: {told}: mend it")
+                raise InputError(f"{self._name} ended with status {process.returncode}: mend it")
             output.seek(0)
             return output.read().decode(errors="replace")
 
@@ -183,6 +184,15 @@ class CommandEstimator:
                 process.wait(_PATIENCE_S)
             if any(os.fstat(file.fileno()).st_size > most for file in files):
                 raise InputError(f"{self._name} prints more than {most} bytes: print {ANSWER} once for each reading")
+
+
+def last_words(file: BinaryIO) -> str:
+    """Words for the end of what a program has printed into a file; none where it has printed nothing."""
+    size = os.fstat(file.fileno()).st_size
+    os.lseek(file.fileno(), max(0, size - _LONGEST_WORDS), os.SEEK_SET)
+    end = os.read(file.fileno(), _LONGEST_WORDS)  # its place, which is that of the program too, is the end again
+    said = printable(" ".join(end.decode(errors="replace").split()))
+    return f"; it says: {'…' * (size > _LONGEST_WORDS)}{said}" if said else ""
 
 
 def _file() -> BinaryIO:

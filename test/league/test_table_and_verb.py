@@ -274,5 +274,7 @@ def test_a_row_tells_its_bias_and_the_error_of_one_that_is_upside_down():
     assert "e+0" not in told
 
 
-def test_the_reference_says_of_which_versions_it_is():
+def test_the_reference_says_of_which_versions_it_is_and_which_filters_see_later_readings():
     assert all(each.version for each in reference().rows)
+    smoothers = {each.filter for each in reference().rows if each.sees_future}
+    assert smoothers == {"gtsam AHRSFactor (batch)", "vqf offlineVQF"}

@@ -204,13 +204,13 @@ def without(package: str) -> None:
         ),
         (
             lambda: unanswered(3),
-            "/imu/data: no answer to 1000000000 ns in 1 s; 3 others came, the last of 2 ns: let the filter "
-            "answer each reading that it can pair, and not by a timer",
+            "/imu/data: no answer to 1000000000 ns in 1 s; 3 others came, last 2 ns: let the filter "
+            "answer each pair of readings, and not by a timer",
         ),
         (
             lambda: unanswered(0),
             "/imu/data: no answer to 1000000000 ns in 1 s; none came: let the filter "
-            "answer each reading that it can pair, and not by a timer",
+            "answer each pair of readings, and not by a timer",
         ),
     ],
 )

@@ -91,6 +91,9 @@ def test_a_line_of_names_is_no_attitude_and_answers_may_be_fewer(run, tmp_path):
         ("", ["no attitude"]),
         ("sys.exit('the gain is missing')", ["status 1", "the gain is missing"]),
         ("os.abort()", ["status -6"]),
+        ("sys.stderr.write('no calib.yaml')\nprint('hello')", ["line 1", "hello", "says: no calib.yaml"]),
+        ("sys.stderr.write('no calib.yaml')", ["no attitude", "says: no calib.yaml"]),
+        ("sys.stderr.write(300 * 'a' + ' end')\nsys.exit(3)", ["status 3", "says: …aaa", "aaa end"]),
         ("sys.stdout.buffer.write(bytes([255, 254, 10]))", ["line 1"]),
     ],
 )
