@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import signal
@@ -231,22 +232,26 @@ def _client_at(scheduler: str) -> Client:
     """
     from distributed import Client
 
-    made = SimpleQueue[Client | Exception]()
+    made = SimpleQueue[Client | str]()
 
     def make() -> None:
         try:
             made.put(Client(scheduler, timeout=_ANSWERING_S))
         except Exception as error:  # of the network, of TLS without a certificate, of a name that cannot be
-            made.put(error)
+            told = str(error) or type(error).__name__
+        else:
+            return
+        gc.collect()  # the failed client; where that is collected while another one starts, Dask waits for itself
+        made.put(told)
 
     Thread(target=make, daemon=True).start()
     try:
         found = made.get(timeout=2.0 * _ANSWERING_S)
     except Empty:
-        found = TimeoutError(f"nothing came within {2.0 * _ANSWERING_S:g} s")
-    if isinstance(found, Exception):
+        found = f"nothing came within {2.0 * _ANSWERING_S:g} s"
+    if isinstance(found, str):
         keys = ", or name its certificates in Dask's tls.yaml" if scheduler.startswith(("tls:", "wss:")) else ""
-        why = shortened(str(found) or type(found).__name__, 50 if keys else 90)
+        why = shortened(found, 50 if keys else 90)
         raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {why}: start one there{keys}")
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import http.client
 import os
 import socket
@@ -18,6 +19,7 @@ import pytest
 from campaigns import NEEDS_DASK
 
 from lie_rigid_body.campaign.cluster import client_of
+from lie_rigid_body.errors import BagError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -179,3 +181,21 @@ def test_a_limit_that_keeps_workers_from_starting_is_one_line(tmp_path: Path) ->
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
     assert "bug" not in line
+
+
+def test_a_client_that_failed_is_gone_at_once() -> None:
+    """Collected later, in the thread of another client that starts, it would be waited for without an end."""
+    from distributed import Client
+
+    def clients() -> int:
+        return sum(isinstance(each, Client) for each in gc.get_objects())
+
+    gc.collect()
+    before = clients()
+    gc.disable()
+    try:
+        with pytest.raises(BagError), client_of(None, "tls://127.0.0.1:1"):
+            raise AssertionError
+        assert clients() == before
+    finally:
+        gc.enable()
