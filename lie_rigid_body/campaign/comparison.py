@@ -39,11 +39,14 @@ class Point:
     mean_deg : float
         Mean RMS of the total error, degrees; NaN if it failed in all.
     failures : int
+    reason : str
+        What it failed of in the first run of these; '' if it did in none.
     """
 
     parameters: Mapping[str, Any]
     mean_deg: float
     failures: int
+    reason: str
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -131,7 +134,7 @@ class Comparison:
     best : Best or None
         What the sensors leave at best, in the first run in which every estimator is scored.
     independent : bool
-        Whether the noise differs from run to run, without which nothing is said of covariances.
+        Whether no two runs have the same noise, without which nothing is said of covariances.
     has_covariances : bool
         Whether any estimate has one.
     fixed_constants : tuple of str
@@ -157,10 +160,12 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
         Those of the finished runs, at least one, in the order of their numbers.
     """
     entries = [_EntryScores(entry) for entry in campaign.entries]
+    seeds: list[object] = []
     for row in rows:
+        seeds.append(row.parameters.get(_SEED))
         for one, judgement in zip(entries, row.judgements, strict=True):
             one.add(row.run, Judgement(**judgement))  # the journal has looked at it
-    duration, independent = float(campaign.exact_duration), _SEED in campaign.vary
+    duration, independent = float(campaign.exact_duration), _SEED in campaign.vary and len({*seeds}) == len(seeds)
     chosen = [_best([one for one in entries if one.entry.name == name]) for name in campaign.contenders]
     standings = tuple(one.standing(points, duration if independent else None) for one, points in chosen)
     return Comparison(
@@ -198,17 +203,22 @@ class _EntryScores:
         self.kept: list[Judgement] = []
         self._runs: list[int] = []
         self._numbers: list[list[float]] = []
-        self._reason = ""
+        self._reasons: dict[int, str] = {}
 
     def add(self, run: int, judgement: Judgement) -> None:
         """Take what the entry is worth in a run."""
         self._runs.append(run)
         self._numbers.append(_numbers(judgement))
+        if judgement.error:
+            self._reasons.setdefault(run % 2 if self.entry.grid else 1, judgement.error)
         if self.entry.grid and run % 2 == 0:
             return  # the best point of a grid is chosen in it, and scored in others
-        self._reason = self._reason or judgement.error or ""
         if len(self.kept) < MOST_SERIES:
             self.kept.append(judgement)
+
+    def reason(self, remainder: int) -> str:
+        """What it failed of first: of a grid in the runs with this remainder of a division by 2, else in all, for 1."""
+        return self._reasons.get(remainder, "")
 
     def scored(self, *remainders: int) -> tuple[Integers, dict[str, Array]]:
         """Numbers of the runs with these remainders of a division by 2, and by column the scores in them."""
@@ -226,7 +236,7 @@ class _EntryScores:
         )
         curves = np.array([each.curve_deg for each in right], dtype=float).reshape(-1, CURVE)
         median = float(np.nanmedian(reading_s)) if not failed.all() else np.nan
-        return Standing(self.entry, runs, scores, failed, self._reason, median, curves, attitude, bias, points)
+        return Standing(self.entry, runs, scores, failed, self.reason(1), median, curves, attitude, bias, points)
 
 
 def _numbers(judgement: Judgement) -> list[float]:
@@ -246,7 +256,7 @@ def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, .
         totals = one.scored(0)[1][_TOTAL]
         right = totals[~np.isnan(totals)]
         mean = float(np.mean(right)) if len(right) else np.nan
-        points.append(Point(one.entry.parameters, mean, len(totals) - len(right)))
+        points.append(Point(one.entry.parameters, mean, len(totals) - len(right), one.reason(0)))
     best = min(range(len(points)), key=lambda at: (points[at].failures, np.nan_to_num(points[at].mean_deg, nan=np.inf)))
     return entries[best], tuple(points)
 

@@ -87,7 +87,7 @@ class ProbeRow(NamedTuple):
                     raise each
             return Probe(self.code, *self.judge(search, [each for each in answers if isinstance(each, Answer)]))
         except InputError as error:
-            return Probe(self.code, passed=False, message=str(error))
+            return Probe(self.code, passed=False, message=str(error).removeprefix(f"{self.code}: "))
 
 
 def with_unit(value: float, unit: str = "°") -> str:

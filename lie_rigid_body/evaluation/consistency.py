@@ -266,7 +266,7 @@ def factor_of(P: Array, name: str = "covariance") -> Array:
         transposed = np.swapaxes(scaled, -1, -2)
         # beside the variances: what is round-off of R P Rᵀ may be all that there is of a correlation
         if not np.all(np.abs(scaled - transposed) <= ASYMMETRY):
-            raise InputError(f"{name}: not symmetric: give one that has an inverse")
+            raise InputError(f"{name}: not symmetric: give its symmetric part, (P + Pᵀ)/2")
     try:
         return np.asarray(scale[..., :, np.newaxis] * np.linalg.cholesky(0.5 * scaled + 0.5 * transposed))
     except np.linalg.LinAlgError:

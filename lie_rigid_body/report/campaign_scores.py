@@ -90,6 +90,8 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         if one.points:
             point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
             yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
+            if lost := [point for point in one.points if point.failures]:
+                yield f"{one.name}: {len(lost)} of {points} failed in runs of even number, first: {lost[0].reason}"
             yield from _at_the_edge(one)
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
@@ -101,7 +103,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         errors = (f"{name} {_number(error / best.rms_deg)}" for name, error in of.items())
         yield f"{left}. In that run the errors are so many times as large: {', '.join(errors)}."
     if comparison.has_covariances and not comparison.independent:
-        yield "Nothing is said of the covariances: the noise is the same in every run; vary sensor_seed."
+        yield "Nothing is said of the covariances: runs have the same noise; draw sensor_seed by run."
     elif comparison.has_covariances and any(one.covariance for one in comparison.standings):
         if names := comparison.fixed_constants:
             what = f"{listed(names)} {'is' if len(names) == 1 else 'are'} the same in every run"

@@ -20,7 +20,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing, _fixed_constants, compare
 from lie_rigid_body.campaign.definition import Contender
 from lie_rigid_body.campaign.journal import Journal
-from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement, _bias_series
+from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIES, Judgement, Row, _bias_series
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.report import campaign_scores
 from lie_rigid_body.runs import simulate
@@ -193,6 +193,20 @@ def test_covariances_are_judged_over_the_runs(comparison: Comparison) -> None:
     assert found["two"].covariance is None
 
 
+def test_failures_of_a_point_that_is_not_the_best_are_told_with_their_first_reason() -> None:
+    grid = {"g": {"function": "a:b", "grid": {"k": [1, 2]}}}
+    campaign = Campaign(runs=4, seed=1, duration=1.0, estimators=grid)
+    right = {**dict.fromkeys((*SCORES, *MORE_SCORES), 1.0), ERROR: None}
+    lost = [{**dict.fromkeys(right), ERROR: f"in run {run}"} for run in range(4)]
+    rows = [Row(run, judgements=[{"scores": right, "reading_s": 1e-6}, {"scores": lost[run]}]) for run in range(4)]
+    found = compare(campaign, rows)
+    [one] = found.standings
+    assert [(point.failures, point.reason) for point in one.points] == [(0, ""), (2, "in run 0")]
+    assert one.entry.parameters == {"k": 1}
+    assert one.reason == ""
+    assert any("1 of 2 points" in line and "in run 0" in line for line in campaign_scores.as_text(found).splitlines())
+
+
 def test_failures_are_counted_with_their_first_reason(comparison: Comparison) -> None:
     lost = named(comparison)["lost"]
     assert np.flatnonzero(lost.failed).tolist() == [3, 5]
@@ -233,6 +247,9 @@ def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder:
     found = compare(replace(campaign, vary={}, parameters={}), rows)
     assert (found.independent, found.has_covariances) == (False, True)
     assert [one.covariance for one in found.standings] == [None] * 6
+    again = [replace(row, parameters={**row.parameters, "sensor_seed": row.run // 2}) for row in rows]
+    assert not compare(campaign, again).independent
+    assert compare(campaign, rows).independent
 
 
 def test_constants_that_no_run_draws_anew_are_told(comparison: Comparison, folder: Path, said: list[str]) -> None:

@@ -189,6 +189,7 @@ def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(
 def test_covariance_that_is_none_fails_in_one_line() -> None:
     found = diagnose(lambda run: lie_rigid_body.Estimate(textbook.triad(run), covariance=-np.eye(3)))
     assert failed(found) == ["covariance"]
+    assert not found.probes[-1].message.startswith("covariance")
 
 
 @pytest.mark.filterwarnings("error")
