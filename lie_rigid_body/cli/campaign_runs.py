@@ -22,10 +22,11 @@ from lie_rigid_body.campaign.cluster import (
     require_address,
 )
 from lie_rigid_body.campaign.comparison import compare
-from lie_rigid_body.campaign.definition import SCORES_TABLE
+from lie_rigid_body.campaign.definition import SCORES_TABLE, Contender
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import ERROR, SCORES, Row
+from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
+from lie_rigid_body.interpreters import Interpreter
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.output_file import write_file
@@ -49,8 +50,7 @@ def run_campaign(given: argparse.Namespace) -> int:
         _require_scenarios(campaign, given.campaign)
     if given.scheduler is not None:
         require_address(given.scheduler)
-    for one in campaign.contenders.values():
-        one.require_parameters()
+    _require_estimators([*campaign.contenders.values()])
     with Interruption.current().noted() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
@@ -63,6 +63,26 @@ def run_campaign(given: argparse.Namespace) -> int:
             )
             return console.INTERRUPTED
         return _report(campaign, journal, failed, given)
+
+
+def _require_estimators(contenders: Sequence[Contender]) -> None:
+    """Refuse estimators that cannot be imported or take other parameters.
+
+    They are imported in a process of its own: in this one, what libraries look for and do not find would come from the
+    working folder from then on, which may be one that others write.
+    """
+    process = Interpreter()
+    try:
+        process.ask(partial(_look_at, contenders), LONGEST_S)
+    except (EOFError, TimeoutError) as error:
+        raise InputError(f"an estimator {error} when it was imported: import it alone to see why") from None
+    finally:
+        process.end()
+
+
+def _look_at(contenders: Sequence[Contender]) -> None:
+    for one in contenders:
+        one.require_parameters()
 
 
 def _require_scenarios(campaign: Campaign, path: str) -> None:

@@ -51,7 +51,6 @@ def main(given: argparse.Namespace) -> int:
     if estimate is not None:
         source = source_of(estimate)
         assert source is not None  # it is no function
-        source.load()
         with console.progress(total=len(CASES), desc="league", unit=" cases") as bar:
             own.insert(
                 0, play(name, source, workers=given.workers or cores(), timeout_s=given.timeout, progress=bar.update)

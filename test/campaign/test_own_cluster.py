@@ -148,9 +148,11 @@ def test_no_page_is_served(own: Own) -> None:
 
 @pytest.mark.skipif(sys.version_info < (3, 11), reason="Python 3.10 imports from its working folder")
 def test_its_processes_import_nothing_of_the_working_folder(tmp_path: Path) -> None:
-    """It may be a folder that somebody else fills."""
-    (tmp_path / "campaign.yaml").write_text("{runs: 1, seed: 1, duration: 0.1}", encoding="utf-8")
-    for name in ("signal", "socket", "pickle", "threading", "multiprocessing"):
+    """It may be a folder that somebody else fills, also with what libraries look for and do not find elsewhere."""
+    campaign = "{runs: 1, seed: 1, duration: 0.1, estimator: 'own_one:estimate'}"
+    (tmp_path / "campaign.yaml").write_text(campaign, encoding="utf-8")
+    (tmp_path / "own_one.py").write_text("def estimate(run): return run.truth.attitude_xyzw", encoding="utf-8")
+    for name in ("signal", "socket", "pickle", "threading", "multiprocessing", "gilknocker", "crick", "msvcrt", "rmm"):
         (tmp_path / f"{name}.py").write_text("open('imported', 'w')", encoding="utf-8")
     verb = [
         "import sys; sys.path[:] = filter(None, sys.path); from lie_rigid_body.__main__ import main; sys.exit(main())",
