@@ -15,7 +15,7 @@ Strategies of hypothesis are in `lie_rigid_body.testing.strategies`.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
@@ -145,7 +145,8 @@ def _names(chosen: dict[str, Any], name: str, every: Iterable[str]) -> list[str]
     if given is None:
         return list(every)
     try:
-        hash(names := (given,) if isinstance(given, str) else tuple(given))
+        in_order = sorted(given, key=str) if isinstance(given, Set) else given  # of a set each process has its own
+        hash(names := (given,) if isinstance(given, str) else tuple(in_order))
     except TypeError:
         _fail(f"{name}={shown(given)} is no list of names: give such as [{next(iter(every))!r}]")
     if not any(names):

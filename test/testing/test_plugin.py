@@ -201,6 +201,21 @@ def test_what_cannot_be_judged_is_refused_in_one_line(run, given, message):
     assert "\n" not in str(error.value)
 
 
+def test_names_of_a_set_have_one_order_in_every_process(tmp_path, monkeypatch):
+    (tmp_path / "test_user.py").write_text(
+        "import pytest\n"
+        "@pytest.mark.attitude_run(scenarios={'dzhanibekov', 'flat_plate', 'tumbling_cubesat'}, grades={'mems'})\n"
+        "def test_it(attitude_run): pass\n"
+    )
+    found = set()
+    for seed in "1234":
+        monkeypatch.setenv("PYTHONHASHSEED", seed)
+        lines = run_pytest(tmp_path, "-q", "--collect-only").stdout.splitlines()
+        found.add(tuple(line for line in lines if "::" in line))
+    [(first, *_)] = found
+    assert "dzhanibekov" in first
+
+
 def test_a_text_in_the_marker_is_one_name(tmp_path):
     (tmp_path / "test_user.py").write_text(
         """
