@@ -68,8 +68,8 @@ def run_campaign(given: argparse.Namespace) -> int:
 def _require_estimators(contenders: Sequence[Contender]) -> None:
     """Refuse estimators that cannot be imported or take other parameters.
 
-    They are imported in a process of its own: in this one, what libraries look for and do not find would come from the
-    working folder from then on, which may be one that others write.
+    They are imported in a process of its own. In this one libraries would find modules in the working folder from then
+    on, into which others may write.
     """
     process = Interpreter()
     try:
