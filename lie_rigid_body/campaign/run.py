@@ -8,7 +8,6 @@ from __future__ import annotations
 import tempfile
 import time
 from collections import defaultdict
-from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -20,7 +19,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Contender
-from lie_rigid_body.errors import BagError, InputError, said
+from lie_rigid_body.errors import InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, factor_of, rotation_block
@@ -130,14 +129,10 @@ def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row
     scenario = campaign.scenario_of(run)
     simulation = Simulation(scenario)
     last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
-    try:
-        with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True) as bag:
-            for _ in write_run(bag, simulation, last_ns):
-                pass
-    except BagError:
-        with suppress(OSError):  # part of it is of no use, as the run is done again
-            path.unlink()
-        raise
+    # part of it is of no use, as the run is done again
+    with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True, rescued=False) as bag:
+        for _ in write_run(bag, simulation, last_ns):
+            pass
     size = path.stat().st_size
     certificate = certify(read_bag(path) if size <= LARGEST_IN_MEMORY else Bag(path))
     return Row(

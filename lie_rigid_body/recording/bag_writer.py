@@ -89,6 +89,8 @@ class BagWriter:
         Who wrote it, as its header is to say.
     end : str or None, optional
         Name of the metadata record that ends it, if one does: `METADATA` or `CUT_OFF`.
+    rescued : bool, optional
+        Whether the part that was written is kept where the rest cannot be.
 
     Attributes
     ----------
@@ -117,8 +119,9 @@ class BagWriter:
         others: Mapping[str, str] | None = None,
         library: str = LIBRARY,
         end: str | None = METADATA,
+        rescued: bool = True,
     ) -> None:
-        self._stamped_twist, self._end, self._compression = stamped_twist, end, compression
+        self._stamped_twist, self._end, self._compression, self._rescued = stamped_twist, end, compression, rescued
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
         named = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **(sensor_topics or {})}
         named |= {topic: topic for topic in others or {}}
@@ -285,13 +288,14 @@ class BagWriter:
             if isinstance(error, BagError):
                 raise
             rest = f"{remedy(error)}, and rescue it with {RESCUE}"
-            if self._file.replaces:
-                rest = f"the older file of that name is kept: {remedy(error)} and record again"
+            if self._file.replaces or not self._rescued:
+                kept = "the older file of that name is kept: " * self._file.replaces
+                rest = f"{kept}{remedy(error)} and record again"
             raise BagError(f"{self.path} cannot be written: {reason(error)}; {rest}") from None
 
     def _abandon(self) -> None:
         self._open = False
-        self._queue.end(self._file.abandon)
+        self._queue.end(self._file.abandon if self._rescued else self._file.discard)
 
     def __enter__(self) -> BagWriter:
         return self

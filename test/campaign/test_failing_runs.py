@@ -73,16 +73,30 @@ def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
     assert len(finished(out)) == 6
 
 
-def test_a_run_that_fails_leaves_no_part_of_its_bag(tmp_path: Path) -> None:
+@pytest.mark.parametrize("older", [[], [b"an older bag"]])
+def test_a_run_that_fails_leaves_no_part_of_its_bag_and_the_older_one(tmp_path: Path, older: list[bytes]) -> None:
     campaign, before = Campaign(runs=1, seed=1, duration=1.0), resource.getrlimit(resource.RLIMIT_FSIZE)
     (tmp_path / "bags").mkdir()
+    for content in older:
+        (tmp_path / "bags" / "000000.mcap").write_bytes(content)
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
     try:
         with pytest.raises(BagError):
             carry_out(campaign, 0, str(tmp_path))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert not list((tmp_path / "bags").iterdir())
+    assert [bag.read_bytes() for bag in (tmp_path / "bags").iterdir()] == older
+
+
+def test_a_run_that_fails_removes_nothing_that_it_did_not_write(tmp_path: Path) -> None:
+    """Here a link, which is not followed: no bag is begun."""
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (tmp_path / "bags").symlink_to(elsewhere)
+    (elsewhere / "000000.mcap").symlink_to(tmp_path / "nowhere")
+    with pytest.raises(BagError):
+        carry_out(Campaign(runs=1, seed=1, duration=1.0), 0, str(tmp_path))
+    assert (elsewhere / "000000.mcap").is_symlink()
 
 
 @pytest.mark.parametrize("said_there", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
