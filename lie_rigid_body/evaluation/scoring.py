@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import Any, Final, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,9 +43,17 @@ class HasScore(Protocol):
         """The score of an estimate, as `evaluate` makes it."""
 
 
+class HasAttitude(Protocol):
+    """Something with attitudes, as an `Estimate`; a run scores it."""
+
+    @property
+    def attitude_xyzw(self) -> Any:
+        """The attitudes."""
+
+
 def evaluate(
     stamps_ns: ArrayLike,
-    attitude_xyzw: Any,
+    attitude_xyzw: ArrayLike | HasAttitude,
     truth: Truth | HasScore,
     *,
     limits: Limits | None = None,
@@ -125,7 +133,10 @@ def evaluate(
         )
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
-    (stamps, attitude), limits = read_series("estimate", stamps_ns, attitude_xyzw), limits or Limits()
+    (stamps, attitude), limits = (
+        read_series("estimate", stamps_ns, cast("ArrayLike", attitude_xyzw)),
+        limits or Limits(),
+    )
     first = np.diff(stamps, prepend=stamps[0] - 1) > 0
     whole = Track(stamps[first], attitude[first], truth)
     known = truth.covers(whole.stamps_ns)
