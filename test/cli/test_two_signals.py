@@ -96,7 +96,8 @@ def test_the_fourth_signal_ends_what_closes_for_ever(name: str, bag: Path, tmp_p
     with full_pipe() as write:
         process = started([*VERB, *LONG_WORK[name].split()], prepared(tmp_path, bag), write)
         try:
-            time.sleep(1.0)
+            if name not in ENDS_WITH:  # its work would be done before
+                time.sleep(1.0)
             assert ended_by_the_fourth(process, numbers) == -numbers[-1]
         finally:
             process.kill()
