@@ -65,6 +65,11 @@ def user() -> int:
     return os.geteuid() if hasattr(os, "geteuid") else 0
 
 
+def is_others(state: os.stat_result) -> bool:
+    """Whether a file is of another user, who is not the system either."""
+    return state.st_uid not in (0, user())
+
+
 def is_private(folder: Path) -> bool:
     """Whether only this user, and the system itself, may write to a folder or put another in its place.
 
@@ -81,7 +86,7 @@ def is_private(folder: Path) -> bool:
         and not _others_write(own)
         and may_write
         and not open_to_others
-        and all(state.st_uid in (0, user()) for state in above)
+        and not any(map(is_others, above))
     )
 
 

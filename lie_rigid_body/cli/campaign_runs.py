@@ -141,7 +141,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
             client,
             campaign,
             (run for run in range(campaign.runs) if run not in journal),
-            journal.folder,
+            journal.bags,
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
             alone=partial(_say_alone, bar),

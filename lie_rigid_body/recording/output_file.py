@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 
 from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.system import lock, user
+from lie_rigid_body.system import is_others, lock, user
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -87,7 +87,7 @@ class OutputFile:
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
         for link in (self.path, self.path.parent):
-            if link.is_symlink() and link.lstat().st_uid not in (0, user()):
+            if link.is_symlink() and is_others(link.lstat()):
                 raise BagError(f"{link} is a link of another user and is not followed: give another name")
         if self.path.is_dir():
             raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import shutil
 import sys
@@ -18,7 +19,7 @@ from test_what_campaigns_say import refused
 from lie_rigid_body.campaign import Campaign, cluster
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import MORE_SCORES, Judgement, Row, carry_out
+from lie_rigid_body.campaign.run import MORE_SCORES, BagFolder, Judgement, Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError, said
@@ -51,7 +52,7 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
     with Journal(campaign, out) as journal:
         (out / "bags" / "000002.mcap").mkdir()
         with pytest.raises(BagError) as failed:
-            carry_out(campaign, 2, str(out))
+            carry_out(campaign, 2, journal.bags)
         line = str(campaign_runs._failure(campaign, journal, {2: failed.value}))
     assert "000002.mcap is a folder" in line
     assert line.endswith(RESUMED)
@@ -82,7 +83,7 @@ def test_a_run_that_fails_leaves_no_part_of_its_bag_and_the_older_one(tmp_path: 
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
     try:
         with pytest.raises(BagError):
-            carry_out(campaign, 0, str(tmp_path))
+            carry_out(campaign, 0, BagFolder.of(tmp_path))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert [bag.read_bytes() for bag in (tmp_path / "bags").iterdir()] == older
@@ -95,8 +96,34 @@ def test_a_run_that_fails_removes_nothing_that_it_did_not_write(tmp_path: Path) 
     (tmp_path / "bags").symlink_to(elsewhere)
     (elsewhere / "000000.mcap").symlink_to(tmp_path / "nowhere")
     with pytest.raises(BagError):
-        carry_out(Campaign(runs=1, seed=1, duration=1.0), 0, str(tmp_path))
+        carry_out(Campaign(runs=1, seed=1, duration=1.0), 0, BagFolder.of(tmp_path))
     assert (elsewhere / "000000.mcap").is_symlink()
+
+
+def test_no_bag_is_replaced_in_a_folder_that_took_the_place_of_the_own(tmp_path: Path) -> None:
+    campaign, out, others = Campaign(runs=1, seed=1, duration=1.0), tmp_path / "out", tmp_path / "others"
+    precious = others / "bags" / "000000.mcap"
+    precious.parent.mkdir(parents=True)
+    precious.write_bytes(b"precious")
+    with Journal(campaign, out) as journal:
+        out.rename(tmp_path / "moved")
+        out.symlink_to(others)
+        with pytest.raises(BagError, match="deleted or moved"):
+            carry_out(campaign, 0, journal.bags)
+    assert (precious.read_bytes(), os.listdir(precious.parent)) == (b"precious", ["000000.mcap"])
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives files to others")
+def test_rows_that_another_user_wrote_are_not_believed(tmp_path: Path) -> None:
+    campaign = Campaign(runs=1, seed=1, duration=1.0)
+    with Journal(campaign, tmp_path / "out") as journal:
+        journal.add(Row(0, certified=True))
+    os.chown(journal.path, 65534, 65534)
+    with pytest.raises(BagError, match="another user's"), Journal(campaign, tmp_path / "out"):
+        pass
+    os.chown(journal.path, 0, 0)
+    with Journal(campaign, tmp_path / "out") as journal:
+        assert len(journal) == 1
 
 
 @pytest.mark.parametrize("said_there", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
@@ -143,7 +170,7 @@ def test_an_estimator_that_goes_elsewhere_costs_nothing_and_bags_that_are_delete
     with Journal(campaign, tmp_path / "out") as journal:
         asked: dict[str, Any] = {"bags": True, "elsewhere": False, "alone": print}
         with cluster.client_of(None, scheduler) as client:
-            for _, row in cluster.finished(client, campaign, range(3), Path("out"), **asked):
+            for _, row in cluster.finished(client, campaign, range(3), journal.bags, **asked):
                 assert isinstance(row, Row), row
                 journal.add(row)
         monkeypatch.chdir(tmp_path)
