@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import listed
@@ -150,8 +151,16 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     Returns
     -------
     int
-        The exit status.
+        The exit status: that of an unusable input where a covariance is none.
     """
+    status = _answer(given, source, scored)
+    for fault in filter(None, (read.fault for read, _ in scored)):
+        console.complain(console.program("evaluate"), fault)
+        status = console.UNUSABLE
+    return status
+
+
+def _answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
     from lie_rigid_body.report import drawing, scores
     from lie_rigid_body.runs.recorded_estimate import write_scored
 

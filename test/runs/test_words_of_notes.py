@@ -54,6 +54,10 @@ NOTES: dict[str, tuple[AttitudeTrack | None, AttitudeTrack]] = {
         POSES,
         track(ODOMETRY, child="base_link", covariance=np.tile(np.diag([0.0, 0.0, 1e-4]), (2, 1, 1))),
     ),
+    "There is no NEES: 1 of 2 covariances are unknown: give all or none.": (
+        POSES,
+        track(ODOMETRY, child="base_link", covariance=np.stack([np.zeros((3, 3)), np.eye(3)])),
+    ),
 }
 """Notes, each with the poses of the truth and the estimate."""
 
