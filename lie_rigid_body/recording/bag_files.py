@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
@@ -125,6 +125,11 @@ def missing_beside(file: Path) -> str | None:
     return f"{file.resolve().parent.name}_{min(missing)}{file.suffix}" if missing else None
 
 
+def left_out(folder: Path, names: Iterable[str]) -> list[str]:
+    """The names of bags in a folder that are none of those given."""
+    return sorted({path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")} - {*names})
+
+
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
     """The files of a bag, in the order of recording."""
     if not path.is_dir():
@@ -150,7 +155,9 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
         ]
         names = [str(name) for name in information["relative_file_paths"]]
     except (InputError, TypeError, LookupError):
-        raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
+        raise BagError(
+            f"{metadata} is not the metadata of a rosbag2 bag: remove it, or remake it with 'ros2 bag reindex'"
+        ) from None
     here = metadata.parent.resolve()
     for name in names:
         if "\0" not in name and not (here / name).resolve().is_relative_to(here):
@@ -191,8 +198,7 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
     """Contradictions between metadata and files, each with the declared value and the one found."""
     spans = contents.files
     whole = FileSpan("", sum(s.count for s in spans), min(s.first_ns for s in spans), max(s.last_ns for s in spans))
-    present = {path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")}
-    for name in sorted(present - {str(name) for name in said["relative_file_paths"]}):
+    for name in left_out(folder, map(str, said["relative_file_paths"])):
         yield f"relative_file_paths: {name} is left out"
     yield from _differs("storage_identifier", said.get("storage_identifier", "mcap"), "mcap")
     yield from _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")

@@ -128,11 +128,13 @@ class Summary:
         ContradictionError
             See `add`; or if a message is of a channel that is not declared.
         """
-        for place in table.others:
-            if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
-        unknown = table.index.keys() - self.channels.keys()
+        places = (place for place in table.others if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL))
+        declared = [parsed(place.opcode, table.data[place.begin : place.end]) for place in places]
+        own = {record.id for record in declared if isinstance(record, Channel)}
+        unknown = table.index.keys() - self.channels.keys() - own
         require(not unknown, f"it has a message of channel {min(unknown, default=0)}, which is not declared before it")
+        for record in declared:
+            self.add(record, 0, 0)  # a summary does not tell where those are
         self.counts.update({channel: len(rows) for channel, rows in table.index.items()})
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
