@@ -189,9 +189,10 @@ def unknown_covariances(covariance: Array) -> Booleans:
 
 
 def covariance_fault(covariance: Array) -> str:
-    """Reason why covariances that an estimator knows, shape (N, 3, 3), are none, in one line; empty if they are."""
+    """Reason in one line why those of some covariances, shape (N, 3, 3), that are known are none; empty if they are."""
+    known = covariance[~unknown_covariances(covariance)]
     try:
-        factor_of(numbers("covariance", covariance, 3, 3))
+        factor_of(numbers("covariance", known, 3, 3) if len(known) else np.eye(3))
     except InputError as error:
         return str(error)
     return ""

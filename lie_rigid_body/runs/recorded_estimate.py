@@ -79,7 +79,7 @@ class RecordedEstimate:
     def fault(self) -> str:
         """Reason in one line why a covariance that it gives is none; empty where there is no fault."""
         P = self.track.covariance
-        told = "" if P is None else covariance_fault(P[~unknown_covariances(P)])
+        told = "" if P is None else covariance_fault(P)
         return told and f"{self.track.topic}: {told}"
 
     def score(self, limits: Limits, covariance_axes: str, due_ns: int | None = None, *, bounded: bool = True) -> Score:

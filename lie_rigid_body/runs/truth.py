@@ -213,7 +213,7 @@ class TrueMotion:
             )
         if track.covariance is not None:
             unknown = unknown_covariances(track.covariance)
-            if fault := covariance_fault(track.covariance[~unknown]):
+            if fault := covariance_fault(track.covariance):
                 yield f"There is no NEES: {fault}."
             elif unknown.any() and not unknown.all():
                 yield f"There is no NEES: {unknown.sum()} of {len(unknown)} covariances are unknown: give all or none."
