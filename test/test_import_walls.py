@@ -56,7 +56,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "testing": SCENARIO | {"evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "interruption"},
-    "command_line": {"console", "scenario"},
+    "command_line": {"console", "scenario", "system"},
     "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "campaign", "league", "console", "command_line"},
     "cli": EDGE | {"campaign", "diagnosis", "interpreters", "league", "system"},
     "ros": EDGE | {"system"},

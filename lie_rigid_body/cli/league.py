@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.diagnose import ESTIMATOR, WORKERS, given_estimator
-from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
+from lie_rigid_body.cli.diagnose import ESTIMATOR, given_estimator
+from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
