@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from numbers import Real
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import ParameterError
 
 Array: TypeAlias = NDArray[np.float64]
 """Real numbers in double precision."""
@@ -42,6 +45,15 @@ def as_double(value: object) -> float:
         return float(value)
     except OverflowError:
         return np.inf
+
+
+def require_unmasked(name: str, value: ArrayLike) -> None:
+    """Refuse an array of which some is masked: what is behind the mask would count."""
+    # who has a masked array has loaded the module, which takes 5 ms
+    if "numpy.ma" in sys.modules and np.ma.is_masked(value):
+        count = np.ma.count_masked(value)
+        remedy = "fill them in, or leave their rows out, with their stamps"
+        raise ParameterError(name, f"{count} of its numbers are masked: {remedy}")
 
 
 def same_bits(one: Array, other: Array) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Set
+from collections.abc import Collection, Mapping, Set
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias
@@ -161,12 +161,11 @@ class Parameter:
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
-        if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
+        if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Collection):
             raise self._error(f"{shown(value)} is not a list: give {self._example()}")
-        numbers = tuple(self._number(v) for v in value)
-        if len(numbers) not in self.lengths:
-            raise self._error(f"{shown(list(numbers))} has {len(numbers)} numbers: give {self._example()}")
-        return numbers
+        if len(value) not in self.lengths:
+            raise self._error(f"{shown(value)} has {len(value)} numbers: give {self._example()}")
+        return tuple(self._number(v) for v in value)
 
     def _strings(self, value: object) -> tuple[str, ...]:
         if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):

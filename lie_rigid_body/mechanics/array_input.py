@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import TRANSPOSED, Array
+from lie_rigid_body.arrays import TRANSPOSED, Array, require_unmasked
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
@@ -39,8 +39,9 @@ def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
     Raises
     ------
     ParameterError
-        If the argument is text, another object, or rows of unequal length.
+        If the argument is text, another object, rows of unequal length, or in part masked.
     """
+    require_unmasked(name, value)
     try:
         array = np.asarray(value)
         if array.dtype.kind == "O":

@@ -296,7 +296,7 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
             except NothingWholeError as error:
                 found[file] = error
         if not whole:
-            raise BagError(f"{broken} holds nothing that can be recovered: record it again")
+            raise BagError(f"{broken} holds nothing that can be recovered: 'lie-rigid-body check' says why")
     except BaseException:
         shutil.rmtree(fixed, ignore_errors=True)
         raise

@@ -33,6 +33,10 @@ UNIT = np.eye(3)
             lambda: RigidBody([10**400]),
             f"inertia: {shown([10**400])} is not numbers: give an array of them, in equal rows",
         ),
+        (
+            lambda: RigidBody(np.ma.masked_array([1.0, 2.0, 2.5], mask=[False, True, True])),
+            "inertia: 2 of its numbers are masked: fill them in, or leave their rows out, with their stamps",
+        ),
         (lambda: RigidBody([1.0, 1.0, np.nan]), "inertia: nan is not finite: give finite numbers"),
         (
             lambda: RigidBody(1j * UNIT),

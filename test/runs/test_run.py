@@ -367,6 +367,7 @@ def test_scores_of_a_run(run):
         ({"seeds": 5}, refused("seeds", value=5)),
         ({"seeds": []}, refused("no seeds")),
         ({"inertia": {1.0, 2.0, 2.5}}, refused("no order", name="inertia")),
+        ({"inertia": iter([1.0, 2.0, 2.5])}, refused("no order", name="inertia")),  # which may have no end
         ({"scenario": 5}, refused("no name", value=5)),
         ({"scenario": "a/file"}, refused("path as name", name="a/file")),
         ({"scenario": "file.yml"}, refused("path as name", name="file.yml")),
