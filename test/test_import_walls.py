@@ -24,7 +24,7 @@ SCENARIO = {
     "scenario",
 }
 BAG = SCENARIO | {"simulation", "messages", "recording"}
-EDGE = BAG | {"certificate", "evaluation", "runs", "report", "console", "command_line", "interruption"}
+EDGE = BAG | {"certificate", "evaluation", "runs", "estimates", "report", "console", "command_line", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "wording": set(),
     "short_dataclass": set(),
@@ -49,15 +49,16 @@ MAY_IMPORT: dict[str, set[str]] = {
     "proof": set(),
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
-    "runs": BAG | {"certificate", "evaluation", "interpreters"},
-    "diagnosis": SCENARIO | {"evaluation", "runs", "system"},
-    "campaign": BAG | {"certificate", "evaluation", "interpreters", "interruption", "runs", "system"},
-    "league": SCENARIO | {"evaluation", "runs", "diagnosis"},
-    "testing": SCENARIO | {"evaluation", "runs", "report"},
+    "runs": BAG | {"certificate", "evaluation"},
+    "estimates": BAG | {"evaluation", "interpreters", "runs"},
+    "diagnosis": SCENARIO | {"estimates", "evaluation", "runs", "system"},
+    "campaign": BAG | {"certificate", "estimates", "evaluation", "interpreters", "interruption", "runs", "system"},
+    "league": SCENARIO | {"estimates", "evaluation", "runs", "diagnosis"},
+    "testing": SCENARIO | {"estimates", "evaluation", "runs", "report"},
     "interruption": set(),
     "console": {"parameters", "interruption"},
     "command_line": {"console", "scenario", "system"},
-    "report": BAG | {"certificate", "evaluation", "runs", "diagnosis", "campaign", "league", "console", "command_line"},
+    "report": EDGE - {"report", "interruption"} | {"diagnosis", "campaign", "league"},
     "cli": EDGE | {"campaign", "diagnosis", "interpreters", "league", "system"},
     "ros": EDGE | {"system"},
     "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},

@@ -12,7 +12,7 @@ from lie_rigid_body import console
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.runs.programs import CommandEstimator, NodeEstimator
+from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator
 from lie_rigid_body.wording import printable
 
 ESTIMATOR: Final = (

@@ -37,12 +37,12 @@ from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
+    from lie_rigid_body.estimates.estimators import source_of
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_league, page_of_league
-    from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
     require_outputs(given, given.others)

@@ -14,8 +14,8 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.wording import listed
 
 if TYPE_CHECKING:
+    from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
     from lie_rigid_body.evaluation import Score
-    from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 TITLE: Final = "attitude estimate"
 """Title of a picture or a page that is given none."""
@@ -161,8 +161,8 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
 
 
 def _answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
+    from lie_rigid_body.estimates.recorded_estimate import write_scored
     from lie_rigid_body.report import drawing, scores
-    from lie_rigid_body.runs.recorded_estimate import write_scored
 
     (read, score), *others = scored
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))

@@ -12,12 +12,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.estimates.live_estimate import LiveEstimate
+from lie_rigid_body.estimates.recorded_estimate import nearest, pose_beside
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import message_class, translated_errors
 from lie_rigid_body.runs.estimate import BIAS
-from lie_rigid_body.runs.live_estimate import LiveEstimate
-from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
 from lie_rigid_body.wording import counted, listed
 
 ESTIMATE: Final = "estimate"

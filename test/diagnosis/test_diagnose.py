@@ -23,8 +23,8 @@ from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
+from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimators import each_alone
 from sampled import sampled
 
 HERE = Path(__file__).parent

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.estimates.kept_attitudes import LENIENCE_NS
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.recording.topic_messages import vectors_of
-from lie_rigid_body.runs.kept_attitudes import LENIENCE_NS
 
 
 class KeptBiases:

@@ -12,6 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
@@ -32,7 +33,6 @@ from lie_rigid_body.recording.topic_messages import (
 )
 from lie_rigid_body.runs.bag_of_run import OWN_TOPICS
 from lie_rigid_body.runs.estimate import BIAS, Estimate
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
 from lie_rigid_body.short_dataclass import short_dataclass

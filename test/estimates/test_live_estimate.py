@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import NS, STORE, beside, header, make, messages, vector
-from estimates import quaternion as rotation
 from mcap.reader import make_reader
 from refused_runs import refused
 
+from estimates import NS, STORE, beside, header, make, messages, vector
+from estimates import quaternion as rotation
 from lie_rigid_body import Estimate, Run, Scenario, simulate
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.live_estimate import LiveEstimate
+from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import encode_string
@@ -22,9 +25,6 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
-from lie_rigid_body.runs.live_estimate import LiveEstimate
-from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 from lie_rigid_body.simulation import Simulation
 from said import numbers
 from sampled import sampled

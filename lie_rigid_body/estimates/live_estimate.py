@@ -10,6 +10,9 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
+from lie_rigid_body.estimates.kept_biases import KeptBiases
+from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP, period_ns
 from lie_rigid_body.evaluation.limits import Tally
@@ -18,9 +21,6 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
-from lie_rigid_body.runs.kept_biases import KeptBiases
-from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
