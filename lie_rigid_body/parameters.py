@@ -57,10 +57,10 @@ def exact_duration(given: object, name: str, example: str, *, is_text: bool = Fa
     InputError
         If it is not a time from 1e-9 to 1e10 seconds.
     """
-    text = str(given) if is_text else repr(given) if type(given) in (int, float) else ""
     try:
+        text = str(given) if is_text else repr(given) if type(given) in (int, float) else ""
         value = Decimal(text) if _NUMBER.fullmatch(text) else Decimal("nan")
-    except InvalidOperation:
+    except (InvalidOperation, ValueError):  # Python writes no integer of more than 4300 digits
         value = Decimal("nan")
     # compared before it becomes a fraction, which 1e999999999 would fill the memory with
     if not (value.is_finite() and SHORTEST_DURATION <= value <= LONGEST_DURATION):

@@ -82,8 +82,10 @@ def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -
     if not (given.size or empty) or not _fits(given.shape, form):
         is_transposed = given.ndim == 2 and given.size and _fits(given.shape[::-1], form)
         raise ParameterError(name, f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}")
-    require_finite(name, given)
-    return given.astype(np.float64)
+    with np.errstate(over="ignore"):  # what is finite in more digits may be none in double precision
+        array = given.astype(np.float64)
+    require_finite(name, array)
+    return array
 
 
 def _fits(shape: tuple[int, ...], form: str) -> bool:

@@ -66,6 +66,17 @@ UNIT = np.eye(3)
             "inertia: principal moments 1.0, 1.0, 2.1 break the triangle inequality: lower the largest to at most the "
             "sum of the others",
         ),
+        *(
+            (
+                lambda name=name: getattr(RigidBody([1.0, 2.0, 2.5]), name)(np.ones(3)),
+                "states: [1.0, 1.0, 1.0] is no State: give State(attitude_xyzw, body_rate)",
+            )
+            for name in ("body_momentum", "angular_acceleration", "angular_momentum", "kinetic_energy")
+        ),
+        (
+            lambda: State([0, 0, 0, 1], np.array([0.0, 1.0, np.longdouble("1e400")])),
+            "body_rate: inf is not finite: give finite numbers",
+        ),
         (
             lambda: State([0, 0, 1], [0, 0, 0]),
             "attitude_xyzw: shape (3,) is not (…, 4): give finite real numbers of shape (…, 4)",

@@ -361,6 +361,8 @@ def test_scores_of_a_run(run):
         ({"duration": 0.0}, refused("duration", value=0.0)),
         ({"duration": float("nan")}, refused("duration", value="nan")),
         ({"duration": "60"}, refused("duration", value="'60'")),
+        ({"duration": 10**5000}, refused("duration", value="<2**16609 or more>")),
+        ({"scenario": 10**5000}, refused("no name", value="<2**16609 or more>")),
         ({"imu_rte": 3.0}, refused("parameter", like="imu_rate")),
         ({"seeds": [1], "sensor_seed": 2}, refused("seed beside seeds")),
         ({"seeds": [-1]}, refused("seed", value=-1)),
