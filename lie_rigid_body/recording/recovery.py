@@ -24,6 +24,7 @@ from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.output_file import reason, require_other, written
 from lie_rigid_body.recording.records import (
     LARGEST_RECORD,
+    LAST_TIME,
     MAGIC,
     NO_HINTS,
     RECORD_HEAD,
@@ -201,9 +202,10 @@ class _Salvage:
         if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
             self._close_loose()
         if place.opcode == Opcode.MESSAGE:
-            channel, *_ = _MESSAGE.unpack_from(content)
+            channel, _, *times = _MESSAGE.unpack_from(content)
             self._whole += 1
-            require(channel in self._file.summary.channels, "a message is on no channel")
+            is_told = channel in self._file.summary.channels and max(times) <= LAST_TIME
+            require(is_told, "a message is on no channel, or beyond all times")
             self._last_loose = len(self._loose)
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:

@@ -278,6 +278,35 @@ def test_a_topic_of_a_chunk_that_is_left_out_is_not_declared_by_it(tmp_path: Pat
     assert sum(size for size, _ in read_file(tmp_path / "fixed.mcap", McapContents())) > 0
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        record_bytes(Message(1, 2**63, b"data", 5, 0)),
+        record_bytes(Message(1, 5, b"data", 2**63, 0)),
+        RECORD.pack(0x1A, 0),
+        record_bytes(
+            Channel(id=2, topic="/2", message_encoding="cdr", metadata={}, schema_id=0), Message(3, 5, b"", 5, 0)
+        ),
+        record_bytes(Channel(id=2, topic="/2", message_encoding="cdr", metadata={}, schema_id=9)),
+    ],
+    ids=["log time", "publish time", "kind", "channel", "schema"],
+)
+@pytest.mark.parametrize("chunked", [True, False])
+def test_what_is_recovered_is_whole_for_every_reader(tmp_path: Path, wrong: bytes, chunked: bool) -> None:
+    """Of chunks without a checksum and of none, with a record in the midst that no file may have."""
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    channel = record_bytes(Channel(id=1, topic="/x", message_encoding="cdr", metadata={}, schema_id=0))
+    good, late = (record_bytes(Message(number, 5, b"data", 5, 0)) for number in (1, 2))
+    parts = [channel + good, good + wrong, late, good]
+    if chunked:
+        parts = [record_bytes(Chunk("", part, 5, 5, 0, len(part))) for part in parts]
+    (tmp_path / "broken.mcap").write_bytes(MAGIC + head + b"".join(parts))
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert recovery.messages in (2, 3, 4)
+    assert recovery.damaged
+    assert sum(size for size, _ in read_file(tmp_path / "fixed.mcap", McapContents())) > 0
+
+
 def test_a_chunk_that_claims_to_be_huge_is_left_out(whole: dict[str, Path], tmp_path: Path) -> None:
     content = bytearray(whole["zstd"].read_bytes())
     chunks = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
