@@ -145,6 +145,15 @@ def own_signals() -> Iterator[None]:
         signal.signal(number, handler)
 
 
+@pytest.fixture
+def asked_here(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What another Python would be asked is done in this process."""
+    import one_python  # loads the package
+
+    with one_python.asked_here(tmp_path_factory.getbasetemp()):
+        yield
+
+
 @pytest.fixture(scope="session", autouse=True)
 def isolated_ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Give this process, and those it starts, a ROS domain of their own on this machine only."""

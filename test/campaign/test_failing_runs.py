@@ -27,6 +27,7 @@ from lie_rigid_body.wording import LONGEST_LINE
 pytestmark = NEEDS_DASK
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_runs_that_fail_one_after_another_end_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -58,6 +59,7 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
     assert len(line) <= LONGEST_LINE
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
     scheduler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -99,6 +101,7 @@ def test_a_run_that_fails_removes_nothing_that_it_did_not_write(tmp_path: Path) 
     assert (elsewhere / "000000.mcap").is_symlink()
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize("said_there", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
 def test_an_estimator_without_any_score_is_an_error(
     out: Path, tmp_path: Path, said_there: str, capsys: pytest.CaptureFixture[str]
@@ -118,6 +121,7 @@ def test_an_estimator_without_any_score_is_an_error(
     assert table_of(copy)["estimator_error"].to_pylist() == [said_there] * 6
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
