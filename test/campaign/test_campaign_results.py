@@ -20,7 +20,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording import bag_reader
 from lie_rigid_body.runs import simulate
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 
 
 def test_the_table_has_a_row_for_each_run(out: Path) -> None:

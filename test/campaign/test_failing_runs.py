@@ -28,6 +28,7 @@ from lie_rigid_body.wording import LONGEST_LINE
 pytestmark = NEEDS_DASK
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_runs_that_fail_one_after_another_end_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -59,6 +60,7 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
     assert len(line) <= LONGEST_LINE
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
     scheduler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -126,6 +128,7 @@ def test_rows_that_another_user_wrote_are_not_believed(tmp_path: Path) -> None:
         assert len(journal) == 1
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize("said_there", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
 def test_an_estimator_without_any_score_is_an_error(
     out: Path, tmp_path: Path, said_there: str, capsys: pytest.CaptureFixture[str]
@@ -145,6 +148,7 @@ def test_an_estimator_without_any_score_is_an_error(
     assert table_of(copy)["estimator_error"].to_pylist() == [said_there] * 6
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

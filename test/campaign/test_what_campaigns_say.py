@@ -22,7 +22,7 @@ from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.wording import LONGEST_LINE
 from said import refusals
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 refused = refusals(
     {
         BagError: {

@@ -89,7 +89,9 @@ def test_a_second_signal_changes_nothing_at_any_moment(name: str, bag: Path, tmp
         tried(name, tmp_path, seed, numba=numba)
 
 
-@pytest.mark.parametrize("name", VERBS)
+@pytest.mark.parametrize(
+    "name", [each if each in ("record", VERBS[-1]) else pytest.param(each, marks=pytest.mark.slow) for each in VERBS]
+)
 def test_the_fourth_signal_ends_what_closes_for_ever(name: str, bag: Path, tmp_path: Path) -> None:
     """It has a line to say on stderr, a pipe that is full and that nobody reads."""
     numbers = [(INT, TERM, TERM, INT), (TERM, INT, INT, TERM)][SEEDS[name] % 2]

@@ -316,6 +316,7 @@ def test_a_refusal_is_one_line_and_changes_nothing(
     assert times(here) == before
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize("command", SAID)
 def test_what_is_found_is_said(
     command: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
