@@ -23,7 +23,7 @@ from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
-from lie_rigid_body.evaluation.consistency import AXES, factor_of, rotation_block
+from lie_rigid_body.evaluation.consistency import AXES, factor_of
 from lie_rigid_body.interpreters import STARTING_S, Interpreter
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
@@ -326,7 +326,7 @@ def _attitude_series(found: Estimate, truth: Truth, places: Integers) -> list[li
         return []
     attitudes = unit("estimate", found.attitude_xyzw[places])
     errors = error_vectors(attitudes, truth.at(found.t_ns[places]), found.covariance_axes)
-    return _rows(errors, rotation_block(found.covariance), len(found), places, attitudes)
+    return _rows(errors, found.rotation_covariance(), len(found), places, attitudes)
 
 
 def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float]]:

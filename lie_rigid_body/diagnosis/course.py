@@ -10,19 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation import Truth
-from lie_rigid_body.evaluation.attitudes import sizes, turns
+from lie_rigid_body.evaluation.attitudes import Truth, sizes, turns
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import read_parameters
-from lie_rigid_body.wording import listed
 
 KINDS: Final = ("integrated", "instantaneous")
 """Kinds of gyro: values of the parameter ``gyro_rate``."""
@@ -58,8 +56,7 @@ gyro, a share of the vector of others. An unstable filter amplifies such errors,
 looks right by chance."""
 SMALLEST_TURN: Final = 1e-6
 """Turn between two readings, rad, below which a motion tells nothing."""
-_OF_A_MOTION: Final = frozenset(("inertia", "initial_attitude_xyzw", "initial_body_rate"))
-_TAKEN: Final = _OF_A_MOTION | {"imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
+_TAKEN: Final = {*MOTIONS[0], "imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
 """Parameters that a course takes from a given scenario."""
 _OWN: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity", "gyro_rate": KINDS[0]}
 """Parameters that every course sets itself; the kind of the gyro is that of an ordinary course."""
@@ -70,7 +67,6 @@ NOISE: Final = {
     "magnetometer_noise_density": "magnetometer_rate",
 }
 """Parameters of the noise of the three sensors, and of their rates."""
-Grid = Literal["even", "alternating", "walk"]
 
 
 @dataclass(frozen=True)
@@ -97,7 +93,7 @@ class Course(Truth):
     scenario: Scenario
     moving_s: float = MOVING
     rest_s: float = REST
-    grid: Grid = "even"
+    grid: str = "even"
     gaps_s: tuple[float, ...] = ()
     off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
@@ -138,16 +134,13 @@ class Course(Truth):
         return float(np.mean(sizes(self.states(times.astype(np.int64))[1])) / self.parameter("imu_rate"))
 
 
-_motion: Final = lru_cache(maxsize=16)(Scenario.exact_motion)
-
-
 @lru_cache(maxsize=512)  # fits ask again and again at the same stamps
 def _states(scenario: Scenario, rest_s: float, stamps_ns: bytes) -> tuple[Array, Array]:
     since = np.frombuffer(stamps_ns, dtype=np.int64) / 1e9 - rest_s
     u = np.clip(since / RAMP, 0.0, 1.0)
     passed = RAMP * u**3 * (1.0 - 0.5 * u) + np.maximum(since - RAMP, 0.0)  # time on the path of the free motion
     speed = u * u * (3.0 - 2.0 * u)
-    states = _motion(scenario).at(np.round(passed * 1e9).astype(np.int64))
+    states = scenario.exact_motion().at(np.round(passed * 1e9).astype(np.int64))
     return states.attitude_xyzw, states.body_rate * speed[:, np.newaxis]
 
 
@@ -207,10 +200,9 @@ def readings(course: Course) -> Readings:
 
 def _stamps(course: Course, rate: float) -> Integers:
     """Stamps with a margin before and after; the first that a filter is given is 0."""
-    count = int(np.ceil((course.rest_s + course.moving_s) * rate))
-    numbers = np.arange(-MARGIN, count + MARGIN, dtype=np.float64)
+    numbers = np.arange(-MARGIN, np.ceil((course.rest_s + course.moving_s) * rate) + MARGIN)
     walk = np.cumsum(1.0 + np.random.default_rng(0).uniform(-1.0, 1.0, len(numbers)) / 3.0)
-    grids: dict[Grid, Array] = {
+    grids: dict[str, Array] = {
         "even": numbers,
         "alternating": numbers - (numbers % 2) / 3.0,
         "walk": walk - walk[MARGIN],
@@ -233,20 +225,19 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
     InputError
         If they give a body that does not turn, or one by one what a course sets itself, as errors of sensors.
     """
-    values = read_parameters(given)
+    kept = {name: value for name, value in read_parameters(given).items() if name in _TAKEN & given.keys()}
     odd = [name for name in said if name not in _TAKEN]
     if odd:
         raise InputError(
-            f"{listed(odd)}: diagnose sets the rest itself, with sensors without errors: give only "
+            f"{', '.join(odd)}: diagnose sets the rest itself, with sensors without errors: give only "
             f"{', '.join(sorted(_TAKEN))}"
         )
-    kept: dict[str, object] = {name: values[name] for name in given if name in _TAKEN}
     rates = {name: kept.get(name, RATE) for name in ("imu_rate", "magnetometer_rate")}
     if not all(rates.values()):
         raise InputError(
-            f"{listed([name for name in rates if not rates[name]])}: 0: give rates above 0, or leave it out"
+            f"{', '.join(name for name in rates if not rates[name])}: 0: give rates above 0, or leave it out"
         )
-    motions = [kept] if _OF_A_MOTION & kept.keys() else [{**motion, **kept} for motion in MOTIONS]
+    motions = [kept] if MOTIONS[0].keys() & kept else [{**motion, **kept} for motion in MOTIONS]
     courses = tuple(Course(Scenario.from_parameters({**motion, **_OWN, **rates})) for motion in motions)
     if not min(course.turn for course in courses) > SMALLEST_TURN:
         raise InputError("initial_body_rate: the body does not turn, which tells nothing of a filter: let it turn")

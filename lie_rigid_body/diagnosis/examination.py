@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import asdict, dataclass
@@ -15,15 +14,15 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
-from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job, settled
-from lie_rigid_body.diagnosis.search import NEAR, Each, Search, Trial, plain
+from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
+from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
-from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
+from lie_rigid_body.estimates.programs import NodeEstimator
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.parameter_file import assignments
+from lie_rigid_body.scenario.parameter_file import recording
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown
 from lie_rigid_body.system import MOST_PROCESSES, cores
@@ -39,13 +38,12 @@ LEFT_OUT_OF_NODE: Final = ("converges", "long_run", "covariance")
 """Probes that are left out for a node, as they need many or long runs."""
 TIMEOUT_S: Final = 60.0
 """Longest time of one run of the filter, s, if the caller does not say."""
-TOLD: Final = float(np.radians(1e-3))
-"""Least difference between the errors of two kinds of gyro that a note tells, rad."""
-_OF_NODE: Final = f"Each run of a node takes seconds: it is not probed for {', '.join(LEFT_OUT_OF_NODE)}."
 _ALONE: Final = (
     "The function has no name by which another process finds it: it was run in this one, without workers and without a "
     "limit of its time."
 )
+TOLD: Final = float(np.radians(1e-3))
+"""Least difference between the errors of two kinds of gyro that a note tells, rad."""
 
 
 @short_dataclass(frozen=True)
@@ -154,16 +152,19 @@ class FilterDiagnosis(Shown):
         """What a person needs to know first."""
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
-        said = f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
-        if self.rms_deg > self.floor_deg:
-            tried = "so far" if self.interrupted else "that was tried"
-            said = f"Nothing {tried} mends the error of {degrees(self.rms_deg)}"
+        said = (
+            f"Nothing {'so far' if self.interrupted else 'that was tried'} mends the error of {degrees(self.rms_deg)}"
+            if self.rms_deg > self.floor_deg
+            else f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
+        )
         failed = {probe.code: probe.message for probe in self.probes if not probe.passed}
         if not failed:
             return [f"{said}."]
         first = next(code for code in ("finite", "repeatable", *failed) if code in failed)
-        fails = f"it fails {counted(len(failed), 'probe')}: {', '.join(failed)}"
-        return [f"{said}; {fails}.", f"{first}: {failed[first]}."]
+        return [
+            f"{said}; it fails {counted(len(failed), 'probe')}: {', '.join(failed)}.",
+            f"{first}: {failed[first]}.",
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """The entries of ``diagnose --json``."""
@@ -234,18 +235,22 @@ def diagnose(
         else scenario_of(scenario, parameters).parameters()
     )
     courses = courses_of(given, parameters)
-    for name, value, limit in (("workers", workers, MOST_PROCESSES), ("max_runs", max_runs, np.inf)):
-        if value is not None:
-            whole_number(name, value, 1, limit)
-    time_limit(timeout)
     source = source_of(estimate)
     is_node = isinstance(source, NodeEstimator)
-    most, each_core = (MOST_RUNS_OF_NODE, WORKERS_OF_NODE) if is_node else (MOST_RUNS, 1)
-    with closing(Workers(source, workers or each_core * cores(), timeout)) if source else nullcontext() as crew:
-        each: Each = crew.each if crew else partial(each_alone, cast("Estimator", estimate))
-        search = Search(each, courses, max_runs or most, progress or (lambda runs: None))
-        remarks = [_OF_NODE] * is_node + [_ALONE] * (source is None)
-        return examined(search, remarks, LEFT_OUT_OF_NODE if is_node else ())
+    most, each_core, left_out = (
+        (MOST_RUNS_OF_NODE, WORKERS_OF_NODE, LEFT_OUT_OF_NODE) if is_node else (MOST_RUNS, 1, ())
+    )
+    most = most if max_runs is None else whole_number("max_runs", max_runs, 1)
+    count = each_core * cores() if workers is None else whole_number("workers", workers, 1, MOST_PROCESSES)
+    with closing(Workers(source, count, timeout)) if source else nullcontext() as crew:
+        search = Search(
+            crew.each if crew else partial(each_alone, cast("Estimator", estimate)),
+            courses,
+            most,
+            progress or (lambda runs: None),
+        )
+        remarks = [f"Each run of a node takes seconds: it is not probed for {', '.join(left_out)}."] * is_node
+        return examined(search, remarks if source else [_ALONE], left_out)
 
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
@@ -271,8 +276,11 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     if search.is_cut:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
     if mistakes and search.chosen.error > search.floor:
-        left = degrees(float(np.degrees(search.chosen.error)))
-        remarks = [*remarks, f"The {left} that are left have no name yet: mend what is named, and diagnose again."]
+        remarks = [
+            *remarks,
+            f"The {degrees(float(np.degrees(search.chosen.error)))} that are left have no name yet: mend what is "
+            "named, and diagnose again.",
+        ]
     if errors and not mistakes and unrepaired.error > search.floor:
         remarks = [*remarks, _command(search.course, errors[0])]
     return FilterDiagnosis(
@@ -293,11 +301,15 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     chosen, courses = search.chosen, [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
     for count, code in enumerate(("", *chosen.codes)):
         repairs = (*chosen.mistakes[:count], *(JOINT,) * (JOINT in chosen.repairs and count > 0))
-        asked = [Job(course, repairs) for course in courses]
-        tracks = [answer.track for answer in search.ask(asked) if isinstance(answer, Answer)]
+        answers = search.ask([Job(course, repairs) for course in courses])
+        tracks = [answer.track for answer in answers if isinstance(answer, Answer)]
         if len(tracks) == len(courses):
-            left = float(np.degrees(error_of([settled(each) for each in tracks])))
-            yield ErrorOverTime(code, tracks[0].stamps_ns / 1e9, np.degrees(tracks[0].error().total), left)
+            yield ErrorOverTime(
+                code,
+                tracks[0].stamps_ns / 1e9,
+                np.degrees(tracks[0].error().total),
+                float(np.degrees(error_of([track.share() for track in tracks]))),
+            )
 
 
 def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
@@ -308,8 +320,14 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     for found in named.mistakes:
         after, instead = left.get(found.code, before), or_else(named, others, found.code)
         doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
-        message = f"{found.fact}. {found.deed} an error of {degrees(after)} instead of {degrees(before)}.{doubt}"
-        yield Mistake(found.code, message, found.text, before, after, instead)
+        yield Mistake(
+            found.code,
+            f"{found.fact}. {found.deed} an error of {degrees(after)} instead of {degrees(before)}.{doubt}",
+            found.text,
+            before,
+            after,
+            instead,
+        )
         before = after
 
 
@@ -333,14 +351,17 @@ def _notes(search: Search) -> Iterator[Note]:
         yield Note(JOINT.code, f"{JOINT.fact}: {ahead}", value)
     other = min((t for t in alike if t.kind != chosen.kind), key=lambda t: t.error, default=chosen)
     if other.error > max(NEAR * chosen.error, chosen.error + TOLD):
-        errs = f"with {other.kind} ones it errs by {with_unit(float(np.degrees(other.error)))}."
-        yield Note("gyro_kind", f"The filter expects {chosen.kind} rates: {errs}", chosen.kind)
+        yield Note(
+            "gyro_kind",
+            f"The filter expects {chosen.kind} rates: with {other.kind} ones it errs by "
+            f"{with_unit(float(np.degrees(other.error)))}.",
+            chosen.kind,
+        )
 
 
 def _command(course: Course, errors: ErrorOverTime) -> str:
     """The shortest run on which the filter errs most."""
     late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
     default = Scenario.from_parameters({"imu_rate": 1.0}).parameters()
-    words = ["lie-rigid-body", "record", "errs.mcap", "--duration", f"{np.ceil(max(1.0, late - REST)):g}"]
-    words += assignments({n: value for n, value in course.scenario.parameters().items() if value != default[n]})
-    return f"It errs most in: {shlex.join(words)}"
+    parameters = {name: value for name, value in course.scenario.parameters().items() if value != default[name]}
+    return f"It errs most in: {recording('errs.mcap', np.ceil(max(1.0, late - REST)), parameters)}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,11 +16,9 @@ from lie_rigid_body.diagnosis.search import NEAR, Search
 from lie_rigid_body.errors import FilterError, InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
-from lie_rigid_body.evaluation.consistency import rotation_block
 from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
-from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.track import Track
+from lie_rigid_body.evaluation.track import Track, error_of
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.sensors import GRADES
@@ -48,7 +45,6 @@ JUDGED: Final = 20
 
 SAME: Final = 1e-9
 """Largest difference of two estimates, rad, that count as the same."""
-_BY_CHANCE: Final = "; one that differs goes by a clock of its own, or by the order in which readings arrive"
 Judged = tuple[bool, str, float]
 """Whether a probe is passed, what is said of it, and the number that was judged."""
 
@@ -107,11 +103,6 @@ def worst(answers: Sequence[Answer], begin: float = 1.0 / 3.0) -> float:
     return max(answer.error(begin) for answer in answers)
 
 
-def _scatter(answers: Sequence[Answer]) -> float:
-    """Largest difference of the estimates of two equal runs, rad."""
-    return answers[0].track.apart(answers[1].track)
-
-
 def _limit(search: Search, least: float = 0.0) -> float:
     """The error up to which a probe with something in the way is passed, rad, and at least so much."""
     return max(search.floor, least, NEAR * search.chosen.error)
@@ -132,11 +123,13 @@ def _without_repair(search: Search, track: Track) -> str:
     if search.is_by_chance:
         return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
     if search.change:
-        off, change = f"{TINY * search.course.turn:.1g}", with_unit(float(np.degrees(search.change)))
-        return f"; it is unstable: sensors off by {off} of what they read change it by {change}, {WRONG_SIGN}"
+        return (
+            f"; it is unstable: sensors off by {TINY * search.course.turn:.1g} of what they read change it by "
+            f"{with_unit(float(np.degrees(search.change)))}, {WRONG_SIGN}"
+        )
     known = ExactTruth(track.truth.at, int(track.stamps_ns[0]), int(track.stamps_ns[-1]))
-    found = evaluate(track.stamps_ns, track.attitude_xyzw, known).findings
-    told = [f"{each.code}: {each.message}" for each in found if each.code in WITHOUT_REPAIR]
+    score = evaluate(track.stamps_ns, track.attitude_xyzw, known)
+    told = [f"{each.code}: {each.message}" for each in score.findings if each.code in WITHOUT_REPAIR]
     if search.chosen.parts[0] <= search.floor:
         told.append("its vertical is right, and its heading alone is wrong: see whether it uses the magnetometer")
     return "".join(f"; {each}" for each in told)
@@ -145,15 +138,20 @@ def _without_repair(search: Search, track: Track) -> str:
 def _half_turns(search: Search) -> list[Course]:
     """Motions whose attitude is half a turn about an axis of the world, in the middle of the course."""
     start, midst = search.course.at(np.array([0, round(5e8 * (search.course.rest_s + search.course.moving_s))]))
-    passed = quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst))
-    return [search.course.of_scenario(initial_attitude_xyzw=q) for q in quaternion.multiply(passed, start).tolist()]
+    starts = quaternion.multiply(quaternion.multiply(np.eye(4)[:3], quaternion.conjugate(midst)), start)
+    return [search.course.of_scenario(initial_attitude_xyzw=each) for each in starts.tolist()]
 
 
 def _starts(search: Search) -> list[Course]:
     """The ordinary motion, and those that begin turned by each rotation of a cube."""
     start = Rotation.from_quat(search.course.scenario.start().attitude_xyzw)
-    turned = [(start * turn).as_quat().tolist() for turn in Rotation.create_group("O")]
-    return [search.course, *(search.course.of_scenario(initial_attitude_xyzw=each) for each in turned)]
+    return [
+        search.course,
+        *(
+            search.course.of_scenario(initial_attitude_xyzw=(start * turn).as_quat().tolist())
+            for turn in Rotation.create_group("O")
+        ),
+    ]
 
 
 def _biased(search: Search) -> list[Course]:
@@ -191,7 +189,7 @@ def _off(search: Search, name: str) -> list[Course]:
     return [replace(search.course, off=((name, tuple(error)),)) for error in errors]
 
 
-def _off_judged(sensor: str, search: Search, answers: Sequence[Answer]) -> Judged:
+def _off_judged(search: Search, answers: Sequence[Answer], sensor: str) -> Judged:
     return limited(
         f"with {sensor} off by {VECTOR_ERROR:.0%} along one axis it errs by",
         worst(answers),
@@ -219,7 +217,7 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     return limited(
         "with the noise of tactical sensors it errs by",
         answers[0].error(),
-        1.01 * rms(single.error().total[answered[len(stamps) // 3 :]]),
+        1.01 * error_of([single.part(answered[len(stamps) // 3 :])]),
         f"; the best filter errs by {with_unit(float(np.degrees(least)))} over many such runs",
     )
 
@@ -238,7 +236,10 @@ def _gaps(search: Search) -> list[Course]:
 
 def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     errors, t_s = answers[0].track.error().total, answers[0].track.stamps_ns / 1e9
-    last, most = rms(errors[t_s >= 40.0]), max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
+    last, most = (
+        error_of([answers[0].track.part(t_s >= 40.0)]),
+        max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0)),
+    )
     passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
 
@@ -254,9 +255,9 @@ def _rests_judged(search: Search, answers: Sequence[Answer]) -> Judged:
 
 
 def _broken(search: Search, answers: Sequence[Answer]) -> Judged:
-    numbers = answers[0].broken.tolist()
-    first = f"; the first is sample {numbers[0]}" if numbers else ""
-    return limited("attitudes that are NaN, infinite or zero:", len(numbers), 0.0, first, "")
+    broken = answers[0].broken
+    first = f"; the first is sample {broken[0]}" if broken.size else ""
+    return limited("attitudes that are NaN, infinite or zero:", broken.size, 0.0, first, "")
 
 
 def _norms_judged(search: Search, answers: Sequence[Answer]) -> Judged:
@@ -282,8 +283,7 @@ def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     tracks = [answer.track.part(at) for answer in answers]
     estimate, truth = np.stack([(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks], axis=1)
     errors = error_vectors(estimate, truth, axes)
-    given = [(len(answer.track.stamps_ns), rotation_block(answer.given.covariance)) for answer in answers]
-    covariance = np.stack([np.broadcast_to(P, (samples, 3, 3))[at] for samples, P in given])
+    covariance = np.stack([answer.given.rotation_covariance()[at] for answer in answers])
     verdicts = [
         honesty(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)
         for runs in (slice(SEEDS), slice(SEEDS, None))
@@ -316,8 +316,10 @@ PROBES: Final = (
         ),
     ),
     ProbeRow("gyro_bias", _biased, _bias_judged),
-    ProbeRow("accelerometer_bias", lambda s: _off(s, "specific_force"), partial(_off_judged, "an accelerometer")),
-    ProbeRow("hard_iron", lambda s: _off(s, "field"), partial(_off_judged, "a magnetometer")),
+    ProbeRow(
+        "accelerometer_bias", lambda s: _off(s, "specific_force"), lambda s, o: _off_judged(s, o, "an accelerometer")
+    ),
+    ProbeRow("hard_iron", lambda s: _off(s, "field"), lambda s, o: _off_judged(s, o, "a magnetometer")),
     ProbeRow("noise", lambda s: [_noisy(s)], _noise_judged),
     ProbeRow("dropouts", _gaps, _gaps_judged),
     ProbeRow(
@@ -332,7 +334,13 @@ PROBES: Final = (
     ProbeRow(
         "repeatable",
         lambda s: [s.course, s.course],
-        lambda s, o: limited("called twice it gives estimates that differ by", _scatter(o), SAME, _BY_CHANCE, " rad"),
+        lambda s, o: limited(
+            "called twice it gives estimates that differ by",
+            o[0].track.apart(o[1].track),
+            SAME,
+            "; one that differs goes by a clock of its own, or by the order in which readings arrive",
+            " rad",
+        ),
     ),
     ProbeRow("norm", lambda s: [s.course], _norms_judged),
     ProbeRow("finite", lambda s: [s.course], _broken),
@@ -361,7 +369,7 @@ NOTES: Final = (
         lambda s, o: limited(
             "The estimate uses later readings, as smoothers do: without them it is another, by up to",
             o[0].track.apart(o[2].track),
-            SAME if _scatter(o) <= SAME else np.inf,
+            SAME if o[0].track.apart(o[1].track) <= SAME else np.inf,
         ),
     ),
 )

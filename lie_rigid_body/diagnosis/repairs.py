@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
-from lie_rigid_body.errors import FilterError
 from lie_rigid_body.estimates.estimators import Estimator, called
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import AXES, angles_between, named
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
-from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.track import Track, Tracks
+from lie_rigid_body.evaluation.track import Track, Tracks, error_of
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -104,9 +102,8 @@ def _axes() -> Iterator[Repair]:
     """Wrong axes of one sensor, with any permutation and signs, and of all sensors, with any such rotation."""
     for matrix in AXES[1:]:
         name = named(matrix).replace(",", "")
+        wrong = "the axes of the {} in another order or sign" if name != "-x -y -z" else "the {} with the opposite sign"
         for sensor in SENSORS:
-            opposite = name == "-x -y -z"
-            wrong = "the {} with the opposite sign" if opposite else "the axes of the {} in another order or sign"
             yield Repair(
                 f"{sensor}_axes",
                 name,
@@ -145,8 +142,14 @@ def _units(sensor: str) -> Iterator[Repair]:
             (factor, f"The filter takes {sensor} readings for {unit}"),
             (1.0 / factor, f"The filter turns {sensor} readings into {unit} where SI units belong"),
         ):
-            change = partial(_multiplied, (sensor,), value * np.eye(3))
-            yield Repair(f"{sensor}_units", f"× {value:.6g}", 0, change, fact, f"Multiplied by {value:.3g} they leave")
+            yield Repair(
+                f"{sensor}_units",
+                f"× {value:.6g}",
+                0,
+                partial(_multiplied, (sensor,), value * np.eye(3)),
+                fact,
+                f"Multiplied by {value:.3g} they leave",
+            )
 
 
 def factor(value: float) -> Repair:
@@ -162,25 +165,20 @@ def factor(value: float) -> Repair:
     )
 
 
-def drift(sensor: str, share: float) -> Repair:
-    """Change that makes the gyro drift about the direction that only one sensor corrects; no repair.
+def drifting(sensor: str, share: float, given: Readings) -> Readings:
+    """Readings of a gyro that drifts about the direction which only one sensor corrects.
 
     The drift is a tenth of the body's mean rate, about the magnetic field for the accelerometer, else about the
     vertical. The readings of the sensor are multiplied by a share.
     """
-    return Repair("", "", 0, partial(_drifting, sensor, share), "", "")
-
-
-def _drifting(sensor: str, share: float, given: Readings) -> Readings:
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
     rate = DRIFT * given.course.turn * given.course.parameter("imu_rate") * axis
     drifts = quaternion.rotate(quaternion.conjugate(given.course.at(given.t_ns)), rate)
     return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSORS[sensor])
 
 
-def late(sensor: str, samples: float) -> Repair:
-    """Repair that moves the readings of one sensor in time by a whole number of samples."""
-    count = int(samples)
+def late(sensor: str, count: int) -> Repair:
+    """Repair that moves the readings of one sensor in time by a number of samples."""
     size = f"{abs(count)} sample{'s' if abs(count) > 1 else ''}"
     return Repair(
         f"{sensor}_late",
@@ -205,9 +203,9 @@ def without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator
         repair = of_output(cause, constants)
         yield (repair,), error
         if pairs and not cause.price:
-            others = (other for other in CAUSES if other.code != cause.code)
-            rest = without([cause.undo(track, constants) for track in tracks], others, pairs=False)
-            yield from (((repair, *second), left) for second, left in rest)
+            mended = [cause.undo(track, constants) for track in tracks]
+            for second, left in without(mended, [other for other in CAUSES if other.code != cause.code], pairs=False):
+                yield (repair, *second), left
 
 
 def exact_repairs() -> tuple[Repair, ...]:
@@ -224,7 +222,7 @@ def exact_repairs() -> tuple[Repair, ...]:
     return tuple(sorted((*_axes(), *units, world, factor(2.0), factor(0.5)), key=lambda each: ORDER.index(each.code)))
 
 
-FITTED: Final[dict[str, tuple[Callable[[float], Repair], tuple[float, ...]]]] = {
+FITTED: Final[dict[str, tuple[Callable[[Any], Repair], tuple[float, ...]]]] = {
     "time_step": (factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
     **{f"{sensor}_late": (partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSORS},
 }
@@ -277,22 +275,14 @@ class Answer:
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
-        errors = self.track.error().total
-        return rms(errors[int(len(errors) * begin) : int(len(errors) * end)])
+        return error_of([self.track.share(begin, end)])
 
 
 def first_attitude(answers: Sequence[Answer]) -> list[float] | None:
-    """The attitude with which a filter begins, if that is nearly the same where the bodies begin with others."""
-    if len(answers) < 2:
-        return None
+    """The attitude with which a filter begins, if that is nearly the same where two bodies begin with others."""
     told = [answer.track.attitude_xyzw[0] for answer in answers]
     true = [answer.track.truth.at(answer.track.stamps_ns[:1])[0] for answer in answers]
-    return told[0].tolist() if angles_between(*told) < ALIKE * angles_between(*true) else None
-
-
-def settled(whole: Track) -> Track:
-    """The last two thirds of the samples, in which a filter has converged."""
-    return whole.part(slice(len(whole.stamps_ns) // 3, None))
+    return told[0].tolist() if len(told) == 2 and angles_between(*told) < ALIKE * angles_between(*true) else None
 
 
 @dataclass(frozen=True)
@@ -313,13 +303,10 @@ class Job:
         given = readings(self.course)
         for repair in self.repairs:
             given = repair.change(given) if repair.change else given
-        found = called(estimate, given.run())
-        begin_s = (self.course.rest_s + self.course.moving_s) / 3.0
-        if found.t_ns[-1] < 1e9 * begin_s:
-            raise FilterError(f"no attitude after {begin_s:.3g} s: return a row for each reading of the IMU")
+        found = called(estimate, given.run(), (self.course.rest_s + self.course.moving_s) / 3.0)
         norms = quaternion.norm(found.attitude_xyzw)
         broken = ~((norms > SMALLEST_NORM) & (norms < LARGEST_NORM))
         attitude = np.where(broken[:, np.newaxis], (0.0, 0.0, 0.0, 1.0), found.attitude_xyzw)
+        track = Track(found.t_ns, quaternion.normalize(attitude), self.course)
         causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
-        track = undone(Track(found.t_ns, quaternion.normalize(attitude), self.course), causes)
-        return Answer(track, np.flatnonzero(broken), found)
+        return Answer(undone(track, causes), np.flatnonzero(broken), found)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import chain, product
 from typing import Final
 
 import numpy as np
@@ -23,14 +23,13 @@ from lie_rigid_body.diagnosis.repairs import (
     Job,
     Repair,
     Repairs,
-    drift,
+    drifting,
     exact_repairs,
     first_attitude,
-    settled,
     without,
 )
 from lie_rigid_body.errors import FilterError
-from lie_rigid_body.evaluation.causes import CAUSES, Cause
+from lie_rigid_body.evaluation.causes import CAUSES, ONE, Cause
 from lie_rigid_body.evaluation.track import Track, error_of
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -55,8 +54,6 @@ BEAM: Final = 8
 """Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
 UNCHANGED: Final = 1e-6
 """Change of the estimate, rad, below which a repair has no effect."""
-WORLD: Final = [0.0, 0.0, 0.0, 1.0]
-"""Attitude at which most filters begin that do not begin with their readings."""
 SILENT: Final = 1e-12
 """Factor by which the readings of a sensor vanish beside those that a filter uses."""
 QUICK: Final = tuple(cause for cause in CAUSES if cause.code not in ("lagging", "leading", "clock_rate"))
@@ -107,8 +104,7 @@ class Trial:
     @property
     def rank(self) -> tuple[int, int, list[int]]:
         """Rank of the trial: number of repairs, price, places in the table. The least rank is named."""
-        places = sorted(ORDER.index(code) for code in self.codes)
-        return len(self.codes), sum(repair.price for repair in self.mistakes), places
+        return len(self.codes), sum(repair.price for repair in self.mistakes), sorted(map(ORDER.index, self.codes))
 
 
 def plain(trials: Iterable[Trial]) -> Trial:
@@ -139,10 +135,6 @@ def choose(trials: Sequence[Trial], floor: float, mended: float = MENDED) -> lis
     return [named, *(t for t in as_good if len(t.codes) == len(named.codes) and t.codes != named.codes)]
 
 
-Each = Callable[[Sequence[Job]], Iterator[Answer | FilterError]]
-"""Function that runs the filter once for each job."""
-
-
 class Search:
     """A search under way, whose choice can be asked for at any time.
 
@@ -169,6 +161,7 @@ class Search:
     Parameters
     ----------
     each : callable
+        Function that runs the filter once for each job.
     courses : tuple of Course
         Ordinary courses; see `courses_of`.
     most_runs : int
@@ -178,7 +171,11 @@ class Search:
     """
 
     def __init__(
-        self, each: Each, courses: tuple[Course, ...], most_runs: int, tell: Callable[[int], object] = lambda runs: None
+        self,
+        each: Callable[[Sequence[Job]], Iterator[Answer | FilterError]],
+        courses: tuple[Course, ...],
+        most_runs: int,
+        tell: Callable[[int], object] = lambda runs: None,
     ) -> None:
         self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
@@ -219,13 +216,14 @@ class Search:
         """
         self.trials += self.fully([()], courses=self.courses)
         exact = self.trials
-        is_right = self._is_right_on(self.courses)
-        if is_right or any(answer.broken.size for trial in (*exact, *self.trials) for answer in trial.unrepaired):
+        if self._is_right_on(self.courses) or any(
+            answer.broken.size for trial in (*exact, *self.trials) for answer in trial.unrepaired
+        ):
             self.trials = exact
             return
         first = first_attitude(exact[0].unrepaired)
         self.begins_alike = first is not None
-        for begin in [first, WORLD] * self.begins_alike:  # it may tell its first attitude in another convention
+        for begin in [first, ONE.tolist()] * self.begins_alike:  # it may tell the first attitude in another convention
             if self._is_right_on([course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses]):
                 return
         before = self.courses, self.trials
@@ -263,7 +261,7 @@ class Search:
         if self._is_mended(1):
             return
         ((unrepaired,),) = self.tried([((), self.short)])
-        singles = self._screened([(repair,) for repair in exact_repairs()])
+        singles = self._screened([(repair,) for repair in exact_repairs()], QUICK)
         changing = [trial.mistakes[0] for trial in singles if trial.changes(unrepaired)]
         if not self._is_mended(1):
             singles += self._fitted_beside(())
@@ -290,21 +288,22 @@ class Search:
         """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
         causes, rests = () if first else QUICK, (first, (*first, JOINT))
         pairs = [(code, rest) for code in FITTED if code not in [each.code for each in first] for rest in rests]
-        return self._screened([(self._fitted(code, rest, causes), *rest) for code, rest in pairs if self._may_go_on()])
+        return self._screened(
+            [(self._fitted(code, rest, causes), *rest) for code, rest in pairs if self._may_go_on()], causes
+        )
 
-    def _screened(self, chosen: Sequence[Repairs]) -> list[Trial]:
-        """Try repairs on the short course, single ones also with those of the output; then the best on all."""
+    def _screened(self, chosen: Sequence[Repairs], causes: Sequence[Cause] = ()) -> list[Trial]:
+        """Try repairs on the short course, and each with some causes in the output; then the best on all courses."""
         if not chosen:
             return []
-        is_single = len(set(chosen[0]) - {JOINT}) == 1
-        found = list(self.tried([(repairs, self.short) for repairs in chosen], QUICK if is_single else ()))
+        found = list(self.tried([(repairs, self.short) for repairs in chosen], causes))
         least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
         best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
         far = FAR * max(self.floor, least[best[0]].error)
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
         finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
-        self.trials += self.fully(finals, CAUSES if is_single else ())
+        self.trials += self.fully(finals, CAUSES if causes else ())
         return [replace(trial, parts=(with_output.error, *trial.parts)) for trial, with_output in least.items()]
 
     def _uses_what_it_scales(self, trial: Trial) -> bool:
@@ -317,14 +316,17 @@ class Search:
         errors change by chance. The second has to be more than twice what the repair leaves, too: half of the
         factor leaves twice of such a constant.
         """
-        sensors = [repair.code.partition("_")[0] for repair in trial.mistakes if repair.code.endswith("_units")]
-        costs = (self.drift_costs(sensor, trial.repairs) for sensor in sensors)
+        costs = (
+            self.drift_costs(repair.code.removesuffix("_units"), trial.repairs)
+            for repair in trial.mistakes
+            if repair.code.endswith("_units")
+        )
         return all(silence > self.floor and abs(half) > max(self.floor, NEAR * trial.error) for silence, half in costs)
 
     def drift_costs(self, sensor: str, repairs: Repairs) -> tuple[float, float]:
         """Increases of the error, rad, by a silent sensor and by half of its readings, in a drift it alone tells."""
-        asked = [((drift(sensor, share), *repairs), self.short) for share in (1.0, SILENT, 0.5)]
-        used, silenced, halved = (trial.error for (trial,) in self.tried(asked))
+        drifts = [Repair("", "", 0, partial(drifting, sensor, share), "", "") for share in (1.0, SILENT, 0.5)]
+        used, silenced, halved = (trial.error for (trial,) in self.tried([((d, *repairs), self.short) for d in drifts]))
         return silenced - used, halved - used
 
     def fully(
@@ -337,8 +339,7 @@ class Search:
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
         courses = courses or [course.nearly_perfect() for course in self.courses]
         by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in KINDS]
-        tried = self.tried([(repairs, asked) for repairs in jointly for asked in by_kind], causes)
-        return (trial for trials in tried for trial in trials)
+        return chain.from_iterable(self.tried([*product(jointly, by_kind)], causes))
 
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:
         """The best constant of a repair beside others, and perhaps one of the output."""
@@ -379,13 +380,18 @@ class Search:
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
-            tracks = [settled(answer.track) for answer in right]
+            tracks = [answer.track.share() for answer in right]
             parts = tracks[0].partial_errors()
             if courses == self.short:
                 tracks = [each.few(SCREENED) for each in tracks]
             alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], () if repairs else right)
-            mended = without(tracks, causes, pairs=not alone.codes)
-            yield [alone, *(Trial((*repairs, *outputs), kind, error) for outputs, error in mended)]
+            yield [
+                alone,
+                *(
+                    Trial((*repairs, *outputs), kind, error)
+                    for outputs, error in without(tracks, causes, pairs=not alone.codes)
+                ),
+            ]
 
 
 def _most_promising(trials: Sequence[Trial]) -> list[Trial]:

@@ -33,22 +33,32 @@ _GRACE_S: Final = 2.0
 """Time that a program has beyond its own limit, s: its estimator ends it, and says more."""
 
 
-def called(estimate: Estimator, run: Run) -> Estimate:
+def called(estimate: Estimator, run: Run, settled_s: float) -> Estimate:
     """Call an estimator with a run; return its estimate with stamps, and ignore its warnings.
+
+    Parameters
+    ----------
+    estimate : callable
+    run : Run
+    settled_s : float
+        Time since the run's first stamp from which on errors count, s.
 
     Raises
     ------
     FilterError
-        With the line in the user's file, or with the shape.
+        With the line in the user's file, or with the shape; or if no attitude is of the time that counts.
     """
-    stamps_ns = run.sensors["imu"].t_ns  # before an estimator may change that
+    stamps_ns, begin_ns = run.sensors["imu"].t_ns, run.t_ns[0]  # before an estimator may change them
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             found = Estimate.of(estimate(run))  # what is returned may run code of its own where it is read
-        return found if found.t_ns is not None else replace(found, t_ns=stamps_ns)
+        found = found if found.t_ns is not None else replace(found, t_ns=stamps_ns)
     except (Exception, SystemExit) as error:
         raise FilterError(told(error)) from None
+    if found.t_ns[-1] < begin_ns + 1e9 * settled_s:
+        raise FilterError(f"no attitude after {settled_s:.3g} s: return a row for each reading of the IMU")
+    return found
 
 
 @short_dataclass(frozen=True)

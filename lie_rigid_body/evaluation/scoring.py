@@ -261,7 +261,7 @@ def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 
     Their constants are fitted to `most` samples. Nothing is said if the errors of all samples grow when all causes are
     undone, as where most are of something else.
     """
-    parts, few = named.parts, track.part(slice(len(track.stamps_ns) // 4, None)).few(most)
+    parts, few = named.parts, track.share(0.25).few(most)
     rest = fit([few.part(few.truth.covers(undone(few, parts).stamps_ns))], parts)
     found, done, errors = list[Finding](), list[Part](), [_errors(track, [])]
     while rest:

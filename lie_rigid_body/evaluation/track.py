@@ -56,6 +56,11 @@ class Track:
         stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
         return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
 
+    def share(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> Track:
+        """The samples from one share of their number to another; by default those after which a filter has settled."""
+        count = len(self.stamps_ns)
+        return self.part(slice(int(count * begin), int(count * end)))
+
     def few(self, most: int = 40) -> Track:
         """At most so many of the samples, evenly spread over all."""
         return self.part(spread(len(self.stamps_ns), most))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
@@ -27,7 +26,7 @@ from lie_rigid_body.report.html_page import (
     paragraph,
     table,
 )
-from lie_rigid_body.scenario.parameter_file import assignments
+from lie_rigid_body.scenario.parameter_file import recording
 from lie_rigid_body.wording import counted, listed, printable, shortened
 
 _COLUMNS: Final = (
@@ -217,6 +216,5 @@ def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Standing
 
 def _command(campaign: Campaign, run: int) -> str:
     """The command that makes a run again."""
-    words = ["lie-rigid-body", "record", f"{run:06d}.mcap", "--duration", f"{campaign.duration:g}"]
-    words += ["--scenario", campaign.scenario] if campaign.scenario else []
-    return shlex.join(words + assignments({**campaign.parameters, **campaign.varied(campaign.scenario_of(run))}))
+    parameters = {**campaign.parameters, **campaign.varied(campaign.scenario_of(run))}
+    return recording(f"{run:06d}.mcap", campaign.duration, parameters, campaign.scenario)

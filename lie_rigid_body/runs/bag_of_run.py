@@ -17,7 +17,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.arguments import numbers, unit
-from lie_rigid_body.evaluation.consistency import factor_of, rotation_block
+from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED, places
@@ -122,8 +122,7 @@ def _attitudes(topic: str, estimate: Estimate, frame: str) -> tuple[Messages, st
     attitude = unit("estimate", estimate.attitude_xyzw)
     if estimate.covariance is None:
         return _messages(topic, POSE_STAMPED, frame, estimate.t_ns, {"pose.orientation": estimate.attitude_xyzw})
-    factor_of(of_rotation := rotation_block(estimate.covariance))
-    P = np.broadcast_to(of_rotation, (len(estimate), 3, 3))
+    factor_of(P := estimate.rotation_covariance())
     if estimate.covariance_axes == "body":
         R = quaternion.to_matrix(attitude)
         P = R @ P @ np.swapaxes(R, -1, -2)

@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape_remedy
-from lie_rigid_body.evaluation.consistency import require_axes
+from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
 from lie_rigid_body.wording import call_repr
 
 BIAS: Final = "/gyro_bias"
@@ -88,6 +88,16 @@ class Estimate:
         if hasattr(result, "attitude_xyzw"):
             return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if hasattr(result, f.name)})
         return cls(result[1], result[0]) if isinstance(result, tuple) and len(result) == 2 else cls(result)
+
+    def rotation_covariance(self) -> Array:
+        """Covariance of small rotations at each attitude, shape (N, 3, 3), rad².
+
+        Raises
+        ------
+        InputError
+            If a number is not finite, or it is not known.
+        """
+        return np.broadcast_to(rotation_block(self.covariance), (len(self), 3, 3))
 
     def __len__(self) -> int:
         return len(self.attitude_xyzw)

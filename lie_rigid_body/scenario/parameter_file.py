@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -118,6 +119,13 @@ def assignments(parameters: Mapping[str, object]) -> list[str]:
         text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
         words += ["-p", f"{name}:={text}"]
     return words
+
+
+def recording(bag: str, duration_s: float, parameters: Mapping[str, object], scenario: str | None = None) -> str:
+    """The command, for a shell, that records a run of a scenario with parameters over its own."""
+    named = ["--scenario", scenario] if scenario else []
+    duration = ["--duration", f"{duration_s:g}"]
+    return shlex.join(["lie-rigid-body", "record", bag, *duration, *named, *assignments(parameters)])
 
 
 def parse_assignment(text: str, option: str = "-p") -> tuple[str, object]:

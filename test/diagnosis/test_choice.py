@@ -20,7 +20,6 @@ from lie_rigid_body.diagnosis.repairs import (
     exact_repairs,
     late,
     of_output,
-    settled,
 )
 from lie_rigid_body.diagnosis.search import Trial, choose
 from lie_rigid_body.evaluation.attitudes import angles_between
@@ -189,7 +188,7 @@ def test_clock_of_another_rate_is_undone_where_only_later_samples_are_compared()
     truth, stamps = courses_of({})[0], np.arange(1300) * 10_000_000
     whole = Track(np.round(1.03 * stamps).astype(np.int64), truth.at(stamps), truth)
     (clock,) = (cause for cause in CAUSES if cause.code == "clock_rate")
-    constants, left = clock.fitted([settled(whole)])
+    constants, left = clock.fitted([whole.share()])
     assert left < 1e-7
     assert constants == pytest.approx([1.0 / 1.03], abs=1e-7)
     assert clock.undo(whole, constants).error().total.max() < 1e-7
