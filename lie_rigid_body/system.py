@@ -60,6 +60,11 @@ def open_itself(path: str, flags: int, mode: int = 0o666) -> int:
     return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), mode)
 
 
+def real_path(path: Path) -> Path:
+    """A path whose links are followed; links in a circle, which lead to no file, stay in it."""
+    return Path(os.path.realpath(path))
+
+
 def user() -> int:
     """Number of the user whose rights this process has; 0, that of every file, where users have none."""
     return os.geteuid() if hasattr(os, "geteuid") else 0

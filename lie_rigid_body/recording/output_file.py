@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 
 from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.system import is_others, lock, user
+from lie_rigid_body.system import is_others, lock, real_path, user
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -98,7 +98,7 @@ class OutputFile:
         if not self.path.is_file():
             raise BagError(f"{self.path} is not a regular file and is not replaced: give another name")
         # the name itself where it is no link: one that somebody puts there meanwhile is replaced, and not followed
-        return self.path.resolve() if self.path.is_symlink() else self.path.parent.resolve() / self.path.name
+        return real_path(self.path) if self.path.is_symlink() else real_path(self.path.parent) / self.path.name
 
     def sync(self) -> None:
         """Flush and fsync: what was written survives a loss of power."""

@@ -37,6 +37,7 @@ from lie_rigid_body.recording.records import (
     require,
 )
 from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.system import real_path
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
@@ -293,7 +294,7 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
     try:
         for file in files:
             try:
-                found[file] = recover(file, fixed / f"{fixed.resolve().name}_{whole}.mcap", overwrite=False)
+                found[file] = recover(file, fixed / f"{real_path(fixed).name}_{whole}.mcap", overwrite=False)
                 whole += 1
             except NothingWholeError as error:
                 found[file] = error
@@ -310,7 +311,7 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
 def _make(broken: Path, fixed: Path) -> None:
     if fixed.suffix.lower() == ".mcap":
         raise BagError(f"{broken} is a folder, and {fixed} is to be one: give a name that does not end in .mcap")
-    if broken.resolve() in fixed.resolve().parents:
+    if real_path(broken) in real_path(fixed).parents:
         raise BagError(f"{fixed} is in the broken folder itself, which is never touched: give another place")
     try:
         fixed.mkdir()

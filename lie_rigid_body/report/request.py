@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed
+from lie_rigid_body.wording import listed, shown
 
 if TYPE_CHECKING:
     from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
@@ -193,9 +193,11 @@ def _answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Recor
     )
 
 
-def _require_score(score: object) -> None:
+def _require_score(score: object, title: object) -> None:
     from lie_rigid_body.evaluation import Score
 
+    if not isinstance(title, str):
+        raise InputError(f"title {shown(title)} is no text: give one, or leave it out")
     if not isinstance(score, Score):
         kind = type(score).__name__
         raise InputError(f"a {kind} is no score: {_INSTEAD.get(kind, 'give what evaluate() or run.score() returns')}")
@@ -216,12 +218,12 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     Raises
     ------
     InputError, BagError
-        If it is no score, the name ends otherwise, or the file exists or cannot be written.
+        If it is no score, the title no text, the name ends otherwise, or the file exists or cannot be written.
     """
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import drawing, scores
 
-    _require_score(score)
+    _require_score(score, title)
     require_suffix("path", str(path), ".png")
     write_file(path, drawing.png(partial(scores.draw, title, score)), overwrite=overwrite)
 
@@ -234,6 +236,6 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import scores
 
-    _require_score(score)
+    _require_score(score, title)
     require_suffix("path", str(path), ".html")
     write_file(path, scores.page(title, None, score), overwrite=overwrite)

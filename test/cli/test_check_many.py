@@ -100,6 +100,14 @@ def test_the_status_is_the_worst_of_all(runs, capsys):
     assert answer(capsys, poor, good, runs / "absent.mcap")[0] == 2
 
 
+def test_a_link_to_itself_stops_no_other_bag(runs, capsys):
+    circle = runs / "circle.mcap"
+    circle.symlink_to(circle.name)
+    status, out, [line] = answer(capsys, circle, runs / "9.mcap")
+    assert [row.split()[0] for row in out[1:3]] == ["unusable", "certified"]
+    assert (status, line.partition("circle.mcap ")[2][:14]) == (2, "cannot be read")
+
+
 @pytest.mark.usefixtures("asked_here")
 def test_a_bag_that_is_named_twice_is_judged_once(runs, capsys):
     _, out, _ = answer(capsys, runs / "9.mcap", runs / ".." / "runs" / "9.mcap", runs)

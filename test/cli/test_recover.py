@@ -135,14 +135,19 @@ def named(folder: Path, *names: str) -> None:
     (folder / "metadata.yaml").write_text(text)
 
 
-@pytest.mark.parametrize("instead", ["nothing", "folder", "pipe"])
+@pytest.mark.parametrize("instead", ["nothing", "folder", "pipe", "link to itself"])
 def test_the_files_of_a_folder_are_those_that_its_metadata_name(
     split: Path, capsys: pytest.CaptureFixture[str], instead: str
 ) -> None:
     """One that is gone, or is none, is told, and so is one more that stands there; neither costs the others."""
     part, gone, more = (split / f"my run_{i}.mcap" for i in range(3))
     gone.unlink()
-    {"nothing": lambda path: None, "folder": os.mkdir, "pipe": os.mkfifo}[instead](gone)
+    {
+        "nothing": lambda path: None,
+        "folder": os.mkdir,
+        "pipe": os.mkfifo,
+        "link to itself": lambda path: path.symlink_to(path.name),
+    }[instead](gone)
     more.write_bytes(part.read_bytes())
     named(split, part.name, gone.name)
     fixed = split.with_name("fixed")

@@ -157,6 +157,8 @@ def test_what_is_no_score_is_told_what_makes_its_page(write: Any, run: Any, tmp_
     for remedy, given in remedies.items():
         with pytest.raises(InputError, match=remedy):
             write(given, tmp_path / "e.png")
+    with pytest.raises(InputError, match="title"):
+        write(off_by(run, 5.0), tmp_path / "e.png", title=None)
     assert not [*tmp_path.iterdir()]
 
 
