@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 
-MOST_STEPS: Final = 1e12
-"""Largest number of steps in one call: a day's work."""
+MOST_STEPS: Final = 1e15
+"""Largest number of steps in one call: a year's work."""
 
 _SLACK: Final = 1e-9
 """Slack, in steps: how far an interval may exceed a whole number of largest steps by round-off."""
