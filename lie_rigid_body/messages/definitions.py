@@ -100,7 +100,7 @@ def has_fields_of(text: str, message_type: str) -> bool:
         One of the names of this module.
     """
     # readers differ in what else ends a line, and with it a comment
-    has_plain_lines = text.splitlines() == text.removesuffix("\n").replace("\r\n", "\n").split("\n")
+    has_plain_lines = text.splitlines() == text.replace("\r\n", "\n").removesuffix("\n").split("\n")
     return has_plain_lines and _fields(text, message_type) == _fields(definition(message_type), message_type)
 
 
