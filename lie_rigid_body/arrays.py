@@ -20,6 +20,8 @@ Integers: TypeAlias = NDArray[np.int64]
 Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
 
+NOT_NUMBERS: Final = (OverflowError, RuntimeError, TypeError, ValueError)
+"""Errors by which NumPy, and objects that it asks, refuse to be an array of numbers."""
 TRANSPOSED: Final = "its rows are columns: transpose it, as array.T"
 """Remedy for an array whose transposed one has the shape that is wanted."""
 

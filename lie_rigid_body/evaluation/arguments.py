@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import TO_NANOSECONDS, TRANSPOSED, Array, Integers, as_double, require_unmasked
+from lie_rigid_body.arrays import NOT_NUMBERS, TO_NANOSECONDS, TRANSPOSED, Array, Integers, as_double, require_unmasked
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import shown
@@ -62,7 +62,7 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
         if array.dtype.kind in "iuf" or all(isinstance(number, Real) for number in array.flat):
             return np.asarray(array, dtype=np.float64)
         fault = "complex numbers: give real ones," if np.iscomplexobj(array) else fault
-    except (TypeError, ValueError, OverflowError, RuntimeError):  # the last of a tensor that needs detach()
+    except NOT_NUMBERS:
         pass
     raise InputError(f"{name}: {fault} an array of shape {wanted}")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import TRANSPOSED, Array, require_unmasked
+from lie_rigid_body.arrays import NOT_NUMBERS, TRANSPOSED, Array, require_unmasked
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
@@ -48,7 +48,7 @@ def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
             array = array.astype(np.float64)
         if array.dtype.kind not in "biufc":
             raise TypeError
-    except (OverflowError, TypeError, ValueError):
+    except NOT_NUMBERS:
         raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
     return array
 
