@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.runs.estimators import Estimator, Workers, each_alone, source_of
-from lie_rigid_body.runs.programs import NodeEstimator
+from lie_rigid_body.runs.programs import NodeEstimator, time_limit
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import recording
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -235,6 +235,7 @@ def diagnose(
         else scenario_of(scenario, parameters).parameters()
     )
     courses = courses_of(given, parameters)
+    time_limit(timeout)
     source = source_of(estimate)
     is_node = isinstance(source, NodeEstimator)
     most, each_core, left_out = (
@@ -255,9 +256,7 @@ def diagnose(
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
     """Search, name and probe, but for some probes; when interrupted, tell what was found so far."""
-    errors: list[ErrorOverTime] = []
-    probes: list[Probe] = []
-    notes: list[Note] = []
+    errors, probes, notes = list[ErrorOverTime](), list[Probe](), list[Note]()
     interrupted = False
     try:
         search.run()
