@@ -191,7 +191,7 @@ def certify(
         surveyed = foreseen or survey(bag, inertia)
     except ParameterError as error:
         return Certificate((), (whole_bag.impossible(error),))
-    with _any_numbers():
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
         if foreseen is not None:
             held, of_sensors = _held(bag, foreseen, surveyor.blocks, watch)
             surveyed = surveyor.result()
@@ -230,11 +230,6 @@ def _to_the_bit(
     if motions != {"closed_form"} or other_software(bag) is not None:
         return None
     return all(laws.is_exact for laws in held) and sensors.are_exact
-
-
-def _any_numbers() -> np.errstate:
-    """A context in which recorded numbers may be anything, and NaN breaks every law."""
-    return np.errstate(divide="ignore", invalid="ignore", over="ignore")
 
 
 def _held(

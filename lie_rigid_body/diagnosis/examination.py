@@ -17,7 +17,7 @@ from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, to
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
 from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
-from lie_rigid_body.estimates.programs import NodeEstimator
+from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.runs.ensemble import scenario_of
@@ -235,6 +235,7 @@ def diagnose(
         else scenario_of(scenario, parameters).parameters()
     )
     courses = courses_of(given, parameters)
+    time_limit(timeout)
     source = source_of(estimate)
     is_node = isinstance(source, NodeEstimator)
     most, each_core, left_out = (
@@ -255,9 +256,7 @@ def diagnose(
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
     """Search, name and probe, but for some probes; when interrupted, tell what was found so far."""
-    errors: list[ErrorOverTime] = []
-    probes: list[Probe] = []
-    notes: list[Note] = []
+    errors, probes, notes = list[ErrorOverTime](), list[Probe](), list[Note]()
     interrupted = False
     try:
         search.run()

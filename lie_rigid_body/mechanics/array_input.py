@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import NOT_NUMBERS, TRANSPOSED, Array, require_unmasked
+from lie_rigid_body.arrays import NOT_NUMBERS, TRANSPOSED, Array, Booleans, Integers, require_unmasked
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
@@ -240,6 +240,22 @@ class ArraysOnly(Immutable):
     """Base class of what is arrays alone: its slots, each of which is read only."""
 
     __slots__: tuple[str, ...] = ()
+
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """The leading axes: () of one."""
+        raise NotImplementedError
+
+    def __len__(self) -> int:
+        if not self.batch_shape:
+            raise TypeError(f"one {type(self).__name__} has no length")
+        return self.batch_shape[0]
+
+    def __getitem__(self, index: int | slice | Integers | Booleans) -> Self:
+        """Those at an index of the first leading axis."""
+        if not self.batch_shape:
+            raise TypeError(f"one {type(self).__name__} cannot be indexed")
+        return self.trusted(*(getattr(self, name)[index] for name in self.__slots__))
 
     @classmethod
     def trusted(cls, *arrays: Array) -> Self:

@@ -111,17 +111,6 @@ class RigidBody(ArraysOnly):
         """The leading axes: () for one body."""
         return self.inertia.shape[:-2]
 
-    def __len__(self) -> int:
-        if not self.batch_shape:
-            raise TypeError("one RigidBody has no length")
-        return self.batch_shape[0]
-
-    def __getitem__(self, index: int | slice) -> RigidBody:
-        """The bodies at an index of the first leading axis."""
-        if not self.batch_shape:
-            raise TypeError("one RigidBody cannot be indexed")
-        return RigidBody.trusted(*(getattr(self, name)[index] for name in self.__slots__))
-
     def __repr__(self) -> str:
         return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), LONGEST_LINE - 12)})"
 

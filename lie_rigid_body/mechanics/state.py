@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans
+from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.array_input import ArraysOnly, real_array
@@ -55,16 +55,10 @@ class State(ArraysOnly):
             )
         self._hold(_unit(attitude), rate)
 
-    def __len__(self) -> int:
-        if self.body_rate.ndim < 2:
-            raise TypeError("a State of one instant has no length")
-        return len(self.body_rate)
-
-    def __getitem__(self, index: int | slice | Booleans) -> State:
-        """The states at an index of the first leading axis."""
-        if self.body_rate.ndim < 2:
-            raise TypeError("a State of one instant cannot be indexed")
-        return State.trusted(self.attitude_xyzw[index], self.body_rate[index])
+    @property
+    def batch_shape(self) -> tuple[int, ...]:
+        """The leading axes: () for one instant."""
+        return self.body_rate.shape[:-1]
 
     def __repr__(self) -> str:
         return call_repr(self, {name: getattr(self, name) for name in self.__slots__})

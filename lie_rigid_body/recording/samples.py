@@ -43,8 +43,7 @@ class Block:
     states: State
 
     def __getitem__(self, rows: slice | Integers | Booleans) -> Block:
-        states = State.trusted(self.states.attitude_xyzw[rows], self.states.body_rate[rows])
-        return Block(self.samples[rows], self.stamps_ns[rows], states)
+        return Block(self.samples[rows], self.stamps_ns[rows], self.states[rows])
 
     @classmethod
     def joined(cls, blocks: Sequence[Block]) -> Block:

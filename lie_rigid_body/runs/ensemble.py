@@ -222,10 +222,6 @@ class BlindScenario(Scenario):
         names = [f.name for f in fields(self) if f.name not in (*WITHHELD, "sensors", "sensor_parameters")]
         return {**{name: getattr(self, name) for name in names}, **dict(self.sensor_parameters)}
 
-    def __getstate__(self) -> dict[str, object]:
-        """Attributes to be copied or pickled: those that are not withheld."""
-        return dict(vars(self))
-
     def __eq__(self, other: object) -> bool:
         return isinstance(other, BlindScenario) and self.parameters() == other.parameters()
 

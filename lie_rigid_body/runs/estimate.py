@@ -103,10 +103,9 @@ class Estimate:
         return len(self.attitude_xyzw)
 
     def __getitem__(self, rows: slice) -> Estimate:
-        some = {f.name: getattr(self, f.name) for f in fields(self)}
-        each = {name: 2 + name.endswith("covariance") for name in some if isinstance(some[name], np.ndarray)}
-        cut = {name: some[name][rows] for name, ndim in each.items() if name == "t_ns" or some[name].ndim == ndim}
-        return replace(self, **cut)
+        of_rows = {"t_ns": 1, "attitude_xyzw": 2, "covariance": 3, "gyro_bias": 2, "gyro_bias_covariance": 3}
+        axes = {name: np.ndim(getattr(self, name)) for name in of_rows}  # fewer of a covariance of all
+        return replace(self, **{name: getattr(self, name)[rows] for name in of_rows if axes[name] == of_rows[name]})
 
     def __repr__(self) -> str:
         return call_repr(self, {name: value for name, value in vars(self).items() if value is not None})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 from functools import cached_property
 from typing import Final
@@ -175,7 +175,7 @@ class Scenario:
 
     def __getstate__(self) -> dict[str, object]:
         """The fields alone: a copy computes the rest anew."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in vars(self).items() if name in self.__dataclass_fields__}
 
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""

@@ -124,8 +124,9 @@ def assignments(parameters: Mapping[str, object]) -> list[str]:
 def recording(bag: str, duration_s: float, parameters: Mapping[str, object], scenario: str | None = None) -> str:
     """The command, for a shell, that records a run of a scenario with parameters over its own."""
     named = ["--scenario", scenario] if scenario else []
-    duration = ["--duration", f"{duration_s:g}"]
-    return shlex.join(["lie-rigid-body", "record", bag, *duration, *named, *assignments(parameters)])
+    return shlex.join(
+        ["lie-rigid-body", "record", bag, "--duration", f"{duration_s:g}", *named, *assignments(parameters)]
+    )
 
 
 def parse_assignment(text: str, option: str = "-p") -> tuple[str, object]:

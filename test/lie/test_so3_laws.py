@@ -99,7 +99,8 @@ def test_a_wrong_shape_is_refused(function, name, said):
         function(np.zeros(5))
     assert caught.value.name == name
     assert str(caught.value).startswith(f"{name}: shape (5,) is not {said} on the last")
-    for other in ("x", {}, [10**400]):
+    others: tuple[object, ...] = ("x", {}, [10**400])
+    for other in others:
         with pytest.raises(ParameterError) as caught:
             function(other)
         assert str(caught.value).startswith(f"{name}: {shown(other)} is not numbers: ")
