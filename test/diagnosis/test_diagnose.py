@@ -360,9 +360,7 @@ def repairs_by_units(estimate: Callable[[Any], Any], code: str) -> tuple[Search,
     [
         pytest.param(textbook.with_wrong_jacobian, "magnetometer_units", marks=pytest.mark.slow),
         (partial(textbook.proportional, signs=(-1.0, 1.0), gain=10.0), "accelerometer_units"),
-        pytest.param(
-            partial(textbook.proportional, signs=(1.0, -1.0)), "accelerometer_units", marks=pytest.mark.slow
-        ),
+        pytest.param(partial(textbook.proportional, signs=(1.0, -1.0)), "accelerometer_units", marks=pytest.mark.slow),
     ],
 )
 def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter(
