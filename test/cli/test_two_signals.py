@@ -75,7 +75,9 @@ def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
     assert sorted(os.listdir(folder)) == ["bags", "campaign.yaml"]
 
 
-@pytest.mark.parametrize("name", VERBS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(each, marks=pytest.mark.slow) if each == "record by steps" else each for each in VERBS]
+)
 def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -> None:
     tried(name, prepared(tmp_path, bag), SEEDS[name], numba=name != "record")
 

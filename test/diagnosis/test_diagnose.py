@@ -239,7 +239,7 @@ def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any]
     ("estimate", "said"),
     [
         (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
-        (textbook.stops, ["textbook.py line ", ": BaseException: mend"]),
+        pytest.param(textbook.stops, ["textbook.py line ", ": BaseException: mend"], marks=pytest.mark.slow),
         (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
         (textbook.endless, ["the filter failed, MemoryError: mend"]),
     ],
@@ -456,7 +456,8 @@ def test_mistake_of_a_filter_that_begins_at_the_identity_is_named_alone(changes:
 
 
 def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> None:
-    found = diagnose(lambda run: textbook.without_a_magnetometer(run), max_runs=1)
+    rates = {"imu_rate": 25.0, "magnetometer_rate": 25.0}
+    found = diagnose(lambda run: textbook.without_a_magnetometer(run), max_runs=1, **rates)
     assert found.mistakes == ()
     assert "heading alone" in found.probes[0].message
 
