@@ -48,7 +48,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def prepared(folder: Path, bag: Path) -> Path:
     (folder / "bags").mkdir()
-    for i in range(9):
+    for i in range(30):
         os.link(bag, folder / f"bags/{i}.mcap")
     (folder / "campaign.yaml").write_text(CAMPAIGN)
     return folder
