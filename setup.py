@@ -98,7 +98,6 @@ EXTRAS = {
         "mpmath",
         PLOTLY,
         "pytest>=7.4",
-        "pytest-timeout",
         "pytest-xdist",
         f"{PYTHON_FLINT}{FLINT_WHEELS_EXIST}",
         "rosbags",
