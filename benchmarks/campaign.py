@@ -24,7 +24,7 @@ from typing import Any, Final
 from bag_tasks import HOUR, MINUTE, Spent, alone, arguments, tell, write_plainly
 from checking import compile_loops
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.run import BAGS, carry_out
+from lie_rigid_body.campaign.run import BAGS, BagFolder, carry_out
 
 SAMPLED: Final = {"rate": 100.0, "imu_rate": 100.0}
 VARY: Final = {
@@ -62,7 +62,7 @@ def costs(duration: int) -> tuple[float, float]:
 
 def _costs(campaign: Campaign, number: int, folder: Path) -> tuple[float, float]:
     with Spent() as ours:
-        carry_out(campaign, number, str(folder))
+        carry_out(campaign, number, BagFolder.of(folder))
     plain = write_plainly(campaign.scenario_of(number), round(campaign.duration * 1e9) - 1, folder / "plain.mcap")
     return ours.cpu, plain.spent.cpu
 

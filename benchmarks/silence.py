@@ -24,7 +24,7 @@ from lie_rigid_body.diagnosis.examination import MOST_RUNS
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.runs.estimators import each_alone
+from lie_rigid_body.estimates.estimators import each_alone
 
 sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))
 import textbook

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from numbers import Real
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from lie_rigid_body.errors import ParameterError
 
 Array: TypeAlias = NDArray[np.float64]
 """Real numbers in double precision."""
@@ -17,6 +20,8 @@ Integers: TypeAlias = NDArray[np.int64]
 Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
 
+NOT_NUMBERS: Final = (OverflowError, RuntimeError, TypeError, ValueError)
+"""Errors by which NumPy, and objects that it asks, refuse to be an array of numbers."""
 TRANSPOSED: Final = "its rows are columns: transpose it, as array.T"
 """Remedy for an array whose transposed one has the shape that is wanted."""
 
@@ -42,6 +47,15 @@ def as_double(value: object) -> float:
         return float(value)
     except OverflowError:
         return np.inf
+
+
+def require_unmasked(name: str, value: ArrayLike) -> None:
+    """Refuse an array of which some is masked: what is behind the mask would count."""
+    # who has a masked array has loaded the module, which takes 5 ms
+    if "numpy.ma" in sys.modules and np.ma.is_masked(value):
+        count = np.ma.count_masked(value)
+        remedy = "fill them in, or leave their rows out, with their stamps"
+        raise ParameterError(name, f"{count} of its numbers are masked: {remedy}")
 
 
 def same_bits(one: Array, other: Array) -> bool:

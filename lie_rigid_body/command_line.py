@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
 
 from lie_rigid_body.console import UNUSABLE, Main, complain, program, run, say
 from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.system import MOST_PROCESSES
 from lie_rigid_body.wording import listed, shown, suggestion
 
 if TYPE_CHECKING:
@@ -123,6 +124,19 @@ def file_name(text: str) -> str:
     return text
 
 
+def processes(text: str) -> int:
+    """The number of processes of a command line, for `argparse`.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is none from 1 to `MOST_PROCESSES`.
+    """
+    if not (text.isascii() and text.isdigit() and len(text) <= 4 and 1 <= int(text) <= MOST_PROCESSES):
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to {MOST_PROCESSES}")
+    return int(text)
+
+
 def scenario_of(arguments: argparse.Namespace) -> Scenario:
     """The scenario that the arguments of `SCENARIO` give.
 
@@ -165,6 +179,10 @@ SCENARIO: Final = (
 
 FORCE_PAGE: Final = argument("--force", action="store_true", help="replace OUT.html if it exists")
 """Option of the verbs that write a page."""
+WORKERS: Final = argument(
+    "--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"
+)
+"""Option of the verbs that work in several processes."""
 TOPIC: Final = argument(
     "--topic",
     metavar="NAME:=/TOPIC",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Set
+from collections.abc import Collection, Mapping, Set
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias
@@ -57,10 +57,10 @@ def exact_duration(given: object, name: str, example: str, *, is_text: bool = Fa
     InputError
         If it is not a time from 1e-9 to 1e10 seconds.
     """
-    text = str(given) if is_text else repr(given) if type(given) in (int, float) else ""
     try:
+        text = str(given) if is_text else repr(given) if type(given) in (int, float) else ""
         value = Decimal(text) if _NUMBER.fullmatch(text) else Decimal("nan")
-    except InvalidOperation:
+    except (InvalidOperation, ValueError):  # Python writes no integer of more than 4300 digits
         value = Decimal("nan")
     # compared before it becomes a fraction, which 1e999999999 would fill the memory with
     if not (value.is_finite() and SHORTEST_DURATION <= value <= LONGEST_DURATION):
@@ -161,12 +161,11 @@ class Parameter:
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
-        if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Iterable):
+        if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Collection):
             raise self._error(f"{shown(value)} is not a list: give {self._example()}")
-        numbers = tuple(self._number(v) for v in value)
-        if len(numbers) not in self.lengths:
-            raise self._error(f"{shown(list(numbers))} has {len(numbers)} numbers: give {self._example()}")
-        return numbers
+        if len(value) not in self.lengths:
+            raise self._error(f"{shown(value)} has {len(value)} numbers: give {self._example()}")
+        return tuple(self._number(v) for v in value)
 
     def _strings(self, value: object) -> tuple[str, ...]:
         if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):

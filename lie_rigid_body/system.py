@@ -60,9 +60,19 @@ def open_itself(path: str, flags: int, mode: int = 0o666) -> int:
     return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), mode)
 
 
+def real_path(path: Path) -> Path:
+    """A path whose links are followed; links in a circle, which lead to no file, stay in it."""
+    return Path(os.path.realpath(path))
+
+
 def user() -> int:
     """Number of the user whose rights this process has; 0, that of every file, where users have none."""
     return os.geteuid() if hasattr(os, "geteuid") else 0
+
+
+def is_others(state: os.stat_result) -> bool:
+    """Whether a file is of another user, who is not the system either."""
+    return state.st_uid not in (0, user())
 
 
 def is_private(folder: Path) -> bool:
@@ -81,7 +91,7 @@ def is_private(folder: Path) -> bool:
         and not _others_write(own)
         and may_write
         and not open_to_others
-        and all(state.st_uid in (0, user()) for state in above)
+        and not any(map(is_others, above))
     )
 
 

@@ -24,7 +24,6 @@ case $environment in
     *) export LIE_RIGID_BODY_TEST_ROS=required ;;
 esac
 # Neighbours stay in one process, as they often share a node or a bag, until another process has nothing left to do. There is
-# one more than cores, as many tests wait for the processes that they start. A test that hangs fails after 900 s,
-# which is longer than any other takes.
+# one more than cores, as many tests wait for the processes that they start. `Watch` of test/conftest.py ends what hangs.
 cores=$(getconf _NPROCESSORS_ONLN)
-exec "$environment/bin/python" -m pytest -n $((cores < 8 ? cores + 1 : 8)) --dist worksteal --timeout 900 --timeout-method thread "$@"
+exec "$environment/bin/python" -m pytest -n $((cores < 8 ? cores + 1 : 8)) --dist worksteal -o faulthandler_timeout=0 "$@"

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import os
 import signal
 import sys
+import time
 from collections import Counter
 from collections.abc import Collection, Iterator
 from importlib.abc import MetaPathFinder
@@ -44,6 +46,10 @@ LIBRARIES = {
 }
 """What rosdep cannot give: where one is not installed, the tests that want it are left out."""
 ONE_PROCESS = Path(__file__).with_name("one_process.xml")
+LONGEST_S = 900
+"""Time, s, that a test has at least: more than any takes."""
+EACH_S = 60
+"""Least time, s, from one watch to the next: each is a thread, which would take as long as a short test."""
 
 
 class LeftOut(MetaPathFinder):
@@ -52,6 +58,21 @@ class LeftOut(MetaPathFinder):
     def find_spec(self, name: str, path: object = None, target: object = None) -> None:
         if name in LIBRARIES:
             pytest.skip(f"{name} is not installed", allow_module_level=True)
+
+
+class Watch:
+    """Ends a process of xdist in which a test hangs, and tells before where all its threads are."""
+
+    def __init__(self, stderr: int) -> None:
+        self._stderr, self._next = stderr, time.monotonic()
+
+    def pytest_runtest_logstart(self) -> None:
+        if time.monotonic() >= self._next:
+            faulthandler.dump_traceback_later(LONGEST_S + EACH_S, exit=True, file=self._stderr)
+            self._next = time.monotonic() + EACH_S
+
+    def pytest_sessionfinish(self) -> None:
+        faulthandler.cancel_dump_traceback_later()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -67,6 +88,8 @@ def pytest_configure(config: pytest.Config) -> None:
     for number in ENDING:
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        config.pluginmanager.register(Watch(os.dup(2)), "watch")
     complete = os.environ.get("LIE_RIGID_BODY_TEST_ROS") == "required"
     if complete and not ROS_INSTALLED:
         raise pytest.UsageError("this environment should have rclpy and has not: remove it and set it up again")
@@ -143,6 +166,15 @@ def own_signals() -> Iterator[None]:
     yield
     for number, handler in zip(ENDING, handlers, strict=True):
         signal.signal(number, handler)
+
+
+@pytest.fixture
+def asked_here(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What another Python would be asked is done in this process."""
+    import one_python  # loads the package
+
+    with one_python.asked_here(tmp_path_factory.getbasetemp()):
+        yield
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -141,6 +141,7 @@ def test_json_names_every_file(bag: Path, tmp_path: Path, capsys: pytest.Capture
 NAMES = ["we ird\nname", "\udcff\udcfe", "it's \\ a\ttab", "$x é\u2028", "-o"]
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.filterwarnings("ignore:.*use of fork:DeprecationWarning")  # of the threads of pytest's plugins
 @pytest.mark.parametrize(
     ("verb", "arguments", "status"),

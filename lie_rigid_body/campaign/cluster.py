@@ -16,13 +16,12 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
-from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from lie_rigid_body.campaign.definition import Campaign
-from lie_rigid_body.campaign.run import Row, carry_out
+from lie_rigid_body.campaign.run import BagFolder, Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interpreters import safe_path, variable
 from lie_rigid_body.interruption import Interruption
@@ -322,7 +321,7 @@ def finished(
     client: Client,
     campaign: Campaign,
     runs: Iterable[int],
-    folder: Path,
+    folder: BagFolder,
     *,
     bags: bool,
     elsewhere: bool,
@@ -336,8 +335,7 @@ def finished(
     campaign : Campaign
     runs : iterable of int
         Their numbers.
-    folder : Path
-        The folder of the campaign.
+    folder : BagFolder
     bags : bool
         Whether the bags are kept.
     elsewhere : bool
@@ -361,7 +359,7 @@ def finished(
     from distributed.comm import CommClosedError
 
     waiting, numbers, in_a_row = iter(runs), dict[str, int](), 0
-    do = partial(carry_out, campaign, folder=None if elsewhere else str(folder.absolute()), keep=bags)
+    do = partial(carry_out, campaign, folder=None if elsewhere else folder, keep=bags)
 
     def submitted(some: list[int]) -> Any:
         """Runs on their way, together, as each way takes Dask milliseconds."""
@@ -393,12 +391,12 @@ def finished(
         raise
 
 
-def _kept(result: tuple[Row, bytes | None], folder: Path) -> Row | BagError:
+def _kept(result: tuple[Row, bytes | None], folder: BagFolder) -> Row | BagError:
     """The row of a run, with its bag, which came over the network, in the folder; or why that cannot be written."""
     row, content = result
     if row.bag is not None and content is not None:
         try:
-            write_file(folder / row.bag, content, overwrite=True)
+            write_file(folder.path_of(row.run), content, overwrite=True)
         except BagError as error:
             return error
     return row

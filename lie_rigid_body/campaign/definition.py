@@ -20,9 +20,9 @@ from lie_rigid_body.arrays import plain
 from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
 from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.estimates.estimators import Estimator, NamedFunction
+from lie_rigid_body.estimates.programs import CommandEstimator, words
 from lie_rigid_body.parameters import Parameter, Value, exact_duration
-from lie_rigid_body.runs.estimators import Estimator, NamedFunction
-from lie_rigid_body.runs.programs import CommandEstimator, words
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml

@@ -15,11 +15,11 @@ from typing import Any, Final
 from lie_rigid_body import __version__
 from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
-from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, Judgement, Row, bag_name
+from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, BagFolder, Judgement, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.recording.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.system import lock, open_itself
+from lie_rigid_body.system import is_others, lock, open_itself
 
 JOURNAL: Final = "runs.jsonl"
 """File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""
@@ -43,6 +43,10 @@ class Journal(AbstractContextManager["Journal"]):
     folder : Path
         Made if need be, in one that exists.
 
+    Attributes
+    ----------
+    bags : BagFolder
+
     Raises
     ------
     InputError
@@ -65,7 +69,10 @@ class Journal(AbstractContextManager["Journal"]):
                 # before all else, as a kill then leaves a campaign
                 self._file = parts.enter_context(open(self.path, "a+b", opener=open_itself))
                 parts.enter_context(lock(self._file))
+                if is_others(state := os.fstat(self._file.fileno())) and state.st_size:
+                    raise BagError(f"{self.path} is another user's: give a new folder")
                 (folder / BAGS).mkdir(exist_ok=True)
+                self.bags = BagFolder.of(folder.absolute())
                 self._read()
                 self._open = parts.pop_all()
         except FileExistsError as error:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections import defaultdict
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -19,7 +20,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Contender
-from lie_rigid_body.errors import InputError, said
+from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import AXES, factor_of
@@ -104,20 +105,56 @@ def bag_name(run: int) -> str:
     return f"{BAGS}/{run:06d}.mcap"
 
 
-def carry_out(campaign: Campaign, run: int, folder: str | None, *, keep: bool = True) -> tuple[Row, bytes | None]:
+@dataclass(frozen=True)
+class BagFolder:
+    """The folder of a campaign's bags, in which older ones are replaced.
+
+    Another folder, or a link, that somebody puts in its place meanwhile is not written to.
+
+    Parameters
+    ----------
+    campaign : Path
+        The folder of the campaign.
+    number : int
+        Number of the folder of the bags itself in its file system, whatever its name.
+    """
+
+    campaign: Path
+    number: int
+
+    @classmethod
+    def of(cls, campaign: Path) -> BagFolder:
+        """The one that is there now."""
+        return cls(campaign, (campaign / BAGS).stat().st_ino)
+
+    def path_of(self, run: int) -> Path:
+        """Path of a run's bag.
+
+        Raises
+        ------
+        BagError
+            If the folder is no longer there under its name.
+        """
+        with suppress(OSError):
+            if (self.campaign / BAGS).stat().st_ino == self.number:
+                return self.campaign / bag_name(run)
+        raise BagError(f"{self.campaign / BAGS} was deleted or moved meanwhile: keep others away, and begin anew")
+
+
+def carry_out(campaign: Campaign, run: int, folder: BagFolder | None, *, keep: bool = True) -> tuple[Row, bytes | None]:
     """Simulate, record and certify a run, and score estimators in it.
 
     Parameters
     ----------
     campaign : Campaign
     run : int
-    folder : str or None
-        The folder of the campaign, in which the bag is kept; None where a worker may not see it.
+    folder : BagFolder or None
+        In which the bag is kept; None where a worker may not see it.
     keep : bool
         Whether the bag is kept; without a folder its bytes are returned. Else it is certified and thrown away.
     """
     with tempfile.TemporaryDirectory() as own:
-        path = Path(own, "run.mcap") if folder is None or not keep else Path(folder, bag_name(run))
+        path = Path(own, "run.mcap") if folder is None or not keep else folder.path_of(run)
         row = _recorded(campaign, run, path, bag_name(run) if keep else None)
         return row, path.read_bytes() if keep and folder is None else None
 

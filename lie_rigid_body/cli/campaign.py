@@ -6,25 +6,10 @@ import argparse
 from importlib.util import find_spec
 from typing import Final
 
-from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
+from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.system import MOST_PROCESSES
-from lie_rigid_body.wording import shown
 
 _NEEDED: Final = ("dask", "distributed", "pyarrow")
-
-
-def processes(text: str) -> int:
-    """The number of processes of a command line, for `argparse`.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        If it is none from 1 to `MOST_PROCESSES`.
-    """
-    if not (text.isascii() and text.isdigit() and len(text) <= 4 and 1 <= int(text) <= MOST_PROCESSES):
-        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to {MOST_PROCESSES}")
-    return int(text)
 
 
 @verb(
@@ -46,7 +31,7 @@ def processes(text: str) -> int:
     ),
     FORCE_PAGE,
     either=(
-        argument("--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"),
+        WORKERS,
         argument("--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"),
     ),
 )

@@ -26,6 +26,7 @@ from lie_rigid_body.campaign.definition import SCORES_TABLE, Contender
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
+from lie_rigid_body.estimates.estimators import MENDED
 from lie_rigid_body.interpreters import Interpreter
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
@@ -33,7 +34,6 @@ from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import campaign_scores, html_page
 from lie_rigid_body.report.drawing import require_outputs
 from lie_rigid_body.report.overview import Line, page
-from lie_rigid_body.runs.estimators import MENDED
 from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
 
 MOST_TRIED: Final = 1000
@@ -141,7 +141,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
             client,
             campaign,
             (run for run in range(campaign.runs) if run not in journal),
-            journal.folder,
+            journal.bags,
             bags=not given.no_bags,
             elsewhere=given.scheduler is not None,
             alone=partial(_say_alone, bar),

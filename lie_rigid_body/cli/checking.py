@@ -27,7 +27,7 @@ from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.report.thinned import ResidualsOverTime, thinned_segments
-from lie_rigid_body.system import cores
+from lie_rigid_body.system import cores, real_path
 from lie_rigid_body.wording import listed
 
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
@@ -95,7 +95,7 @@ def _bags_of(names: Sequence[str]) -> list[str]:
     found: dict[Path, str] = {}
     for name in names:
         for bag in bags_in(Path(name)) if _is_folder_of_bags(name) else [name]:
-            found.setdefault(Path(bag).resolve(), str(bag))
+            found.setdefault(real_path(Path(bag)), str(bag))
     return list(found.values())
 
 

@@ -9,11 +9,10 @@ import argparse
 from typing import Any, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.campaign import processes
-from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
+from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.runs.programs import CommandEstimator, NodeEstimator
+from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator
 from lie_rigid_body.wording import printable
 
 ESTIMATOR: Final = (
@@ -35,8 +34,6 @@ ESTIMATOR: Final = (
         "process a run, in lock-step",
     ),
 )
-WORKERS: Final = argument("--workers", metavar="N", type=processes, help="processes; one per core if absent")
-"""Option of the verbs that run a filter in several processes."""
 
 
 def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | str | None]:

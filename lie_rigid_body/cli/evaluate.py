@@ -16,8 +16,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_room(given)
 
+    from lie_rigid_body.estimates.recorded_estimate import TRUE_TOPICS, recorded_estimate
     from lie_rigid_body.evaluation import Limits
-    from lie_rigid_body.runs.recorded_estimate import TRUE_TOPICS, recorded_estimate
 
     limits = Limits.parse(given.max_rms, tuple(given.max_after))
     topics = topic_names(given.topic, TRUE_TOPICS)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.diagnose import ESTIMATOR, WORKERS, given_estimator
-from lie_rigid_body.command_line import FORCE_PAGE, argument, file_name, verb
+from lie_rigid_body.cli.diagnose import ESTIMATOR, given_estimator
+from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
 
@@ -37,12 +37,12 @@ from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
+    from lie_rigid_body.estimates.estimators import source_of
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_league, page_of_league
-    from lie_rigid_body.runs.estimators import source_of
     from lie_rigid_body.system import cores
 
     require_outputs(given, given.others)

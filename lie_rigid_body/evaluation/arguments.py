@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import TO_NANOSECONDS, TRANSPOSED, Array, Integers, as_double
+from lie_rigid_body.arrays import NOT_NUMBERS, TO_NANOSECONDS, TRANSPOSED, Array, Integers, as_double, require_unmasked
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import shown
@@ -54,7 +54,7 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
     InputError
         If it is none.
     """
-    _require_unmasked(name, value)
+    require_unmasked(name, value)
     fault = "not numbers: give"
     try:
         array = np.asarray(value)
@@ -62,17 +62,9 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
         if array.dtype.kind in "iuf" or all(isinstance(number, Real) for number in array.flat):
             return np.asarray(array, dtype=np.float64)
         fault = "complex numbers: give real ones," if np.iscomplexobj(array) else fault
-    except (TypeError, ValueError, OverflowError, RuntimeError):  # the last of a tensor that needs detach()
+    except NOT_NUMBERS:
         pass
     raise InputError(f"{name}: {fault} an array of shape {wanted}")
-
-
-def _require_unmasked(name: str, value: ArrayLike) -> None:
-    """Refuse an array of which some is masked: what is behind the mask would count."""
-    if np.ma.is_masked(value):
-        raise InputError(
-            f"{name}: {np.ma.count_masked(value)} of its numbers are masked: leave these rows out, with their stamps"
-        )
 
 
 def numbers(name: str, value: ArrayLike, *size: int, whole: bool = False) -> Array:
@@ -136,7 +128,7 @@ def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     InputError
         If they are no integers, or none that a message can have.
     """
-    _require_unmasked(f"{name}: stamps", stamps_ns)
+    require_unmasked(f"{name}: stamps", stamps_ns)
     try:
         stamps = np.asarray(stamps_ns)
     except ValueError:  # rows of unequal length

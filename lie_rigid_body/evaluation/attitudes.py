@@ -289,7 +289,7 @@ class SampledTruth(Truth):
         stamps, attitude = read_series("truth", stamps_ns, attitude_xyzw)
         if np.any(np.diff(stamps) == 0):
             raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
-        self._longest_gap = GAP * period_ns(stamps) if longest_gap_ns is None else longest_gap_ns
+        self._longest_gap = GAP * period_ns(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
         self.first_ns, self.last_ns = int(stamps[0]), int(stamps[-1])
         if len(stamps) == 1:  # an interval, within whose ends the truth is not asked for
             stamps, attitude = stamps + np.arange(2), np.repeat(attitude, 2, axis=0)

@@ -14,7 +14,7 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Booleans
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, real_numbers
 from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
@@ -183,18 +183,16 @@ def require_axes(axes: str) -> None:
         raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
 
 
-def covariance_fault(covariance: Array) -> str | None:
-    """Reason why covariances, shape (N, 3, 3), can have no NEES, in one line; empty if they can.
+def unknown_covariances(covariance: Array) -> Booleans:
+    """Mask of the covariances, shape (N, 3, 3), that an estimator does not know: −1, or all 0."""
+    return np.asarray((covariance[:, 0, 0] == -1.0) | ~covariance.any(axis=(-2, -1)))
 
-    Covariances that are all unknown, −1 or all 0, count as not given, and have no fault.
-    """
-    unknown = (covariance[:, 0, 0] == -1.0) | ~covariance.any(axis=(-2, -1))
-    if unknown.all():
-        return None
-    if unknown.any():
-        return f"{np.count_nonzero(unknown)} of {len(unknown)} covariances are unknown, -1 or all 0: give all or none"
+
+def covariance_fault(covariance: Array) -> str:
+    """Reason in one line why those of some covariances, shape (N, 3, 3), that are known are none; empty if they are."""
+    known = covariance[~unknown_covariances(covariance)]
     try:
-        factor_of(numbers("covariance", covariance, 3, 3))
+        factor_of(numbers("covariance", known, 3, 3) if len(known) else np.eye(3))
     except InputError as error:
         return str(error)
     return ""

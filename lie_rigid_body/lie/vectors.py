@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import NOT_NUMBERS, Array
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.wording import shown
 
 
 def shaped(name: str, value: ArrayLike, own: tuple[int, ...], remedy: str) -> Array:
-    """The argument as a float64 array of shape (..., own); a `ParameterError` with its shape, if that is another."""
-    array = np.asarray(value, dtype=np.float64)
+    """The argument as a float64 array of shape (..., own); a `ParameterError` if it has another, or is not numbers."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except NOT_NUMBERS:
+        raise ParameterError(name, f"{shown(value)} is not numbers: {remedy}") from None
     if array.shape[-len(own) :] != own:
         raise ParameterError(name, f"shape {array.shape} is not (..., {', '.join(map(str, own))}): {remedy}")
     return array

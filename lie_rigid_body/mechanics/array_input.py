@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import TRANSPOSED, Array, Booleans, Integers
+from lie_rigid_body.arrays import NOT_NUMBERS, TRANSPOSED, Array, Booleans, Integers, require_unmasked
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.wording import shown
 
@@ -39,15 +39,16 @@ def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
     Raises
     ------
     ParameterError
-        If the argument is text, another object, or rows of unequal length.
+        If the argument is text, another object, rows of unequal length, or in part masked.
     """
+    require_unmasked(name, value)
     try:
         array = np.asarray(value)
         if array.dtype.kind == "O":
             array = array.astype(np.float64)
         if array.dtype.kind not in "biufc":
             raise TypeError
-    except (OverflowError, TypeError, ValueError):
+    except NOT_NUMBERS:
         raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
     return array
 
@@ -81,8 +82,10 @@ def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -
     if not (given.size or empty) or not _fits(given.shape, form):
         is_transposed = given.ndim == 2 and given.size and _fits(given.shape[::-1], form)
         raise ParameterError(name, f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}")
-    require_finite(name, given)
-    return given.astype(np.float64)
+    with np.errstate(over="ignore"):  # what is finite in more digits may be none in double precision
+        array = given.astype(np.float64)
+    require_finite(name, array)
+    return array
 
 
 def _fits(shape: tuple[int, ...], form: str) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.array_input import ArraysOnly
 from lie_rigid_body.mechanics.inertia import (
@@ -125,6 +126,11 @@ class RigidBody(ArraysOnly):
         -------
         ndarray, shape (..., 3)
             kg m²/s.
+
+        Raises
+        ------
+        ParameterError
+            If the argument is no state, as are rates alone; so do the methods below.
         """
         return apply_tensor(self._inertia_for(states), states.body_rate)
 
@@ -156,7 +162,8 @@ class RigidBody(ArraysOnly):
         ndarray, shape (..., 3)
             kg m²/s.
         """
-        return quaternion.rotate(states.attitude_xyzw, self.body_momentum(states))
+        momentum = self.body_momentum(states)
+        return quaternion.rotate(states.attitude_xyzw, momentum)
 
     def kinetic_energy(self, states: State) -> Array:
         """Kinetic energy ½ ω·Mω, which is conserved, eq. (14).
@@ -170,11 +177,13 @@ class RigidBody(ArraysOnly):
         ndarray, shape (...)
             J.
         """
-        w, p = states.body_rate, self.body_momentum(states)
+        p, w = self.body_momentum(states), states.body_rate
         return np.asarray(0.5 * (w[..., 0] * p[..., 0] + w[..., 1] * p[..., 1] + w[..., 2] * p[..., 2]))
 
     def _inertia_for(self, states: State) -> Array:
         """The inertia with axes of length 1 where the states of a batch have more than the batch, for broadcasting."""
+        if not isinstance(states, State):
+            raise ParameterError("states", f"{shown(states)} is no State: give State(attitude_xyzw, body_rate)")
         more = states.body_rate.ndim - 1 - len(self.batch_shape)
         extra = (1,) * more if self.batch_shape else ()
         return self.inertia.reshape(*self.batch_shape, *extra, 3, 3)

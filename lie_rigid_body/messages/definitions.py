@@ -99,19 +99,23 @@ def has_fields_of(text: str, message_type: str) -> bool:
     message_type : str
         One of the names of this module.
     """
-    return _fields(text) == _fields(definition(message_type))
+    # readers differ in what else ends a line, and with it a comment
+    has_plain_lines = text.splitlines() == text.replace("\r\n", "\n").removesuffix("\n").split("\n")
+    return has_plain_lines and _fields(text, message_type) == _fields(definition(message_type), message_type)
 
 
 @lru_cache(maxsize=64)
-def _fields(text: str) -> dict[str, list[tuple[str, str]]]:
-    """Type and name of every field, by the type that has the field: types without packages, the first unnamed."""
-    found = {}
+def _fields(text: str, message_type: str) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Each type of a definition, in alphabetical order, with types and names of its fields; types with packages."""
+    found = []
     for part in re.split(r"^=+[ \t\r]*$", text, flags=re.MULTILINE):
         lines = [line.split("#")[0].split() for line in part.splitlines()]
-        name = next((_base(line[1]) for line in lines if line[:1] == ["MSG:"] and len(line) > 1), "")
-        fields = [line for line in lines if len(line) > 1 and line[0] != "MSG:" and "=" not in "".join(line[1:3])]
-        found[name] = [(_base(line[0]), line[1]) for line in fields]
-    return found
+        name = next((line[1] for line in lines if line[:1] == ["MSG:"] and len(line) > 1), message_type)
+        package = name.partition("/")[0]
+        whole = (line for line in lines if len(line) > 1 and line[0] != "MSG:")
+        fields = [line for line in whole if "=" not in line[1] and not "".join(line[2:]).startswith("=")]
+        found.append((_full(name, package), [(_full(line[0], package), line[1]) for line in fields]))
+    return sorted(found)
 
 
 @lru_cache(maxsize=64)
@@ -129,7 +133,7 @@ def places(message_type: str) -> Mapping[str, range]:
         The empty name has all places.
     """
     found: dict[str, range] = {}
-    types = _fields(definition(message_type))
+    types = dict(_fields(definition(message_type), message_type))
 
     def add(kind: str, name: str, first: int) -> int:
         end = first
@@ -140,12 +144,13 @@ def places(message_type: str) -> Mapping[str, range]:
         found[name] = range(first, end)
         return end
 
-    add("", "", 0)
+    add(_full(message_type, ""), "", 0)
     return found
 
 
-def _base(message_type: str) -> str:
-    return message_type.rpartition("/")[2]
+def _full(kind: str, package: str) -> str:
+    """Name of a type with its package, which is that of the type that it is part of if it has none; or of numbers."""
+    return kind.replace("/msg/", "/") if "/" in kind or kind[0].islower() else f"{package}/{kind}"
 
 
 def offered_qos_profiles(*, latched: bool, depth: int) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
@@ -17,6 +17,7 @@ from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
 from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.system import real_path
 from lie_rigid_body.wording import shown
 
 METADATA: Final = "metadata.yaml"
@@ -105,7 +106,7 @@ def is_one_bag(folder: Path) -> bool:
 
 def _numbers(folder: Path, suffix: str) -> set[int]:
     """Numbers of the files of a folder, if all are called as those of one recording; else none."""
-    of_one = re.compile(rf"{re.escape(folder.resolve().name)}_(0|[1-9]\d{{0,5}}){re.escape(suffix)}")
+    of_one = re.compile(rf"{re.escape(real_path(folder).name)}_(0|[1-9]\d{{0,5}}){re.escape(suffix)}")
     found = [of_one.fullmatch(path.name) for path in folder.glob(f"*{suffix}")]
     return {int(match[1]) for match in found if match} if all(found) else set()
 
@@ -122,7 +123,12 @@ def missing_beside(file: Path) -> str | None:
     is_bag = file.suffix in SUFFIXES and file.is_file()
     numbers = _numbers(file.parent, file.suffix) if is_bag else set()
     missing = {*range(max(numbers, default=0))} - numbers
-    return f"{file.resolve().parent.name}_{min(missing)}{file.suffix}" if missing else None
+    return f"{real_path(file).parent.name}_{min(missing)}{file.suffix}" if missing else None
+
+
+def left_out(folder: Path, names: Iterable[str]) -> list[str]:
+    """The names of bags in a folder that are none of those given."""
+    return sorted({path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")} - {*names})
 
 
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
@@ -150,10 +156,12 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
         ]
         names = [str(name) for name in information["relative_file_paths"]]
     except (InputError, TypeError, LookupError):
-        raise BagError(f"{metadata} is not the metadata of a rosbag2 bag: remake it with 'ros2 bag reindex'") from None
-    here = metadata.parent.resolve()
+        raise BagError(
+            f"{metadata} is not the metadata of a rosbag2 bag: remove it, or remake it with 'ros2 bag reindex'"
+        ) from None
+    here = real_path(metadata.parent)
     for name in names:
-        if "\0" not in name and not (here / name).resolve().is_relative_to(here):
+        if "\0" not in name and not real_path(here / name).is_relative_to(here):
             raise BagError(f"{metadata} names {shown(name)}, which is outside of its folder: give a whole bag")
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
@@ -191,8 +199,7 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
     """Contradictions between metadata and files, each with the declared value and the one found."""
     spans = contents.files
     whole = FileSpan("", sum(s.count for s in spans), min(s.first_ns for s in spans), max(s.last_ns for s in spans))
-    present = {path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")}
-    for name in sorted(present - {str(name) for name in said["relative_file_paths"]}):
+    for name in left_out(folder, map(str, said["relative_file_paths"])):
         yield f"relative_file_paths: {name} is left out"
     yield from _differs("storage_identifier", said.get("storage_identifier", "mcap"), "mcap")
     yield from _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")

@@ -313,9 +313,6 @@ class _FileReader:
         require(
             len(table.data) == len(data), f"no record that ends in its chunk stands at byte {len(table.data)} of it"
         )
-        for place in table.others:
-            require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
-        table.require_times()
         self._summary.add_messages(table)
         if chunk is not None:
             self._hold_chunk(chunk, table, indexes)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, BinaryIO, Final
 
 from lie_rigid_body.bounded_input import as_path
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.system import lock, user
+from lie_rigid_body.system import is_others, lock, real_path, user
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -87,7 +87,7 @@ class OutputFile:
     def _replaceable(self, overwrite: bool) -> Path | None:
         """The file to replace, its links followed, or None when a new name is free."""
         for link in (self.path, self.path.parent):
-            if link.is_symlink() and link.lstat().st_uid not in (0, user()):
+            if link.is_symlink() and is_others(link.lstat()):
                 raise BagError(f"{link} is a link of another user and is not followed: give another name")
         if self.path.is_dir():
             raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")
@@ -98,7 +98,7 @@ class OutputFile:
         if not self.path.is_file():
             raise BagError(f"{self.path} is not a regular file and is not replaced: give another name")
         # the name itself where it is no link: one that somebody puts there meanwhile is replaced, and not followed
-        return self.path.resolve() if self.path.is_symlink() else self.path.parent.resolve() / self.path.name
+        return real_path(self.path) if self.path.is_symlink() else real_path(self.path.parent) / self.path.name
 
     def sync(self) -> None:
         """Flush and fsync: what was written survives a loss of power."""

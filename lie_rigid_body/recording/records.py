@@ -189,9 +189,9 @@ class _Content(BytesIO):
     """Content of a record: what is said to reach beyond its end is a contradiction, and not cut off there."""
 
     def read(self, size: int | None = -1, /) -> bytes:
-        found = super().read(size)
-        require(size is None or len(found) >= size, "a length in a record reaches beyond its end")
-        return found
+        left = self.getbuffer().nbytes - self.tell()
+        require(size is None or size <= left, "a length in a record reaches beyond its end")
+        return super().read(size)
 
 
 def parsed(opcode: int, content: bytes) -> Any:

@@ -8,7 +8,7 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import zstandard
 from mcap.data_stream import ReadDataStream
@@ -17,13 +17,14 @@ from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.bag_files import is_one_bag, natural_order
+from lie_rigid_body.recording.bag_files import BagFiles, left_out
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.output_file import reason, require_other, written
 from lie_rigid_body.recording.records import (
     LARGEST_RECORD,
+    LAST_TIME,
     MAGIC,
     NO_HINTS,
     RECORD_HEAD,
@@ -36,6 +37,7 @@ from lie_rigid_body.recording.records import (
     require,
 )
 from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.system import real_path
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
@@ -58,7 +60,7 @@ _DAMAGE: Final = (
 
 
 class NothingWholeError(BagError):
-    """Error for a file without any whole message."""
+    """Error for a file of which nothing can be recovered."""
 
 
 @short_dataclass(frozen=True)
@@ -107,11 +109,15 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     Raises
     ------
     NothingWholeError
-        If the file holds no whole message.
+        If the file cannot be opened, or holds no whole message of a topic that is declared.
     BagError
-        If it cannot be read, or the new one cannot be written.
+        If it cannot be read to its end, or the new one cannot be written.
     """
-    with closing(FileBytes(broken)) as file:
+    try:
+        opened = FileBytes(broken)
+    except BagError as error:
+        raise NothingWholeError(str(error)) from None
+    with closing(opened) as file:
         header, begin = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:
@@ -133,7 +139,7 @@ class _Salvage:
     def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
         self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
-        self._loose, self._last_loose = bytearray(), 0
+        self._loose, self._last_loose, self._whole = bytearray(), 0, 0
         self._damaged: list[int] = []
         self._rewritten: list[int] = []
 
@@ -145,7 +151,8 @@ class _Salvage:
         if not is_whole:
             self._take_part(end)
         if not found.counts:
-            raise NothingWholeError(f"{self._given.path} holds no whole message: record it again")
+            lost = "is damaged in the definitions of its topics" if self._whole else "holds no whole message"
+            raise NothingWholeError(f"{self._given.path} {lost}: record it again")
         if not is_whole:
             self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         self._file.finish()
@@ -171,6 +178,8 @@ class _Salvage:
                 if not data_ended:
                     self._take(place)
             except _DAMAGE:
+                if not self._damaged:
+                    self._declare_again()
                 self._damaged.append(place.start)
             end = place.end
         if not (is_whole or _goes_on(self._given[end : end + 1])):
@@ -178,14 +187,26 @@ class _Salvage:
         self._close_loose()
         return end, is_whole
 
+    def _declare_again(self) -> None:
+        """Declare what the file declares again in its summary, as the damaged record may have been the first to."""
+        known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
+        for place in records(self._given, self._begin):
+            if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
+                with suppress(*_DAMAGE):
+                    record = parsed(place.opcode, self._given[place.begin : place.end])
+                    if record.id not in known[place.opcode]:
+                        self._file.add(record)
+
     def _take(self, place: Place) -> None:
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
         content = self._given[place.begin : place.end]
         if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
             self._close_loose()
         if place.opcode == Opcode.MESSAGE:
-            channel, *_ = _MESSAGE.unpack_from(content)
-            require(channel in self._file.summary.channels, "a message is on no channel")
+            channel, _, *times = _MESSAGE.unpack_from(content)
+            self._whole += 1
+            is_told = channel in self._file.summary.channels and max(times) <= LAST_TIME
+            require(is_told, "a message is on no channel, or beyond all times")
             self._last_loose = len(self._loose)
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
@@ -209,6 +230,7 @@ class _Salvage:
             data = inflated(chunk)
         table = self._whole_messages(data)
         require(len(table.data) == len(data), "a record in it is not whole")
+        self._whole += len(table.starts)
         first_ns, last_ns = table.span_ns
         self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
         if chunk is not given:
@@ -224,6 +246,7 @@ class _Salvage:
                 found = find_messages(data, NO_HINTS, self._records_left)
                 end = len(found.data)
                 table = self._whole_messages(data if _goes_on(data[end : end + 1]) else data[: found.starts[-1]])
+                self._whole += len(table.starts)
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
@@ -243,53 +266,52 @@ def _goes_on(following: bytes) -> bool:
 
 
 def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:
-    """Write every whole message of the MCAP files of a folder into those of a new one, file by file.
+    """Write every whole message of the files of a bag in a folder into those of a new one, file by file.
 
-    Its files are named after the new folder, as those of rosbag2 are; metadata.yaml is left to ``ros2 bag reindex``.
+    They are named after the new folder, as those of rosbag2 are; metadata.yaml is left to ``ros2 bag reindex``.
 
     Parameters
     ----------
     broken : Path
-        It is only read, and its metadata not even that.
+        It is only read. Where it has a metadata.yaml, that says which files are the bag's.
     fixed : Path
         Must not exist.
 
     Returns
     -------
     dict of Path to Recovery or NothingWholeError
-        What was recovered of each file, in their order, or why nothing was, as of one that was just begun.
+        What was recovered of each file, in their order, or why nothing was, as of one that was just begun, or is gone.
 
     Raises
     ------
     BagError
-        If the folder is none of one bag or has no whole message, or the new one cannot be written.
+        If the folder is none of one bag, its metadata name files outside of it, nothing is whole, or the new one cannot
+        be written.
     """
-    files = sorted(broken.glob("*.mcap"), key=natural_order)
-    if not files:
-        raise BagError(f"{broken} is a folder without MCAP files: give a bag")
-    if not is_one_bag(broken):
-        raise BagError(f"{broken} is not the folder of one bag: recover the MCAP files in it one by one")
+    files = BagFiles(broken).files
     _make(broken, fixed)
     found, whole = dict[Path, Recovery | NothingWholeError](), 0
     try:
         for file in files:
             try:
-                found[file] = recover(file, fixed / f"{fixed.resolve().name}_{whole}.mcap", overwrite=False)
+                found[file] = recover(file, fixed / f"{real_path(fixed).name}_{whole}.mcap", overwrite=False)
                 whole += 1
             except NothingWholeError as error:
                 found[file] = error
         if not whole:
-            raise BagError(f"{broken} holds no whole message: record it again")
+            raise BagError(f"{broken} holds nothing that can be recovered: 'lie-rigid-body check' says why")
     except BaseException:
         shutil.rmtree(fixed, ignore_errors=True)
         raise
+    for name in left_out(broken, [file.name for file in files]):
+        found[broken / name] = NothingWholeError(f"{broken / name} is none of the bag's files: recover it by itself")
     return found
 
 
 def _make(broken: Path, fixed: Path) -> None:
     if fixed.suffix.lower() == ".mcap":
         raise BagError(f"{broken} is a folder, and {fixed} is to be one: give a name that does not end in .mcap")
-    if broken.resolve() in fixed.resolve().parents:
+    if real_path(broken) in real_path(fixed).parents:
         raise BagError(f"{fixed} is in the broken folder itself, which is never touched: give another place")
     try:
         fixed.mkdir()

@@ -96,9 +96,6 @@ class Summary:
             self._declared += sum(map(size_of, vars(record).values()))
             if self._declared > LARGEST_DECLARATIONS:
                 raise ExcessError(f"names and definitions of {self._declared} bytes")
-        if declared is not None:
-            same = declared.setdefault(record.id, record)
-            require(same == record, f"it has two different records of {kind} {record.id}")
         match record:
             case Metadata():
                 self._metadata.append(MetadataIndex(offset=begin, length=length, name=record.name))
@@ -119,6 +116,9 @@ class Summary:
                     record.schema_id in (0, *self.schemas),
                     f"the schema of topic {record.topic} is not declared before it",
                 )
+        if declared is not None:
+            same = declared.setdefault(record.id, record)
+            require(same == record, f"it has two different records of {kind} {record.id}")
 
     def add_messages(self, table: MessageTable) -> None:
         """Add the messages of a chunk, with the schemas and channels in it, or messages that stand in none.
@@ -126,16 +126,27 @@ class Summary:
         Raises
         ------
         ContradictionError
-            See `add`; or if a message is of a channel that is not declared.
+            See `add`; or if the chunk has other records, or a message of a channel that is not declared, or of a time
+            beyond 64 bits. Then nothing is added.
         """
-        for place in table.others:
-            if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
-        unknown = table.index.keys() - self.channels.keys()
-        require(not unknown, f"it has a message of channel {min(unknown, default=0)}, which is not declared before it")
+        before = {**self.schemas}, {**self.channels}
+        try:
+            self._declare(table)
+        except Exception:
+            self.schemas, self.channels = before
+            raise
         self.counts.update({channel: len(rows) for channel, rows in table.index.items()})
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
+
+    def _declare(self, table: MessageTable) -> None:
+        """Add the schemas and channels in a chunk, whose messages are of these and of those before."""
+        for place in table.others:
+            require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
+            self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
+        table.require_times()
+        unknown = table.index.keys() - self.channels.keys()
+        require(not unknown, f"it has a message of channel {min(unknown, default=0)}, which is not declared before it")
 
     def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], end: int) -> None:
         """Add a chunk whose messages were added.

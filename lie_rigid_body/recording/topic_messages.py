@@ -320,6 +320,20 @@ def attitudes_of(topic: str, message_type: str, payloads: Sequence[bytes]) -> di
     return _attitudes(topic, message_type, RawMessages.of_payloads([(0, payload) for payload in payloads]))
 
 
+def vectors_of(message_type: str, payloads: Sequence[bytes]) -> tuple[Integers, Array]:
+    """Stamps, ns, shape (N,), and the vector or angular velocity in messages, shape (N, 3).
+
+    Raises
+    ------
+    BagError
+        If they cannot be read.
+    """
+    fields = places(message_type)
+    read = _columns(RawMessages.of_payloads([(0, payload) for payload in payloads]), len(fields[""]))
+    assert read.stamps_ns is not None
+    return read.stamps_ns, read.numbers[:, fields["angular_velocity" if message_type == IMU else "vector"]]
+
+
 def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames, AttitudeTrack]:
     if message_type in _FRAMED:
         framed = _FRAMED[message_type]([payload for _, payload in found.payloads()])

@@ -8,13 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import listed
+from lie_rigid_body.wording import listed, shown
 
 if TYPE_CHECKING:
+    from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
     from lie_rigid_body.evaluation import Score
-    from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 
 TITLE: Final = "attitude estimate"
 """Title of a picture or a page that is given none."""
@@ -150,10 +151,18 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     Returns
     -------
     int
-        The exit status.
+        The exit status: that of an unusable input where a covariance is none.
     """
+    status = _answer(given, source, scored)
+    for fault in filter(None, (read.fault for read, _ in scored)):
+        console.complain(console.program("evaluate"), fault)
+        status = console.UNUSABLE
+    return status
+
+
+def _answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
+    from lie_rigid_body.estimates.recorded_estimate import write_scored
     from lie_rigid_body.report import drawing, scores
-    from lie_rigid_body.runs.recorded_estimate import write_scored
 
     (read, score), *others = scored
     title = source if others else ": ".join(filter(None, (source, read.track.topic)))
@@ -184,9 +193,11 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     )
 
 
-def _require_score(score: object) -> None:
+def _require_score(score: object, title: object) -> None:
     from lie_rigid_body.evaluation import Score
 
+    if not isinstance(title, str):
+        raise InputError(f"title {shown(title)} is no text: give one, or leave it out")
     if not isinstance(score, Score):
         kind = type(score).__name__
         raise InputError(f"a {kind} is no score: {_INSTEAD.get(kind, 'give what evaluate() or run.score() returns')}")
@@ -207,12 +218,12 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     Raises
     ------
     InputError, BagError
-        If it is no score, the name ends otherwise, or the file exists or cannot be written.
+        If it is no score, the title no text, the name ends otherwise, or the file exists or cannot be written.
     """
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import drawing, scores
 
-    _require_score(score)
+    _require_score(score, title)
     require_suffix("path", str(path), ".png")
     write_file(path, drawing.png(partial(scores.draw, title, score)), overwrite=overwrite)
 
@@ -225,6 +236,6 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
     from lie_rigid_body.recording.output_file import write_file
     from lie_rigid_body.report import scores
 
-    _require_score(score)
+    _require_score(score, title)
     require_suffix("path", str(path), ".html")
     write_file(path, scores.page(title, None, score), overwrite=overwrite)

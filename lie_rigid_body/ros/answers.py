@@ -57,7 +57,7 @@ class Answers:
     Raises
     ------
     InputError
-        If a name is none of ROS, or there is no IMU.
+        If a name is none of ROS, the topic is one of the simulator's own, or there is no IMU.
     """
 
     def __init__(self, node: Node, publishers: Mapping[str, Publisher], topic: str, nodes: Sequence[str]) -> None:
@@ -68,6 +68,8 @@ class Answers:
             self._nodes = [node.resolve_topic_name(name, only_expand=True) for name in nodes]
         if IMU_TOPIC not in publishers:
             raise ParameterError("lockstep_topic", f"{topic} can answer no reading without an IMU: give imu_rate")
+        if self.topic in {publisher.topic_name for publisher in publishers.values()}:
+            raise ParameterError("lockstep_topic", f"{topic} is a topic of this node itself: give that of a filter")
         self._imu = publishers[IMU_TOPIC].topic_name
         self.hear: Callable[[int, bytes], object] = lambda stamp_ns, payload: None
         self.message_type = ""

@@ -15,6 +15,8 @@ from rclpy.node import Node
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.estimates.kept_attitudes import UNUSABLE
+from lie_rigid_body.estimates.live_estimate import LiveEstimate
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.interruption import Interruption
@@ -24,8 +26,6 @@ from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.scores import Scores
 from lie_rigid_body.ros.session import own_node
-from lie_rigid_body.runs.kept_attitudes import UNUSABLE
-from lie_rigid_body.runs.live_estimate import LiveEstimate
 from lie_rigid_body.wording import suggestion
 
 EVALUATOR_NAME: Final = "evaluator"

@@ -12,15 +12,18 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
+from lie_rigid_body.estimates.live_estimate import LiveEstimate
+from lie_rigid_body.estimates.recorded_estimate import nearest, pose_beside
+from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import message_class, translated_errors
-from lie_rigid_body.runs.live_estimate import LiveEstimate
-from lie_rigid_body.runs.recorded_estimate import nearest, pose_beside
+from lie_rigid_body.runs.estimate import BIAS
 from lie_rigid_body.wording import counted, listed
 
 ESTIMATE: Final = "estimate"
 """Relative name of the estimate's topic, to be remapped."""
+TRUE_BIAS: Final = "imu/bias"
+"""Relative name of the topic of the true biases, which stand where an Imu has its readings."""
 TRUTH: Final = "truth"
 """Relative name of the truth's topic, to be remapped. Without that the truth is looked for beside the estimate."""
 MESSAGES_KEPT: Final = 5000
@@ -82,10 +85,20 @@ class Following:
             self._subscriptions[self.estimate] = subscription, self.live.hear_estimates
         self._true_kinds, truth = kinds, self.live.truth
         for topic, kind in kinds.items():
-            if topic not in self._subscriptions:
-                hear = truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind)
-                self._subscriptions[topic] = subscribe(self._node, topic, kind), hear
+            self._hear(topic, kind, truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind))
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
+        biases = f"{self.estimate}{BIAS}"
+        if VECTOR3_STAMPED in there.get(biases, []):
+            self._hear(biases, VECTOR3_STAMPED, partial(self.live.gyro_bias.hear, biases, VECTOR3_STAMPED))
+            for pose in {pose_beside(topic) if kind == STRING else topic for topic, kind in kinds.items()}:
+                true = f"{pose.rpartition('/')[0]}/{TRUE_BIAS}"
+                if IMU in there.get(true, []):
+                    self._hear(true, IMU, partial(truth.gyro_bias.hear, true, IMU))
+
+    def _hear(self, topic: str, kind: str, hear: Hear) -> None:
+        """Subscribe to a topic, once."""
+        if topic not in self._subscriptions:
+            self._subscriptions[topic] = subscribe(self._node, topic, kind), hear
 
     def _forget(self, nearer: Collection[str]) -> None:
         """Forget what was heard, as a truth has appeared that is nearer to the estimate."""
@@ -137,9 +150,8 @@ class Following:
         if self.live is not None and self.live.messages:
             if self.live.truth.is_known:
                 return self.live.why_not_compared()
-            silent = [topic for topic in self._subscriptions if topic != self.estimate]
-            if silent:
-                return f"no truth of {self.estimate}: nothing came on {listed(silent)}: is its simulation paused?"
+            if silent := listed([*self._true_kinds]):
+                return f"no truth of {self.estimate}: nothing came on {silent}: is its simulation paused?"
             return f"no truth of {self.estimate}: there is no topic .../scenario or .../pose: remap it, -r truth:=TOPIC"
         if self.live is not None:
             return f"nothing came on {self.estimate}, which is there: does its node get what it needs? {attitudes}"
@@ -148,8 +160,7 @@ class Following:
     def stop(self) -> str:
         """A sentence about why no more estimates are compared, once some were."""
         there = self.published()
-        others = [topic for topic in self._subscriptions if topic != self.estimate]
-        gone = [topic for topic in (self.estimate, *others) if topic not in there]
+        gone = [topic for topic in (self.estimate, *self._true_kinds) if topic not in there]
         if gone:
             return f"nobody publishes {listed(gone)} any more"
         return f"nothing more of {self.estimate} can be compared: is its node busy, or the simulation paused?"

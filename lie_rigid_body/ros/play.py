@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.estimates.programs import Answered, NodeEstimator, Reading, last_words, words
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.runs.programs import Answered, NodeEstimator, Reading, last_words, words
 from lie_rigid_body.system import lock, open_itself
 
 DOMAINS: Final = range(1, 102)

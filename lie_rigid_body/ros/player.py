@@ -15,12 +15,12 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
 from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.estimates.programs import Answered, NodeEstimator, Reading
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.answers import Answers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, DEPTH, clock_bytes
 from lie_rigid_body.ros.session import message_class, own_node
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
-from lie_rigid_body.runs.programs import Answered, NodeEstimator, Reading
 from lie_rigid_body.sensors import SENSORS
 
 SILENCE_S: Final = 10.0

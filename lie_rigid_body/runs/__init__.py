@@ -5,10 +5,7 @@
 - `ensemble`: simulated runs of a scenario, of one seed or of many, and runs without the truth;
 - `truth`: the attitude at any time, as scenarios and poses tell it, and the error that the noise of the sensors leaves
   to any filter;
-- `recorded_estimate`, `live_estimate`: an estimate and its truth in a bag, and message by message from topics;
-- `kept_attitudes`: what counts of an estimate, and of its truth;
-- `estimate`: what an estimator returns;
-- `estimators`, `programs`: functions of a run that estimate, and programs and nodes that do.
+- `estimate`: what an estimator returns.
 """
 
 from lie_rigid_body.runs.ensemble import simulate

@@ -191,7 +191,7 @@ def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str,
         raise InputError(f"scenario {shown(scenario)} is no name of one, but a path: give it as pathlib.Path(...)")
     if scenario is None or isinstance(scenario, str):
         return gather(scenario, [], [])
-    raise InputError(f"scenario {scenario!r} is no name: give that of a scenario, a Path of a file, or a Scenario")
+    raise InputError(f"scenario {shown(scenario)} is no name: give that of a scenario, a Path of a file, or a Scenario")
 
 
 class WithheldError(InputError, AttributeError):

@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation import (
     unavoidable_error,
 )
 from lie_rigid_body.evaluation.arguments import integer_stamps, read_stamps, unit
-from lie_rigid_body.evaluation.consistency import covariance_fault
+from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.definitions import IMU
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
@@ -211,9 +211,12 @@ class TrueMotion:
                 f"The body of the estimate is {shown(track.child_frame)}, that of the truth {shown(self.frames[1])}: "
                 "they are taken for the same. Is it the right body?"
             )
-        fault = "" if track.covariance is None else covariance_fault(track.covariance)
-        if fault:
-            yield f"There is no NEES: {fault}."
+        if track.covariance is not None:
+            unknown = unknown_covariances(track.covariance)
+            if fault := covariance_fault(track.covariance):
+                yield f"There is no NEES: {fault}."
+            elif unknown.any() and not unknown.all():
+                yield f"There is no NEES: {unknown.sum()} of {len(unknown)} covariances are unknown: give all or none."
 
     def _events_of(self, track: AttitudeTrack) -> Iterator[str]:
         """Sentences about what scenarios declare, and no filter can help: resets, lost readings, an erring clock."""

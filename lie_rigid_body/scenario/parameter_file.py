@@ -222,7 +222,14 @@ def scenario_files() -> dict[str, Path]:
     -------
     dict of str to Path
         By name, as given to ``--scenario``; in the order of the names.
+
+    Raises
+    ------
+    InputError
+        If the package is imported from a zip file, whose files have no path.
     """
+    if not CONFIG.is_dir():
+        raise InputError(f"{CONFIG} is no folder: unpack the package, as pip does, or give a parameter file")
     return {file.stem: file for file in sorted(CONFIG.glob("*.yaml"))}
 
 

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
+    from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator
     from lie_rigid_body.evaluation import Score
     from lie_rigid_body.runs import Run
-    from lie_rigid_body.runs.programs import CommandEstimator, NodeEstimator
     from lie_rigid_body.scenario import Scenario
 
 __all__ = ["assert_attitude", "attitude_run", "command_estimator", "node_estimator"]
@@ -74,7 +74,7 @@ def command_estimator(command: str, timeout: float = 60.0) -> CommandEstimator:
     CommandEstimator
         A function of a `Run`, for `lie_rigid_body.diagnose`, for tests, and for campaigns.
     """
-    from lie_rigid_body.runs.programs import CommandEstimator
+    from lie_rigid_body.estimates.programs import CommandEstimator
 
     return CommandEstimator(command, timeout)
 
@@ -99,7 +99,7 @@ def node_estimator(command: str, timeout: float = 60.0, topic: str = "imu/data")
     NodeEstimator
         A function of a `Run`, for `lie_rigid_body.diagnose`, for tests, and for campaigns.
     """
-    from lie_rigid_body.runs.programs import NodeEstimator
+    from lie_rigid_body.estimates.programs import NodeEstimator
 
     return NodeEstimator(command, timeout, topic)
 

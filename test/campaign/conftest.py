@@ -25,7 +25,7 @@ def own_estimator() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def campaign_done(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of a campaign on two workers, with an estimator beside it that fails in one run.
+    """The folder of a campaign on one worker, with an estimator beside it that fails in one run.
 
     Of several processes of pytest one does the campaign, and each has a copy.
     """
@@ -42,7 +42,7 @@ def _do(folder: Path) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sys, "path", [*sys.path])
         patch.chdir(folder)
-        assert main([str(written(folder)), "--out", str(folder / "out"), "--workers", "2"]) == 0
+        assert main([str(written(folder)), "--out", str(folder / "out"), "--workers", "1"]) == 0
     return folder
 
 

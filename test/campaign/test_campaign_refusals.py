@@ -12,7 +12,7 @@ from test_what_campaigns_say import CAMPAIGNS
 from lie_rigid_body.campaign.cluster import is_open
 from lie_rigid_body.cli.campaign import main
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 
 
 @pytest.mark.parametrize("text", [text for text, _ in CAMPAIGNS])

@@ -20,7 +20,7 @@ from lie_rigid_body.errors import InputError
 from lie_rigid_body.recording import bag_reader
 from lie_rigid_body.runs import simulate
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 
 
 def test_the_table_has_a_row_for_each_run(out: Path) -> None:
@@ -75,9 +75,9 @@ def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_one_worker_gives_the_same_bytes(out: Path, tmp_path: Path) -> None:
+def test_two_workers_give_the_same_bytes(out: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
-    assert main([str(written(tmp_path)), "--out", str(other), "--workers", "1"]) == 0
+    assert main([str(written(tmp_path)), "--out", str(other), "--workers", "2"]) == 0
     assert bytes_of(other) == bytes_of(out)
     assert table_of(other).equals(table_of(out))
 

@@ -24,8 +24,9 @@ from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, SERIE
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.report import campaign_scores
 from lie_rigid_body.runs import simulate
+from one_python import asked_here
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 RUNS = 24
 DEVIATION = 0.01
 TEXT = f"""
@@ -89,7 +90,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         patch.setattr(sys, "path", [*sys.path])
         patch.chdir(folder)
         yield folder
-    sys.modules.pop("compared_estimators", None)
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +100,7 @@ def said(folder: Path, scheduler: str) -> list[str]:
 
     printed = io.StringIO()
     given = [str(written(folder, COMPARED)), "--out", "out", "--no-bags", "--report", "page.html"]
-    with redirect_stdout(printed), redirect_stderr(io.StringIO()):
+    with asked_here(folder), redirect_stdout(printed), redirect_stderr(io.StringIO()):
         assert main([*given, "--scheduler", scheduler]) == 0
     return printed.getvalue().splitlines()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import shutil
 import sys
@@ -18,7 +19,7 @@ from test_what_campaigns_say import refused
 from lie_rigid_body.campaign import Campaign, cluster
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD
 from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import MORE_SCORES, Judgement, Row, carry_out
+from lie_rigid_body.campaign.run import MORE_SCORES, BagFolder, Judgement, Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError, said
@@ -27,6 +28,7 @@ from lie_rigid_body.wording import LONGEST_LINE
 pytestmark = NEEDS_DASK
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_runs_that_fail_one_after_another_end_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -51,13 +53,14 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
     with Journal(campaign, out) as journal:
         (out / "bags" / "000002.mcap").mkdir()
         with pytest.raises(BagError) as failed:
-            carry_out(campaign, 2, str(out))
+            carry_out(campaign, 2, journal.bags)
         line = str(campaign_runs._failure(campaign, journal, {2: failed.value}))
     assert "000002.mcap is a folder" in line
     assert line.endswith(RESUMED)
     assert len(line) <= LONGEST_LINE
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_what_is_in_the_way_of_a_bag_from_elsewhere_costs_that_run_only(
     scheduler: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -82,7 +85,7 @@ def test_a_run_that_fails_leaves_no_part_of_its_bag_and_the_older_one(tmp_path: 
     resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
     try:
         with pytest.raises(BagError):
-            carry_out(campaign, 0, str(tmp_path))
+            carry_out(campaign, 0, BagFolder.of(tmp_path))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert [bag.read_bytes() for bag in (tmp_path / "bags").iterdir()] == older
@@ -95,10 +98,37 @@ def test_a_run_that_fails_removes_nothing_that_it_did_not_write(tmp_path: Path) 
     (tmp_path / "bags").symlink_to(elsewhere)
     (elsewhere / "000000.mcap").symlink_to(tmp_path / "nowhere")
     with pytest.raises(BagError):
-        carry_out(Campaign(runs=1, seed=1, duration=1.0), 0, str(tmp_path))
+        carry_out(Campaign(runs=1, seed=1, duration=1.0), 0, BagFolder.of(tmp_path))
     assert (elsewhere / "000000.mcap").is_symlink()
 
 
+def test_no_bag_is_replaced_in_a_folder_that_took_the_place_of_the_own(tmp_path: Path) -> None:
+    campaign, out, others = Campaign(runs=1, seed=1, duration=1.0), tmp_path / "out", tmp_path / "others"
+    precious = others / "bags" / "000000.mcap"
+    precious.parent.mkdir(parents=True)
+    precious.write_bytes(b"precious")
+    with Journal(campaign, out) as journal:
+        out.rename(tmp_path / "moved")
+        out.symlink_to(others)
+        with pytest.raises(BagError, match="deleted or moved"):
+            carry_out(campaign, 0, journal.bags)
+    assert (precious.read_bytes(), os.listdir(precious.parent)) == (b"precious", ["000000.mcap"])
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives files to others")
+def test_rows_that_another_user_wrote_are_not_believed(tmp_path: Path) -> None:
+    campaign = Campaign(runs=1, seed=1, duration=1.0)
+    with Journal(campaign, tmp_path / "out") as journal:
+        journal.add(Row(0, certified=True))
+    os.chown(journal.path, 65534, 65534)
+    with pytest.raises(BagError, match="another user's"), Journal(campaign, tmp_path / "out"):
+        pass
+    os.chown(journal.path, 0, 0)
+    with Journal(campaign, tmp_path / "out") as journal:
+        assert len(journal) == 1
+
+
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize("said_there", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
 def test_an_estimator_without_any_score_is_an_error(
     out: Path, tmp_path: Path, said_there: str, capsys: pytest.CaptureFixture[str]
@@ -118,6 +148,7 @@ def test_an_estimator_without_any_score_is_an_error(
     assert table_of(copy)["estimator_error"].to_pylist() == [said_there] * 6
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -143,7 +174,7 @@ def test_an_estimator_that_goes_elsewhere_costs_nothing_and_bags_that_are_delete
     with Journal(campaign, tmp_path / "out") as journal:
         asked: dict[str, Any] = {"bags": True, "elsewhere": False, "alone": print}
         with cluster.client_of(None, scheduler) as client:
-            for _, row in cluster.finished(client, campaign, range(3), Path("out"), **asked):
+            for _, row in cluster.finished(client, campaign, range(3), journal.bags, **asked):
                 assert isinstance(row, Row), row
                 journal.add(row)
         monkeypatch.chdir(tmp_path)

@@ -136,6 +136,7 @@ def test_a_folder_that_is_taken_away_is_told(journal: Journal, put: str) -> None
         journal.add(first)
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize("line", ["nonsense", "3", '{"run": 6}', '{"run": 1, "speed": 2}'])
 def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pytest.CaptureFixture[str]) -> None:
     copy = shutil.copytree(out, tmp_path / "copy")

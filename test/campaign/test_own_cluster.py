@@ -34,6 +34,8 @@ class Own(NamedTuple):
 
     client: Client
     sockets: set[tuple[str, int]]
+    shared: Path
+    """The folder for temporary files, in which Dask would have one that is that of whoever makes it first."""
 
 
 def listening() -> dict[int, set[tuple[str, int]]]:
@@ -49,30 +51,31 @@ def listening() -> dict[int, set[tuple[str, int]]]:
 
 
 @pytest.fixture(scope="module")
-def own() -> Iterator[Own]:
-    before = set().union(*listening().values())
-    with client_of(WORKERS, None) as client:
-        there = listening()
-        workers = {worker["pid"] for worker in client.run(_process).values()}
-        assert len(workers & set(there)) == WORKERS  # processes of their own, whose end costs their run only
-        assert all(there[worker] for worker in workers)
-        [*left] = client.run(_leave_a_program).values()
-        yield Own(client, set().union(*there.values()) - before)
+def own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Own]:
+    before, path, shared = set().union(*listening().values()), [*sys.path], tmp_path_factory.mktemp("shared")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(shared))
+        patch.setenv("TMPDIR", str(shared))
+        with client_of(WORKERS, None) as client:
+            there = listening()
+            workers = {worker["pid"] for worker in client.run(_process).values()}
+            assert len(workers & set(there)) == WORKERS  # processes of their own, whose end costs their run only
+            assert all(there[worker] for worker in workers)
+            [*left] = client.run(_leave_a_program).values()
+            yield Own(client, set().union(*there.values()) - before, shared)
+    assert sys.path == path
+    assert [*shared.iterdir()] == []
     assert not [pid for pid in left if is_running(pid)]  # though each has a session of its own
     assert listening().keys() & workers == set()
 
 
-def test_no_folder_that_others_share_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Dask's is that of whoever makes it first: its modules would be imported, and its lock waited for."""
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
-    shared, before = tmp_path / "dask-scratch-space", [*sys.path]
-    with client_of(1, None) as client:
-        [of_worker] = client.run(_path).values()
-        assert not [place for place in (*sys.path, *of_worker) if place.startswith(str(shared))]
-        assert not shared.exists()
-    assert sys.path == before
-    assert [*tmp_path.iterdir()] == []
+def test_no_folder_that_others_share_is_used(own: Own) -> None:
+    """Modules of Dask's own would be imported, and its lock waited for."""
+    there = own.shared / "dask-scratch-space"
+    for path in (sys.path, *own.client.run(_path).values()):
+        assert not [place for place in path if place.startswith(str(there))]
+    assert [*own.shared.iterdir()]
+    assert not there.exists()
 
 
 def _path() -> list[str]:

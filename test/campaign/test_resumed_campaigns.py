@@ -17,7 +17,7 @@ from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import InputError
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 
 
 def test_what_is_finished_is_not_done_again(out: Path, tmp_path: Path) -> None:

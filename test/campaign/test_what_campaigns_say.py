@@ -22,7 +22,7 @@ from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from lie_rigid_body.wording import LONGEST_LINE
 from said import refusals
 
-pytestmark = NEEDS_DASK
+pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 refused = refusals(
     {
         BagError: {
@@ -94,7 +94,7 @@ def failed(folder: Path) -> None:
     with Journal(campaign, folder / "out") as journal:
         (folder / "out/bags/000002.mcap").mkdir()
         try:
-            carry_out(campaign, 2, str(folder / "out"))
+            carry_out(campaign, 2, journal.bags)
         except LieRigidBodyError as error:
             raise campaign_runs._failure(campaign, journal, {2: error}) from None
 

@@ -90,6 +90,7 @@ def test_each_bag_of_a_folder_has_a_row(runs, capsys):
     assert status == 2  # not every bag could be judged
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_the_status_is_the_worst_of_all(runs, capsys):
     good, poor = runs / "9.mcap", runs / "poor" / "run.mcap"
     status, _, err = answer(capsys, good, runs / "10.mcap")
@@ -99,11 +100,21 @@ def test_the_status_is_the_worst_of_all(runs, capsys):
     assert answer(capsys, poor, good, runs / "absent.mcap")[0] == 2
 
 
+def test_a_link_to_itself_stops_no_other_bag(runs, capsys):
+    circle = runs / "circle.mcap"
+    circle.symlink_to(circle.name)
+    status, out, [line] = answer(capsys, circle, runs / "9.mcap")
+    assert [row.split()[0] for row in out[1:3]] == ["unusable", "certified"]
+    assert (status, line.partition("circle.mcap ")[2][:14]) == (2, "cannot be read")
+
+
+@pytest.mark.usefixtures("asked_here")
 def test_a_bag_that_is_named_twice_is_judged_once(runs, capsys):
     _, out, _ = answer(capsys, runs / "9.mcap", runs / ".." / "runs" / "9.mcap", runs)
     assert sum(line.endswith("9.mcap") for line in out) == 1
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_json_of_several_has_what_each_has_alone(runs, capsys):
     status, out, _ = answer(capsys, "--json", runs)
     content = json.loads("\n".join(out))
@@ -116,11 +127,13 @@ def test_json_of_several_has_what_each_has_alone(runs, capsys):
     assert json.loads("\n".join(alone)) | {"body": None} == good
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_a_folder_without_bags_is_unusable(tmp_path, capsys):
     status, _, err = answer(capsys, tmp_path)
     assert (status, len(err)) == (2, 1)
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_a_recording_without_metadata_is_one_bag(tmp_path, capsys):
     folder = tmp_path / "walk"
     folder.mkdir()
@@ -132,6 +145,7 @@ def test_a_recording_without_metadata_is_one_bag(tmp_path, capsys):
     assert (status, out[1].split()[-1]) == (0, str(folder / "other_0.mcap"))
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_a_lone_file_of_a_split_bag_says_which_is_missing(tmp_path, capsys):
     folder = tmp_path / "walk"
     folder.mkdir()
@@ -145,6 +159,7 @@ def test_a_lone_file_of_a_split_bag_says_which_is_missing(tmp_path, capsys):
     assert "walk_1.mcap" not in answer(capsys, folder)[2][0]
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_one_bag_is_counted_as_one(tmp_path, capsys):
     write_bag(tmp_path / "gaps.mcap", 40)
     assert answer(capsys, tmp_path)[0] == 0
@@ -155,6 +170,7 @@ def test_one_bag_is_counted_as_one(tmp_path, capsys):
     assert re.fullmatch(r"BROKEN +40 +IMU stamps +\d+ of 0 .*gaps.mcap", out[1])
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
     status, out, err = answer(capsys, two_bodies)
     assert (status, err) == (1, [])
@@ -167,6 +183,7 @@ def test_each_body_of_a_bag_has_its_certificate(two_bodies, capsys):
     assert " ".join(out).count("/b/pose") == 1  # as of another body, and not as a stray topic too
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_a_table_tells_what_of_its_bags_is_not_certified(tmp_path, capsys):
     """Topics beside the bodies' own, and those that a recorder did not get: each once, with where that is."""
     pytest.importorskip("plotly")
@@ -216,6 +233,7 @@ def with_messages(target: Path, source: Path, topic: str, message: bytes | None)
         writer.finish()
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_each_line_about_one_of_several_begins_with_its_bag(tmp_path, monkeypatch, capsys):
     good, late = write_bag(tmp_path / "good", 3), write_bag(tmp_path / "late", 3, epoch_ns=10**18)
     with late.open("rb") as content:
@@ -230,6 +248,7 @@ def test_each_line_about_one_of_several_begins_with_its_bag(tmp_path, monkeypatc
     assert all(line.count(".mcap") == 1 for line in said)
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize(
     ("topic", "message", "named"),
     [

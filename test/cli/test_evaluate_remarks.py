@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from estimates import beside, messages
 from evaluating import HOW, IMU, ODOMETRY, POSE, P, scored
 
+from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 from said import numbers
 
@@ -77,12 +79,29 @@ def test_other_frames_are_named(kind, names, told, own, stamps, noisy, tmp_path,
     assert re.findall("'([^']+)'", note) == told
 
 
-@pytest.mark.parametrize(("diagonal", "notes"), [([0.0, 0.0, 0.0], 0), ([-1.0, 0.0, 0.0], 0), ([0.0, 0.0, 1e-4], 1)])
-def test_covariances_that_cannot_be_used(diagonal, notes, own, stamps, noisy, tmp_path, capsys):
+ASYMMETRIC = np.array([[2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("covariance", "faults"),
+    [
+        (np.diag([0.0, 0.0, 0.0]), 0),
+        (np.diag([-1.0, 0.0, 0.0]), 0),
+        (np.diag([0.0, 0.0, 1e-4]), 1),
+        (np.diag([1e-4, 1e-4, -1e-4]), 1),
+        (np.diag([1e-4, 1e-4, np.nan]), 1),
+        (ASYMMETRIC, 1),
+    ],
+)
+def test_covariances_that_cannot_be_used(covariance, faults, own, stamps, noisy, tmp_path, capsys):
+    """Unknown ones are none; of others the attitudes have their score, beside one line and status 2."""
     kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
-    bag = beside(own, tmp_path / "c.mcap", (kind, messages(np.diag(diagonal))[kind], "/estimate", stamps, noisy))
-    content = scored(capsys, bag, "--estimate", "/estimate")
-    assert (content["nees"], len(content["notes"])) == (None, notes)
+    bag = beside(own, tmp_path / "c.mcap", (kind, messages(covariance)[kind], "/estimate", stamps, noisy))
+    assert main([str(bag), "--estimate", "/estimate", "--max-rms", "1deg", "--json"]) == 2 * faults
+    out, err = capsys.readouterr()
+    content = json.loads(out)
+    assert (content["nees"], content["samples"], len(content["notes"])) == (None, len(stamps), faults)
+    assert err.count("\n") == faults == err.count("/estimate: covariance: ")
 
 
 def test_a_covariance_about_the_bodys_axes_is_recognised_and_can_be_said(own, run, stamps, tmp_path, capsys):

@@ -91,6 +91,7 @@ def test_a_picture_and_a_page_are_two_files(folder: Path) -> None:
     assert (folder / "old.html").read_text() == "old"
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_a_page_in_a_folder_of_bags_is_none_of_its_inputs(folder: Path) -> None:
     for name in ("named", "metadata.yaml"):
         (folder / "bags" / "run" / name).unlink()

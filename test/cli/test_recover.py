@@ -128,6 +128,47 @@ def test_a_folder_of_a_split_bag_makes_a_folder_that_is_certified(
     assert {path: path.read_bytes() for path in split.iterdir()} == before
 
 
+def named(folder: Path, *names: str) -> None:
+    """Write the metadata of a bag of some files."""
+    quoted = ", ".join(f"'{name}'" for name in names)
+    text = f"rosbag2_bagfile_information: {{relative_file_paths: [{quoted}]}}"
+    (folder / "metadata.yaml").write_text(text)
+
+
+@pytest.mark.parametrize("instead", ["nothing", "folder", "pipe", "link to itself"])
+def test_the_files_of_a_folder_are_those_that_its_metadata_name(
+    split: Path, capsys: pytest.CaptureFixture[str], instead: str
+) -> None:
+    """One that is gone, or is none, is told, and so is one more that stands there; neither costs the others."""
+    part, gone, more = (split / f"my run_{i}.mcap" for i in range(3))
+    gone.unlink()
+    {
+        "nothing": lambda path: None,
+        "folder": os.mkdir,
+        "pipe": os.mkfifo,
+        "link to itself": lambda path: path.symlink_to(path.name),
+    }[instead](gone)
+    more.write_bytes(part.read_bytes())
+    named(split, part.name, gone.name)
+    fixed = split.with_name("fixed")
+    assert recover([str(split), "-o", str(fixed)]) == 0
+    much, *told, _, _ = capsys.readouterr().out.splitlines()
+    assert numbers(much)[0] == 201
+    assert [line.partition(".mcap ")[0] + ".mcap" for line in told] == [str(gone), str(more)]
+    assert [path.name for path in fixed.iterdir()] == ["fixed_0.mcap"]
+    assert check([str(fixed)]) == 0
+
+
+def test_a_link_out_of_a_folder_is_not_followed(split: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    part, fixed = split / "my run_1.mcap", split.with_name("fixed")
+    part.rename(split.with_name("elsewhere.mcap"))
+    part.symlink_to("../elsewhere.mcap")
+    named(split, "my run_0.mcap", part.name)
+    assert recover([str(split), "-o", str(fixed)]) == 2
+    assert part.name in capsys.readouterr().err
+    assert not fixed.exists()
+
+
 def test_a_folder_without_any_whole_message_makes_none(split: Path) -> None:
     for path in split.iterdir():
         os.truncate(path, 0)

@@ -48,7 +48,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def prepared(folder: Path, bag: Path) -> Path:
     (folder / "bags").mkdir()
-    for i in range(9):
+    for i in range(30):
         os.link(bag, folder / f"bags/{i}.mcap")
     (folder / "campaign.yaml").write_text(CAMPAIGN)
     return folder
@@ -75,7 +75,9 @@ def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
     assert sorted(os.listdir(folder)) == ["bags", "campaign.yaml"]
 
 
-@pytest.mark.parametrize("name", VERBS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(each, marks=pytest.mark.slow) if each == "record by steps" else each for each in VERBS]
+)
 def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -> None:
     tried(name, prepared(tmp_path, bag), SEEDS[name], numba=name != "record")
 
@@ -89,7 +91,9 @@ def test_a_second_signal_changes_nothing_at_any_moment(name: str, bag: Path, tmp
         tried(name, tmp_path, seed, numba=numba)
 
 
-@pytest.mark.parametrize("name", VERBS)
+@pytest.mark.parametrize(
+    "name", [each if each in ("record", VERBS[-1]) else pytest.param(each, marks=pytest.mark.slow) for each in VERBS]
+)
 def test_the_fourth_signal_ends_what_closes_for_ever(name: str, bag: Path, tmp_path: Path) -> None:
     """It has a line to say on stderr, a pipe that is full and that nobody reads."""
     numbers = [(INT, TERM, TERM, INT), (TERM, INT, INT, TERM)][SEEDS[name] % 2]

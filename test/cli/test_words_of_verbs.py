@@ -169,7 +169,7 @@ REFUSED = {
     "scenarios all": "unrecognized arguments: all; 'lie-rigid-body scenarios --help' explains the arguments",
     "recover cut.mcap -o cut.mcap": "cut.mcap is the input cut.mcap itself, which would be lost: give another name",
     "recover cut.mcap -o page.html": "exists and is kept: give another name, or --force",
-    "recover . -o fixed.mcap": "is not the folder of one bag: recover the MCAP files in it one by one",
+    "recover . -o fixed.mcap": "not one recording: give one of them",
     "recover nothing -o fixed.mcap": "is a folder without MCAP files",
     "recover absent.mcap -o fixed.mcap": "does not exist",
     "recover text.mcap -o fixed.mcap": "does not begin as an MCAP file",
@@ -316,6 +316,7 @@ def test_a_refusal_is_one_line_and_changes_nothing(
     assert times(here) == before
 
 
+@pytest.mark.usefixtures("asked_here")
 @pytest.mark.parametrize("command", SAID)
 def test_what_is_found_is_said(
     command: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -23,8 +23,8 @@ from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
+from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimators import each_alone
 from sampled import sampled
 
 HERE = Path(__file__).parent
@@ -161,7 +161,7 @@ def test_run_of_a_diagnosis_tells_no_truth() -> None:
 
 
 def test_nan_fails_the_probe_with_the_first_sample() -> None:
-    found = diagnose(textbook.not_a_number, max_runs=1)
+    found = diagnose(lambda run: textbook.not_a_number(run), max_runs=1)
     finite = next(probe for probe in found.probes if probe.code == "finite")
     assert (finite.passed, finite.value) == (False, 1293.0)
     assert "sample 7" in finite.message
@@ -221,19 +221,32 @@ def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path
     ("estimate", "said"),
     [
         (textbook.raises, ["textbook.py line ", "ZeroDivisionError: of the filter"]),
-        (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
-        (textbook.stops, ["textbook.py line ", ": BaseException: mend"]),
         (textbook.of_wrong_shape, ["(1300, 3)"]),
         (textbook.changes_its_run, ["(10, 4) for 1300 stamps"]),
         (textbook.changes_its_estimate, ["estimate: not numbers"]),
-        (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
-        (textbook.endless, ["the filter failed, MemoryError: mend"]),
         (textbook.unreadable, ["textbook.py line ", "LookupError: where it is read"]),
         (textbook.first_reading, ["no attitude after 4.33 s"]),
         (textbook.peeks, ["textbook.py line ", "run.attitude() would tell the truth"]),
     ],
 )
 def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any], said: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        diagnose(lambda run: estimate(run))
+    assert [word for word in said if word not in str(caught.value)] == []
+
+
+@pytest.mark.parametrize(
+    ("estimate", "said"),
+    [
+        (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
+        pytest.param(textbook.stops, ["textbook.py line ", ": BaseException: mend"], marks=pytest.mark.slow),
+        (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
+        (textbook.endless, ["the filter failed, MemoryError: mend"]),
+    ],
+)
+def test_filter_that_fails_in_a_process_of_its_own_is_refused_in_one_line(
+    estimate: Callable[[Any], Any], said: list[str]
+) -> None:
     with pytest.raises(InputError) as caught:
         diagnose(estimate, workers=1)
     assert [word for word in said if word not in str(caught.value)] == []
@@ -345,9 +358,9 @@ def repairs_by_units(estimate: Callable[[Any], Any], code: str) -> tuple[Search,
 @pytest.mark.parametrize(
     ("estimate", "code"),
     [
-        (textbook.with_wrong_jacobian, "magnetometer_units"),
+        pytest.param(textbook.with_wrong_jacobian, "magnetometer_units", marks=pytest.mark.slow),
         (partial(textbook.proportional, signs=(-1.0, 1.0), gain=10.0), "accelerometer_units"),
-        (partial(textbook.proportional, signs=(1.0, -1.0)), "accelerometer_units"),
+        pytest.param(partial(textbook.proportional, signs=(1.0, -1.0)), "accelerometer_units", marks=pytest.mark.slow),
     ],
 )
 def test_repair_that_silences_a_sensor_names_no_mistake_of_an_unstable_filter(
@@ -443,7 +456,8 @@ def test_mistake_of_a_filter_that_begins_at_the_identity_is_named_alone(changes:
 
 
 def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> None:
-    found = diagnose(textbook.without_a_magnetometer, max_runs=1)
+    rates: dict[str, Any] = {"imu_rate": 25.0, "magnetometer_rate": 25.0}
+    found = diagnose(lambda run: textbook.without_a_magnetometer(run), max_runs=1, **rates)
     assert found.mistakes == ()
     assert "heading alone" in found.probes[0].message
 

@@ -6,6 +6,7 @@ And its sentences about limits and differences.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,7 @@ def consistency(covariance: Any, **more: Any) -> Call:
     return lambda: attitude_nees(np.tile(ONE, (4000, 1)), np.tile(ONE, (4000, 1)), covariance, **more)
 
 
+NO_TIMES: list[Any] = [10**30, np.inf, np.nan, "0", []]
 REFUSED: dict[str, list[Call]] = {
     # limits
     "is not a finite number of degrees above 0: give": [
@@ -117,8 +119,12 @@ REFUSED: dict[str, list[Call]] = {
     "a stamp occurs twice": [lambda: SampledTruth([0, 0], Q[:2])],
     "ends at 0 ns": [lambda: ExactTruth(still, 1, 0)],
     r"is not within 2\*\*31 s of 0": [
-        lambda time=time: ExactTruth(still, 0, time)  # type: ignore[misc]
-        for time in (10**30, np.inf, np.nan, "0", None)
+        call
+        for time in NO_TIMES
+        for call in (
+            partial(ExactTruth, still, 0, time),
+            partial(SampledTruth, [0, 1], Q[:2], time),
+        )
     ],
     r"those of ROS 2 are within 2\*\*31 s: give nanoseconds": [
         lambda: read_stamps("estimate", np.array([-(2**63), 2**63 - 1])),

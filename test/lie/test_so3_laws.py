@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.wording import shown
 
 components = st.floats(-3.0, 3.0)
 vectors = st.tuples(components, components, components).map(np.array)
@@ -98,6 +99,11 @@ def test_a_wrong_shape_is_refused(function, name, said):
         function(np.zeros(5))
     assert caught.value.name == name
     assert str(caught.value).startswith(f"{name}: shape (5,) is not {said} on the last")
+    others: tuple[object, ...] = ("x", {}, [10**400])
+    for other in others:
+        with pytest.raises(ParameterError) as caught:
+            function(other)
+        assert str(caught.value).startswith(f"{name}: {shown(other)} is not numbers: ")
 
 
 def test_importing_the_room_does_not_wait_for_scipy():

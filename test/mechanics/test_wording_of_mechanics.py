@@ -33,6 +33,10 @@ UNIT = np.eye(3)
             lambda: RigidBody([10**400]),
             f"inertia: {shown([10**400])} is not numbers: give an array of them, in equal rows",
         ),
+        (
+            lambda: RigidBody(np.ma.masked_array([1.0, 2.0, 2.5], mask=[False, True, True])),
+            "inertia: 2 of its numbers are masked: fill them in, or leave their rows out, with their stamps",
+        ),
         (lambda: RigidBody([1.0, 1.0, np.nan]), "inertia: nan is not finite: give finite numbers"),
         (
             lambda: RigidBody(1j * UNIT),
@@ -61,6 +65,17 @@ UNIT = np.eye(3)
             lambda: RigidBody([1.0, 1.0, 2.1]),
             "inertia: principal moments 1.0, 1.0, 2.1 break the triangle inequality: lower the largest to at most the "
             "sum of the others",
+        ),
+        *(
+            (
+                lambda name=name: getattr(RigidBody([1.0, 2.0, 2.5]), name)(np.ones(3)),
+                "states: [1.0, 1.0, 1.0] is no State: give State(attitude_xyzw, body_rate)",
+            )
+            for name in ("body_momentum", "angular_acceleration", "angular_momentum", "kinetic_energy")
+        ),
+        (
+            lambda: State([0, 0, 0, 1], np.array([0.0, 1.0, np.longdouble("1e400")])),
+            "body_rate: inf is not finite: give finite numbers",
         ),
         (
             lambda: State([0, 0, 1], [0, 0, 0]),

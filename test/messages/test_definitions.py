@@ -55,3 +55,31 @@ def test_fields_are_those_of_the_installed_messages(message_type: str) -> None:
         assert find_spec(package), package
         kind: Any = getattr(import_module(f"{package}.msg"), base)
         assert kind.get_fields_and_field_types() == expected
+
+
+PART = f"{'=' * 80}\nMSG: geometry_msgs/Quaternion\n"
+ELSEWHERE = "MSG: evil_msgs/Quaternion\nfloat64 w\nfloat64 z\nfloat64 y\nfloat64 x\n"
+FORGED = {
+    "another package": ("Quaternion orientation", "evil_msgs/Quaternion orientation"),
+    "a type of another package": (PART, f"{'=' * 80}\n{ELSEWHERE}{PART}"),
+    "a type twice, the false one first": (PART, f"{PART}float64 w\nfloat64 z\nfloat64 y\nfloat64 x\n{PART}"),
+    "a type twice, once of nothing": (PART, f"{PART}{PART}"),
+    "two fields in turn": ("float64 x 0\nfloat64 y 0\n", "float64 y 0\nfloat64 x 0\n"),
+    "a field that some readers take for a comment": ("float64 x 0\n", "#\x85float64 x 0\n"),
+    "a field that some readers take for one more": ("float64 x 0\n", "float64 x 0\nstring s a=b\n"),
+}
+"""What is put into the definition of a pose, and in the place of what; each misleads who reads by it."""
+
+
+@pytest.mark.parametrize("how", FORGED)
+def test_other_fields_are_not_those_of_the_type(how: str) -> None:
+    honest, forged = FORGED[how]
+    text = definition(definitions.POSE_STAMPED)
+    assert has_fields_of(text, definitions.POSE_STAMPED)
+    assert honest in text
+    assert not has_fields_of(text.replace(honest, forged), definitions.POSE_STAMPED)
+
+
+def test_comments_constants_defaults_and_line_ends_are_of_no_account() -> None:
+    text = definition(definitions.POSE_STAMPED).replace(" 0\n", "  # and more\n").replace("\n", "\r\n")
+    assert has_fields_of(f"uint8 A=1\nuint8 B = 2\n\n{text}", definitions.POSE_STAMPED)

@@ -19,6 +19,7 @@ FAST = [[0.1, 0.2, 0.3], [0.3, 0.5, 1.1], [3.0, 4e3, 0.0]]
 
 
 WRONG: Any = [1, 2, 3]
+MASKED = np.ma.masked_array([0, 1000], mask=[False, True])
 
 
 def starts(rates: object) -> State:
@@ -82,6 +83,8 @@ MESSAGES: list[tuple[Callable[[], object], type[Exception], str]] = [
         InputError,
         r"body 1: 1000000000000000000 ns lie too many steps of .* s ahead: ask for an earlier time",
     ),
+    (lambda: MovingChart(BODY, START).at(MASKED), InputError, r"t_ns: 1 of its numbers are masked: fill them in, or"),
+    (lambda: ClosedForm(BODY, START).at(MASKED), InputError, r"t_ns: 1 of its numbers are masked: fill them in, or"),
     (lambda: TimeSteps(1e-300).to(np.array([1])), InputError, r"1 ns lie too many steps .*or use ClosedForm"),
     (
         lambda: Tableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),

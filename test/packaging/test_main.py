@@ -6,11 +6,14 @@ import subprocess
 import sys
 from importlib import metadata
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
 import lie_rigid_body
 from lie_rigid_body.__main__ import EXTRAS, VERBS, main
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.scenario import parameter_file
 from lie_rigid_body.scenario.parameter_file import scenario_files
 
 
@@ -84,6 +87,13 @@ def test_public_names_are_there() -> None:
     assert [name for name, value in names.items() if name != "__version__" and value.__name__ != name] == []
     assert set(dir(lie_rigid_body)) >= set(names)
     assert not hasattr(lie_rigid_body, "Bicycle")
+
+
+def test_scenarios_in_a_zip_file_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "packages.zip").touch()
+    monkeypatch.setattr(parameter_file, "CONFIG", tmp_path / "packages.zip" / "lie_rigid_body" / "config")
+    with pytest.raises(InputError):
+        scenario_files()
 
 
 def test_shipped_scenarios_are_files_by_name() -> None:

@@ -29,6 +29,7 @@ refused = refusals(
             "cut off": r"cut off.* holds? (at least \d+ )?whole messages.* recover",
             "killed": "it holds at least {count} whole messages: .*lie-rigid-body recover",
             "nothing whole": "holds no whole message",
+            "no definitions": "is damaged in the definitions of its topics",
             "checksum": "damaged at byte .*crc",
             "length": "damaged at byte {at}: .* (beyond its end|longer than its record)",
             "too much": r"messages of \d+ bytes in a file of \d+, more than is read",

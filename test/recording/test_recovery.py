@@ -24,6 +24,8 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.mcap_contents import McapContents
+from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.records import record_bytes
 from lie_rigid_body.recording.recovery import NothingWholeError, recover
 from lie_rigid_body.scenario import Scenario
@@ -241,14 +243,82 @@ def test_files_of_other_recorders_are_recovered(whole: dict[str, Path], tmp_path
         assert [message.sequence for _, _, message in reader.iter_messages()][:3] == [0, 1, 2]
 
 
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_definitions_in_a_damaged_chunk_are_taken_from_the_summary(
+    whole: dict[str, Path], tmp_path: Path, compression: str
+) -> None:
+    """The chunks behind the first lack them; a bag that is cut off has them nowhere else."""
+    content = bytearray(whole[compression].read_bytes())
+    first, second, *_ = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
+    content[(first + second) // 2] ^= 1
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    broken.write_bytes(content)
+    recovery = recover(broken, fixed, overwrite=False)
+    lost = whole_in(whole[compression].read_bytes(), second, compression)
+    assert (recovery.broken_at, recovery.damaged) == (None, (first,))
+    assert messages(fixed) == messages(whole[compression])[lost:]
+    assert sum(size for size, _ in read_file(fixed, McapContents())) > 0
+    broken.write_bytes(content[: len(content) // 2])
+    with refused("no definitions"):
+        recover(broken, fixed, overwrite=True)
+
+
+def test_a_topic_of_a_chunk_that_is_left_out_is_not_declared_by_it(tmp_path: Path) -> None:
+    """What is recovered is whole in itself, also where a chunk declares a topic and has messages of one that is not."""
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    first, late = (Channel(id=k, topic=f"/{k}", message_encoding="cdr", metadata={}, schema_id=0) for k in (1, 2))
+    first_one, late_one = (record_bytes(Message(k, 5, b"data", 5, 0)) for k in (1, 2))
+    third = record_bytes(Channel(id=3, topic="/3", message_encoding="cdr", metadata={}, schema_id=0))
+    parts = (first_one + record_bytes(late) + late_one, late_one, third + record_bytes(Message(3, 5, b"data", 5, 0)))
+    chunks = [record_bytes(Chunk("", part, 5, 5, 0, len(part))) for part in parts]
+    damaged = record_bytes(Chunk("zstd", record_bytes(first) + first_one, 5, 5, 0, 99))
+    (tmp_path / "broken.mcap").write_bytes(MAGIC + head + damaged + b"".join(chunks))
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.topics, len(recovery.damaged)) == (1, 1, 3)
+    assert sum(size for size, _ in read_file(tmp_path / "fixed.mcap", McapContents())) > 0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        record_bytes(Message(1, 2**63, b"data", 5, 0)),
+        record_bytes(Message(1, 5, b"data", 2**63, 0)),
+        RECORD.pack(0x1A, 0),
+        record_bytes(
+            Channel(id=2, topic="/2", message_encoding="cdr", metadata={}, schema_id=0), Message(3, 5, b"", 5, 0)
+        ),
+        record_bytes(Channel(id=2, topic="/2", message_encoding="cdr", metadata={}, schema_id=9)),
+    ],
+    ids=["log time", "publish time", "kind", "channel", "schema"],
+)
+@pytest.mark.parametrize("chunked", [True, False])
+def test_what_is_recovered_is_whole_for_every_reader(tmp_path: Path, wrong: bytes, chunked: bool) -> None:
+    """Of chunks without a checksum and of none, with a record in the midst that no file may have."""
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    channel = record_bytes(Channel(id=1, topic="/x", message_encoding="cdr", metadata={}, schema_id=0))
+    good, late = (record_bytes(Message(number, 5, b"data", 5, 0)) for number in (1, 2))
+    parts = [channel + good, good + wrong, late, good]
+    if chunked:
+        parts = [record_bytes(Chunk("", part, 5, 5, 0, len(part))) for part in parts]
+    (tmp_path / "broken.mcap").write_bytes(MAGIC + head + b"".join(parts))
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert recovery.messages in (2, 3, 4)
+    assert recovery.damaged
+    assert sum(size for size, _ in read_file(tmp_path / "fixed.mcap", McapContents())) > 0
+
+
 def test_a_chunk_that_claims_to_be_huge_is_left_out(whole: dict[str, Path], tmp_path: Path) -> None:
     content = bytearray(whole["zstd"].read_bytes())
-    [first, *_] = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
-    struct.pack_into("<Q", content, first + 9 + 16, 2**62)
-    (tmp_path / "broken.mcap").write_bytes(content)
-    with refused("nothing whole"):  # the others lack the channels of the first
-        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
-    assert not (tmp_path / "fixed.mcap").exists()
+    chunks = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK]
+    for begin in chunks:
+        struct.pack_into("<Q", content, begin + 9 + 16, 2**62)
+        (tmp_path / "broken.mcap").write_bytes(content)
+        if begin != chunks[-1]:
+            recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+            assert recovery.damaged == tuple(at for at in chunks if at <= begin)
+    with refused("nothing whole"):
+        recover(tmp_path / "broken.mcap", tmp_path / "none.mcap", overwrite=False)
+    assert not (tmp_path / "none.mcap").exists()
 
 
 def test_a_stray_message_outside_of_chunks_is_left_out_and_told(tmp_path: Path) -> None:

@@ -12,12 +12,12 @@ from mcap.writer import Writer
 from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.messages import decode_string, encode_string
 from lie_rigid_body.messages.definitions import STRING, definition
 from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.runs import Run, simulate
-from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SAMPLES = 40
 PER_MESSAGE = 5

@@ -314,6 +314,7 @@ def test_of_very_many_the_worst_are_listed() -> None:
     assert "0 in 1 runs" in text
 
 
+@pytest.mark.usefixtures("asked_here")
 def test_check_of_several_bags_writes_their_page(bag: Path, tmp_path: Path) -> None:
     broken, out = tmp_path / "<i>no.mcap", tmp_path / "many.html"
     broken.write_bytes(b"no bag")

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from copy import deepcopy
 from html.parser import HTMLParser
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from lie_rigid_body.diagnosis.examination import ErrorOverTime
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.report import write_plot, write_report
 from lie_rigid_body.runs.ensemble import BlindRun
+from sampled import sampled
 
 
 @pytest.fixture(scope="module")
@@ -155,16 +157,17 @@ def test_what_is_no_score_is_told_what_makes_its_page(write: Any, run: Any, tmp_
     for remedy, given in remedies.items():
         with pytest.raises(InputError, match=remedy):
             write(given, tmp_path / "e.png")
+    with pytest.raises(InputError, match="title"):
+        write(off_by(run, 5.0), tmp_path / "e.png", title=None)
     assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
-@pytest.mark.parametrize(("width", "shown"), [(1400, ["wide"]), (400, ["narrow"])])
-def test_a_page_fits_a_screen_and_the_dark(width: int, shown: list[str], run: Any, tmp_path: Path) -> None:
+def test_a_page_fits_a_screen_and_the_dark(run: Any, tmp_path: Path) -> None:
     page, colours = tmp_path / "e.html", {}
     write_report(off_by(run, 5.0, Limits(1.0)), page)
     with Browser(tmp_path) as browser:
-        for scheme in ("light", "dark"):
+        for (width, shown), scheme in product([(1400, ["wide"]), (400, ["narrow"])], ("light", "dark")):
             browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
             browser.open(page, width, 900)
             drawn = "[...document.querySelectorAll('figure')].filter(f => f.offsetWidth)"
@@ -172,14 +175,17 @@ def test_a_page_fits_a_screen_and_the_dark(width: int, shown: list[str], run: An
             assert browser.evaluate("document.documentElement.scrollWidth") <= width
             style = "getComputedStyle(document.body)"
             of_page = browser.evaluate(f"[{style}.color, {style}.backgroundColor]")
-            colours[scheme] = [int(colour.split("(")[1].split(",")[0]) for colour in of_page]
+            colours[width, scheme] = [int(colour.split("(")[1].split(",")[0]) for colour in of_page]
         assert browser.complaints == []
-    assert colours["light"][0] < 64 < 192 < colours["light"][1]
-    assert colours["dark"][1] < 64 < 192 < colours["dark"][0]
+    for width in (1400, 400):
+        assert colours[width, "light"][0] < 64 < 192 < colours[width, "light"][1]
+        assert colours[width, "dark"][1] < 64 < 192 < colours[width, "dark"][0]
 
 
-@pytest.mark.parametrize("degrees", [1e-4, 3.0, 100.0])
-@pytest.mark.parametrize("limits", [None, Limits(2.0), Limits(170.0, ((1.0, 1e-3),))])
+@pytest.mark.parametrize(
+    ("degrees", "limits"),
+    sampled(product([1e-4, 3.0, 100.0], [None, Limits(2.0), Limits(170.0, ((1.0, 1e-3),))]), every=4),
+)
 def test_no_bound_and_no_limit_flattens_the_errors(run: Any, degrees: float, limits: Limits | None) -> None:
     score: Any = off_by(run, degrees, limits)
     assert score.best is not None

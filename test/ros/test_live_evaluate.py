@@ -188,9 +188,9 @@ def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 @pytest.mark.ros
 def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
     from lie_rigid_body import InputError, Scenario
+    from lie_rigid_body.estimates.live_estimate import LiveEstimate
     from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.messages import encode_string
-    from lie_rigid_body.runs.live_estimate import LiveEstimate
 
     for name in ("a", "b"):
         peer.node.create_publisher(String, f"/{name}/lie_rigid_body/scenario", 1)
@@ -220,9 +220,9 @@ def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
 def test_a_truth_that_appears_later_takes_the_place_of_another_body(peer: Peer) -> None:
     """Before it, the only truth is that of a body in another namespace. Where it is no nearer, nothing changes."""
     from lie_rigid_body import Scenario
+    from lie_rigid_body.estimates.live_estimate import LiveEstimate
     from lie_rigid_body.evaluation import Limits
     from lie_rigid_body.messages import encode_string
-    from lie_rigid_body.runs.live_estimate import LiveEstimate
 
     begin, body = partial(LiveEstimate, limits=Limits()), ("{}/lie_rigid_body/scenario", "{}/pose")
 

@@ -20,9 +20,10 @@ from said import numbers
 
 if find_spec("rclpy"):
     from diagnostic_msgs.msg import DiagnosticArray
-    from geometry_msgs.msg import PoseStamped, Vector3Stamped
+    from geometry_msgs.msg import PoseStamped, Vector3, Vector3Stamped
     from peer import LATCHED, Peer
     from rosgraph_msgs.msg import Clock
+    from sensor_msgs.msg import Imu
     from std_msgs.msg import String
 
 
@@ -99,14 +100,20 @@ def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int
             String(data=Segment(run.scenario, 0, 0).to_json())
         )
         estimate = peer.node.create_publisher(PoseStamped, "/held/estimate", 1000)
-        peer.spin_until(lambda: estimate.get_subscription_count() == 1, "the evaluator")
-        for stamp, attitude in zip(run.t_ns.tolist(), attitudes.tolist(), strict=True):
-            estimate.publish(pose_of(stamp, attitude))
+        bias = peer.node.create_publisher(Vector3Stamped, "/held/estimate/gyro_bias", 1000)
+        true_bias = peer.node.create_publisher(Imu, "/elsewhere/imu/bias", 1000)
+        all_of_them = (estimate, bias, true_bias)
+        peer.spin_until(lambda: all(each.get_subscription_count() == 1 for each in all_of_them), "the evaluator")
+        for pose in map(pose_of, run.t_ns.tolist(), attitudes.tolist()):
+            bias.publish(Vector3Stamped(header=pose.header, vector=Vector3(x=0.3, y=0.4)))
+            true_bias.publish(Imu(header=pose.header, angular_velocity=Vector3(x=0.2, y=0.2, z=0.2)))
+            estimate.publish(pose)
         peer.spin_until(lambda: len(errors) == 40, "every error")
         process.process.send_signal(signal.SIGTERM)
         assert process.wait() == 0, process.complained
     content = json.loads("\n".join(process.said))
     assert content["truth"] == "scenario"
+    assert content["gyro_bias_rad_s"]["rms"] == pytest.approx(0.3)
     assert [e.header.stamp.sec * 10**9 + e.header.stamp.nanosec for e in errors] == run.t_ns.tolist()
     heard = np.array([[e.vector.x, e.vector.y, e.vector.z] for e in errors])
     series = [content["series"][f"{name}_deg"] for name in ("total", "heading", "inclination")]

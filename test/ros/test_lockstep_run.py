@@ -193,6 +193,11 @@ def test_a_topic_of_another_type_is_told_in_one_line(domain: int) -> None:
         ({"lockstep_nodes": "judge"}, "lockstep_nodes: 'judge'"),
         ({"lockstep_timeout": 0.0}, "lockstep_timeout: 0"),
         ({"imu_rate": 0.0}, "lockstep_topic: imu/data can answer no reading without an IMU: give imu_rate"),
+        (
+            {"lockstep_topic": "imu/data_raw"},
+            "lockstep_topic: imu/data_raw is a topic of this node itself: give that of a filter",
+        ),
+        ({"lockstep_topic": "pose"}, "lockstep_topic: pose is a topic of this node itself"),
     ],
 )
 def test_unusable_values_are_refused_in_one_line(

@@ -19,9 +19,9 @@ import pytest
 
 from lie_rigid_body import Run, diagnose, simulate
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.estimates.programs import IMU, NodeEstimator, readings_of
 from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.runs.ensemble import BlindRun
-from lie_rigid_body.runs.programs import IMU, NodeEstimator, readings_of
 from lie_rigid_body.testing import node_estimator
 
 pytestmark = [pytest.mark.ros, pytest.mark.long]

@@ -35,7 +35,7 @@ def test_more_than_fits_is_refused_before_anything_is_computed(given):
 def test_what_is_allowed_keeps_to_the_limit(seeds, jitter):
     """Also where other numbers of readings arrive, so that the runs share only the truth."""
     given: dict[str, Any] = {
-        "duration": 4.0,
+        "duration": 1.0,
         "rate": 1000.0,
         "imu_rate": 1000.0,
         "magnetometer_rate": 500.0,

@@ -11,9 +11,9 @@ from refused_runs import refused
 
 from lie_rigid_body import Estimate, InputError, Run, certify, simulate
 from lie_rigid_body.cli.evaluate import main
+from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report.scores import page
-from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 
 SIZE = np.radians(0.5)
 

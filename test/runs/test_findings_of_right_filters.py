@@ -107,7 +107,7 @@ def test_a_filter_whose_north_is_magnetic_is_told_the_declination_and_nothing_el
     [
         ("perfect", False),
         ("tactical", True),
-        ("mems", False),
+        pytest.param("mems", False, marks=pytest.mark.slow),
         pytest.param("perfect", True, marks=pytest.mark.slow),
         pytest.param("tactical", False, marks=pytest.mark.slow),
         pytest.param("mems", True, marks=pytest.mark.slow),

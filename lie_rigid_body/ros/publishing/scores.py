@@ -16,11 +16,11 @@ from rclpy.qos import QoSProfile
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.estimates.kept_attitudes import UNUSABLE
+from lie_rigid_body.estimates.live_estimate import INTERIM, LiveEstimate
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
-from lie_rigid_body.runs.kept_attitudes import UNUSABLE
-from lie_rigid_body.runs.live_estimate import INTERIM, LiveEstimate
 
 ERROR_TOPIC: Final = "~/error"
 ERRORS_KEPT: Final = 1000
@@ -121,6 +121,8 @@ class Scores:
         }
         if score is not None and score.lag_s is not None:
             values["lag (s)"] = f"{score.lag_s:+.4g}"
+        if score is not None and (bias := score.gyro_bias_rad_s):
+            values["gyro bias error, RMS (rad/s)"] = f"{bias.rms:.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
         fault = self._fault or live.left_out().get(UNUSABLE, "")
         if fault:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import Scenario
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, OF_OTHERS, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.messages.definitions import ODOMETRY, POSE_STAMPED
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, OF_OTHERS, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.simulation import Segment
 
@@ -53,6 +53,10 @@ NOTES: dict[str, tuple[AttitudeTrack | None, AttitudeTrack]] = {
     "There is no NEES: covariance: 0 on its diagonal: give positive variances, 1e-200 at least.": (
         POSES,
         track(ODOMETRY, child="base_link", covariance=np.tile(np.diag([0.0, 0.0, 1e-4]), (2, 1, 1))),
+    ),
+    "There is no NEES: 1 of 2 covariances are unknown: give all or none.": (
+        POSES,
+        track(ODOMETRY, child="base_link", covariance=np.stack([np.zeros((3, 3)), np.eye(3)])),
     ),
 }
 """Notes, each with the poses of the truth and the estimate."""

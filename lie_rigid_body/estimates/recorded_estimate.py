@@ -12,9 +12,10 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
-from lie_rigid_body.evaluation.consistency import covariance_fault
+from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
@@ -32,7 +33,6 @@ from lie_rigid_body.recording.topic_messages import (
 )
 from lie_rigid_body.runs.bag_of_run import OWN_TOPICS
 from lie_rigid_body.runs.estimate import BIAS, Estimate
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -73,7 +73,14 @@ class RecordedEstimate:
     def covariance(self) -> Array | None:
         """The estimator's own, shape (N, 3, 3), rad², if it gives one at every sample that can be used."""
         P = self.track.covariance
-        return P if P is not None and covariance_fault(P) == "" else None
+        return None if P is None or unknown_covariances(P).any() or covariance_fault(P) else P
+
+    @property
+    def fault(self) -> str:
+        """Reason in one line why a covariance that it gives is none; empty where there is no fault."""
+        P = self.track.covariance
+        told = "" if P is None else covariance_fault(P)
+        return told and f"{self.track.topic}: {told}"
 
     def score(self, limits: Limits, covariance_axes: str, due_ns: int | None = None, *, bounded: bool = True) -> Score:
         """Hold the estimate against the truth; see `evaluate`.

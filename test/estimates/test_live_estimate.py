@@ -9,22 +9,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import NS, STORE, beside, header, make, messages, vector
-from estimates import quaternion as rotation
 from mcap.reader import make_reader
 from refused_runs import refused
 
-from lie_rigid_body import Run, Scenario
+from estimates import NS, STORE, beside, header, make, messages, vector
+from estimates import quaternion as rotation
+from lie_rigid_body import Estimate, Run, Scenario, simulate
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.live_estimate import LiveEstimate
+from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE
+from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
-from lie_rigid_body.runs.live_estimate import LiveEstimate
-from lie_rigid_body.runs.recorded_estimate import recorded_estimate
 from lie_rigid_body.simulation import Simulation
 from said import numbers
 from sampled import sampled
@@ -80,6 +80,10 @@ def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: An
             live.truth.hear_poses(topic, POSE_STAMPED, [payload])
         elif topic.endswith("/scenario"):
             live.truth.hear_scenarios([payload])
+        elif topic == "/estimate/gyro_bias":
+            live.gyro_bias.hear(topic, VECTOR3_STAMPED, [payload])
+        elif topic == "/imu/bias":
+            live.truth.gyro_bias.hear(topic, IMU, [payload])
         if i % 20 == 0:
             live.judge()
     return live
@@ -112,6 +116,40 @@ def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
     assert live.tally.count == live.messages == score.samples
     assert live.tally.rms_deg == pytest.approx([score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms])
     assert tuple(live.tally.broken()) == expected.broken
+
+
+@pytest.mark.parametrize("most", [10**6, 300])
+def test_biases_of_the_gyro_have_the_score_of_the_bag(most: int, tmp_path: Path) -> None:
+    """Also where more came than are kept."""
+    run = simulate("tumbling_cubesat", duration=20.0, sensor_grade="mems", imu_rate=50.0)
+    assert run.imu is not None
+    bias = run.imu.gyro_bias + 1e-3 * np.sin(np.arange(1000.0) / 100.0)[:, np.newaxis] * [0.6, 0.0, 0.8]
+    estimate = Estimate(run.attitude().at(run.imu.t_ns), run.imu.t_ns, gyro_bias=bias)
+    run.to_bag(tmp_path / "bag.mcap", estimates={"/estimate": estimate})
+    live = followed(tmp_path / "bag.mcap", POSE_STAMPED, most=most)
+    found = live.score()[1].gyro_bias_rad_s
+    expected = recorded_estimate(tmp_path / "bag.mcap", "/estimate").score(LIMITS, "world").gyro_bias_rad_s
+    assert found is not None
+    assert expected is not None
+    assert found.rms == pytest.approx(expected.rms, rel=1e-12 if most > 1000 else 0.02)
+    assert len(live.gyro_bias.values) <= most
+
+
+def test_biases_that_are_not_finite_count_for_nothing_and_without_true_ones_a_note_says_so(tmp_path: Path) -> None:
+    run = simulate("tumbling_cubesat", duration=5.0, sensor_grade="mems", imu_rate=50.0)
+    assert run.imu is not None
+    bias = run.imu.gyro_bias + np.array([0.3, 0.0, 0.4])
+    estimate = Estimate(run.attitude().at(run.imu.t_ns), run.imu.t_ns, gyro_bias=bias)
+    run.to_bag(tmp_path / "bag.mcap", estimates={"/estimate": estimate})
+    live = followed(tmp_path / "bag.mcap", POSE_STAMPED)
+    payload = next(payload for topic, payload in of(tmp_path / "bag.mcap") if topic == "/estimate/gyro_bias")
+    live.gyro_bias.hear("/estimate/gyro_bias", VECTOR3_STAMPED, [payload[:-8] + np.array([np.nan]).tobytes()])
+    found = live.score()[1].gyro_bias_rad_s
+    assert found is not None
+    assert found.rms == pytest.approx(0.5)
+    read, score = followed(tmp_path / "bag.mcap", POSE_STAMPED, without=("/imu/bias",)).score()
+    assert score.gyro_bias is None
+    assert [note for note in read.notes if "/estimate/gyro_bias" in note]
 
 
 @pytest.mark.parametrize(("without", "source"), [("/pose", "scenario"), ("/lie_rigid_body/scenario", "poses")])

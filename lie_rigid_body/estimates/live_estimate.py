@@ -10,6 +10,9 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
+from lie_rigid_body.estimates.kept_biases import KeptBiases
+from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP, period_ns
 from lie_rigid_body.evaluation.limits import Tally
@@ -18,8 +21,6 @@ from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
-from lie_rigid_body.runs.recorded_estimate import RecordedEstimate
 from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.wording import listed
@@ -51,10 +52,13 @@ class HeardTruth:
         By their starts, ns.
     contradictions : int
         Number of scenarios that were left out, as another one had begun at the same stamp.
+    gyro_bias : KeptBiases
+        Of the gyro's readings.
     """
 
     def __init__(self, most: int) -> None:
         self.poses, self.contradictions = KeptAttitudes(most), 0
+        self.gyro_bias = KeptBiases(most)
         self.recent = deque[AttitudeTrack](maxlen=RECENT)
         self.segments: dict[int, Segment] = {}
 
@@ -121,6 +125,8 @@ class LiveEstimate:
         What was read of the estimate and counts.
     messages : int
         Number of messages of the estimate that came.
+    gyro_bias : KeptBiases
+        Estimates of the gyro's bias.
     tally : Tally
         Of all estimates that were compared so far.
     """
@@ -138,7 +144,7 @@ class LiveEstimate:
         self.truth, self.tally = HeardTruth(most), Tally(limits)
         self._topic, self._message_type = topic, message_type
         self.messages = self._given_up = 0
-        self.estimate = KeptAttitudes(most, duration_s)
+        self.estimate, self.gyro_bias = KeptAttitudes(most, duration_s), KeptBiases(most)
         self._unread = deque[Mapping[Frames, AttitudeTrack]]()
         self._waiting: list[AttitudeTrack] = []
 
@@ -220,8 +226,11 @@ class LiveEstimate:
             start_ns = int(track.stamps_ns[0])
         by_poses = poses.count and (most is None or not self.truth.segments)
         motion, truth = self._true(track.stamps_ns, [poses.track()] if by_poses else [], start_ns)
+        bias = self.gyro_bias.beside(self.truth.gyro_bias, *track.stamps_ns[[0, -1]].tolist())
         notes = (*motion.notes_on(track), *self._notes())
-        read = RecordedEstimate(track, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
+        if bias is None and self.gyro_bias.topic:
+            notes = (*notes, f"The biases on {self.gyro_bias.topic} have no score: no true ones came beside them.")
+        read = RecordedEstimate(track, motion, truth, notes, kept.number_of(STRAY, DISORDERED), bias)
         due_ns = truth.last_ns if kept.due_ns is None or most is not None else kept.due_ns
         score = read.score(self._limits, self._covariance_axes, due_ns, bounded=most is None)
         if self.tally.count and (kept.stride > 1 or most is not None):
