@@ -181,9 +181,8 @@ def blocks_of(values: Array) -> tuple[int, float]:
         a share g / (L v) of the variance v, where g = Σ |k| R(k).
     """
     n = len(values)
-    centred = values - values.mean()
     # autocovariances by the spectrum of the padded values
-    spectrum = np.fft.rfft(centred, 2 * n)
+    spectrum = np.fft.rfft(values - values.mean(), 2 * n)
     covariances = np.fft.irfft(np.abs(spectrum) ** 2)[:n] / n
     if covariances[0] <= 0.0:
         return 1, 1.0

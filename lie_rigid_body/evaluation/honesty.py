@@ -62,8 +62,6 @@ class Honesty:
     runs, dimension : int
     nees_mean : float
         Mean over runs and times; `dimension` is expected.
-    nees_bounds : tuple of float
-        Interval of the mean at 95 %.
     verdict : str
         ``honest``, ``overconfident`` (errors larger than the covariance says), ``conservative``, or ``changing``, where
         the mean over all times is right and that of some times is not.
@@ -82,7 +80,6 @@ class Honesty:
     runs: int
     dimension: int
     nees_mean: float
-    nees_bounds: tuple[float, float]
     verdict: str
     outside: tuple[Interval, ...]
     coverage: dict[float, float]
@@ -192,7 +189,6 @@ def honesty(
         runs,
         dimension,
         float(means.mean()),
-        (low, high),
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},

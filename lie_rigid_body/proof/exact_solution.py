@@ -211,8 +211,8 @@ class _EnclosedCirculation:
     Parameters
     ----------
     polhode : _EnclosedPolhode
-    modulus, complement : arb
-        k and k' = √(1 − k²).
+    complement : arb
+        k' = √(1 − k²).
     quarter, other_quarter : arb
         K and K'.
     pole : arb
@@ -220,7 +220,6 @@ class _EnclosedCirculation:
     """
 
     polhode: _EnclosedPolhode
-    modulus: arb
     complement: arb
     quarter: arb
     other_quarter: arb
@@ -240,7 +239,7 @@ class _EnclosedCirculation:
         cotangent = (e1 - e2) / (e2 - e3)
         b = _carlson(cotangent, cotangent + modulus**2, cotangent + 1)
         pole = polhode.sigma * (2 * other - b) / (2 * quarter)
-        return cls(polhode, modulus, complement, quarter, other, pole)
+        return cls(polhode, complement, quarter, other, pole)
 
     def at(self, t: arb) -> tuple[Balls, Balls]:
         """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame."""

@@ -295,7 +295,7 @@ class BagWriter:
 
     def _abandon(self) -> None:
         self._open = False
-        self._queue.end(self._file.abandon if self._rescued else self._file.discard)
+        self._queue.end(partial(self._file.discard, rescued=self._rescued))
 
     def __enter__(self) -> BagWriter:
         return self

@@ -167,8 +167,7 @@ def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
     channel, size = _INDEX_HEAD.unpack(raw[place.begin : min(place.begin + _INDEX_HEAD.size, place.end)])
     begin = place.begin + _INDEX_HEAD.size
     require(begin + size <= place.end, f"the index of channel {channel} is longer than its record")
-    rows = np.frombuffer(raw[begin : begin + size], "<u8").reshape(-1, 2)
-    return channel, _in_order(rows)
+    return channel, _in_order(np.frombuffer(raw[begin : begin + size], "<u8").reshape(-1, 2))
 
 
 def _in_order(rows: Rows) -> Rows:

@@ -38,9 +38,9 @@ class OutputFile:
     When another file of that name exists and may be overwritten, the new one is written beside it and takes its place
     in `commit`. Until then the old one is untouched.
 
-    An unfinished file is closed by `abandon`, which keeps it for rescue unless it was to replace an older one, or by
-    `discard`, which always removes it. What a killed process has left beside a file that it was to replace is removed
-    when the next output file is made in that folder.
+    An unfinished file is closed by `discard`, which removes it, or keeps it for rescue unless it was to replace an
+    older one. What a killed process has left beside a file that it was to replace is removed when the next output file
+    is made in that folder.
 
     Parameters
     ----------
@@ -151,21 +151,14 @@ class OutputFile:
         self._is_whole = True
         self._unlock()
 
-    def abandon(self) -> None:
-        """Close the unfinished file, and keep it for rescue unless it was to replace an older one."""
-        self._close(remove=self.replaces)
-
-    def discard(self) -> None:
-        """Close the unfinished file and remove it."""
-        self._close(remove=True)
-
-    def _close(self, *, remove: bool) -> None:
+    def discard(self, *, rescued: bool = False) -> None:
+        """Close the unfinished file and remove it; where it is to be rescued only if it was to replace an older one."""
         is_own = False
         with contextlib.suppress(OSError):  # another file may have taken its place
             is_own = not self._is_whole and os.path.samestat(self._written.stat(), self._identity)
         with contextlib.suppress(OSError):  # what the buffer still holds may not fit on the disk either
             self.stream.close()
-        if remove and is_own:  # closed before, as not every system removes an open file
+        if is_own and (self.replaces or not rescued):  # closed before, as not every system removes an open file
             self._written.unlink(missing_ok=True)
         self._unlock()
 

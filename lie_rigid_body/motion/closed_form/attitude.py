@@ -135,8 +135,6 @@ class AttitudeConstants(NamedTuple):
         return cls(motion.sense, motion.transverse, motion.direction_amplitudes, (a, b, c, d), (p, q, r))
 
 
-ATTITUDE_LENGTH: Final = 31
-"""Numbers of `AttitudeConstants` in a row."""
 _SENSE, _TRANSVERSE, _DIRECTIONS, _ATTITUDE, _RATES = 0, 1, 3, 6, 22
 
 
