@@ -50,7 +50,8 @@ def run_campaign(given: argparse.Namespace) -> int:
         _require_scenarios(campaign, given.campaign)
     if given.scheduler is not None:
         require_address(given.scheduler)
-    _require_estimators([*campaign.contenders.values()])
+    if campaign.contenders:
+        _require_estimators([*campaign.contenders.values()])
     with Interruption.current().noted() as interruption, Journal(campaign, Path(given.out)) as journal:
         try:
             with interruption.allowed():
