@@ -37,6 +37,7 @@ WITHOUT_EQUATION = {
     "MassMoments.first_moment",
     "RigidBody.batch_shape",
     "RigidBody.trusted",
+    "State.batch_shape",
     "State.trusted",
     "norm",  # of vectors
     "equal_moments",

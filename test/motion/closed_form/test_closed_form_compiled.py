@@ -15,15 +15,11 @@ from test_ensembles import INERTIAS, RATES, attitudes, many, tensors
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import solution
+from lie_rigid_body.motion.closed_form.solution import compile_all
 from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS
 
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
-
-
-def compile_all() -> bool:
-    """Compile the functions of every kind now; whether numba is there to do it."""
-    return all(kind.work.compile() for kind in KINDS)
 
 
 def times(count: int) -> np.ndarray:
