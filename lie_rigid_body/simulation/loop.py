@@ -174,6 +174,7 @@ class Simulation:
 
     def _begin(self, scenario: Scenario, first: int) -> None:
         start_ns = int(SampleClock(scenario.epoch_ns, scenario.rate).stamps_ns(first, 1)[0])
+        _require_stamps_of_readings(scenario, start_ns)
         new = _RunningSegment(Segment(scenario, first, start_ns), self._motions(scenario))
         # only now: a scenario that is refused changes nothing
         for earlier in self._running:
@@ -256,11 +257,8 @@ class Simulation:
         ------
         ParameterError
         """
-        scenario, start_ns = self.segment.scenario, self.segment.start_ns
         self.clock.stamps_ns(self.clock.count_until(last_ns) - 1, 1)
-        for model in scenario.sensors.on.values():
-            if model.delivery is not None:
-                model.delivery.stamps_ns(np.array([start_ns, last_ns]), scenario.epoch_ns)
+        _require_stamps_of_readings(self.segment.scenario, self.segment.start_ns, last_ns)
 
     def reset(self, scenario: Scenario) -> Segment:
         """Begin a new segment with the next sample, which carries the initial state of ``scenario``.
@@ -277,6 +275,13 @@ class Simulation:
             first, epoch_ns = 0, int(self.clock.stamps_ns(first, 1)[0])
         self._begin(scenario.resampled(epoch_ns=epoch_ns), first)
         return self.segment
+
+
+def _require_stamps_of_readings(scenario: Scenario, *times_ns: int) -> None:
+    """Refuse times, ns, at which the clock of a sensor shows what ROS cannot tell."""
+    for model in scenario.sensors.on.values():
+        if model.delivery is not None:
+            model.delivery.stamps_ns(np.array(times_ns), scenario.epoch_ns)
 
 
 @dataclass

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from lie_rigid_body import ClosedForm
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
@@ -219,3 +220,22 @@ def test_a_reset_computes_nothing_ahead() -> None:
     later = simulation.take_until(10**14, 100)
     assert "imu" in first.sensors
     assert later.sensors["imu"].stamps_ns.tolist() == [1000 * k for k in range(1, 101)]
+
+
+@pytest.mark.parametrize("sensor", ["imu", "magnetometer", "attitude_sensor", "sun_sensor"])
+def test_a_reset_to_a_clock_that_no_stamp_can_show_is_refused_and_changes_nothing(sensor: str) -> None:
+    """A node that began at the time of day would end with its next reading."""
+    honest = {"rate": 10.0, f"{sensor}_rate": 10.0}
+    wrong = Scenario.from_parameters({**honest, f"{sensor}_clock_offset": 2e9})
+    simulation, other = (Simulation(Scenario.from_parameters(honest), EPOCH) for _ in range(2))
+    simulation.take_until(EPOCH + NS, 5)
+    other.take_until(EPOCH + NS, 5)
+    before = simulation.segment
+    with pytest.raises(ParameterError) as refusal:
+        simulation.reset(wrong)
+    assert refusal.value.name == f"{sensor}_clock_offset"
+    assert simulation.segment == before
+    left, expected = (each.take_until(EPOCH + NS, 50).samples.times_ns for each in (simulation, other))
+    np.testing.assert_array_equal(left, expected)
+    with pytest.raises(ParameterError):
+        Simulation(wrong, EPOCH)
