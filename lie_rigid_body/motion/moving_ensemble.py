@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
+import numpy as np
+
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.motion import InitialConditions
@@ -22,8 +24,8 @@ class Integrator(Protocol):
     def largest_step(self) -> float:
         """The length that no step exceeds, s."""
 
-    def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
-        """Refuse to go ahead by so many nanoseconds, if the steps from this state would be too long for the method.
+    def require_short_steps(self, state: list[float], span_ns: int) -> None:
+        """Refuse to go from sample to sample, up to so many nanoseconds, in steps too long for the method and a state.
 
         Raises
         ------
@@ -105,10 +107,10 @@ class MovingEnsemble:
 
     def _steps_through(self, k: int, t_ns: Integers) -> int:
         """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
-        last_ns = int(t_ns[-1])
+        longest_ns = int(np.diff(t_ns, prepend=self._reached_ns).max())
         try:
-            self._integrators[k].require_short_steps(self._states[k], last_ns - self._reached_ns)
-            return max(self._steps[k].through(last_ns, self._reached_ns), len(t_ns))
+            self._integrators[k].require_short_steps(self._states[k], longest_ns)
+            return max(self._steps[k].through(int(t_ns[-1]), self._reached_ns), len(t_ns))
         except InputError as error:
             raise self._named(k, error) from None
 

@@ -145,3 +145,13 @@ def test_what_is_no_body_or_no_start_is_refused_in_one_line(motion):
     for wrong in ([0, 1, 0], None, body):
         with pytest.raises(InputError):
             motion(body, wrong)
+
+
+def test_steps_are_as_short_as_the_samples_are_near_however_long_the_largest_may_be() -> None:
+    """At a radian a second a step of 10 s would be too long; that to the next of many samples is not."""
+    t_ns = np.arange(1, 2001) * 5_000_000
+    body, start = RigidBody([1.0, 2.0, 2.5]), State([0.0, 0.0, 0.0, 1.0], [0.3, 1.0, 0.2])
+    long, short = (MovingChart(body, start, method="rkmk4", max_step=step) for step in (10.0, 0.005))
+    np.testing.assert_array_equal(long.at(t_ns).attitude_xyzw, short.at(t_ns).attitude_xyzw)
+    with pytest.raises(InputError):
+        long.at(t_ns[-1:] + 10**10)

@@ -154,7 +154,7 @@ class MoserVeselovIntegrator:
         self.largest_step = longest_step(max_step, LARGEST_TURN, float(motion.fastest))
         self._frame = frame
 
-    def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
+    def require_short_steps(self, state: list[float], span_ns: int) -> None:
         """Accept every step: the largest is short enough."""
 
     def advance(self, state: list[float], spans: Integers, counts: Integers, work: int) -> tuple[Array, Array]:

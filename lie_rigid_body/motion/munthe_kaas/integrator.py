@@ -57,14 +57,14 @@ class MuntheKaasIntegrator:
         self.start: list[float] = [*attitude_xyzw.tolist(), *body_momentum.tolist()]
         self.largest_step = max_step
 
-    def require_short_steps(self, state: list[float], ahead_ns: int) -> None:
+    def require_short_steps(self, state: list[float], span_ns: int) -> None:
         """Refuse steps that go farther than the chart is one to one, judged by the body rate of a state.
 
         Raises
         ------
         InputError
         """
-        step = min(self.largest_step, 1e-9 * ahead_ns)
+        step = min(self.largest_step, 1e-9 * span_ns)
         way = step * math.hypot(*apply_tensor(self._inverse, np.array(state[MOMENTUM:])).tolist())
         if way > LARGEST_TURN:
             raise InputError(
