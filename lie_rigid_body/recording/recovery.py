@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import struct
+from bisect import bisect_right
+from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import replace
+from functools import cached_property
 from io import BytesIO
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +21,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
+from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import BagFiles, left_out
 from lie_rigid_body.recording.bag_writer import CUT_OFF
@@ -46,6 +52,19 @@ _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACH
 """Records that stand outside of chunks and are written as they are."""
 _KNOWN: Final = frozenset(map(int, Opcode))
 """Kinds of records of MCAP."""
+_HEADS: Final = {
+    Opcode.CHUNK: re.compile(rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd)(.{8}))", re.DOTALL),
+    Opcode.MESSAGE_INDEX: re.compile(rb"\x07(?=(.{8}).{2}(.{4}))", re.DOTALL),
+}
+"""Beginnings of records that say their length twice: that of the record, and that of its last field."""
+_LOOSE_HEAD: Final = re.compile(rb"\x05(?=.{4}\0{4}(.{2}))", re.DOTALL)
+"""Beginning of a message of less than 4 GiB, and its channel."""
+_HEAD_SIZE: Final = 64
+"""Bytes of which the longest of these takes less."""
+_PIECE: Final = 2**20
+"""Bytes that are looked through at a time."""
+_FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
+"""Bytes of the footer, and of what follows it."""
 _DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -118,28 +137,29 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     except BagError as error:
         raise NothingWholeError(str(error)) from None
     with closing(opened) as file:
-        header, begin = _header(file)
+        header = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:
-            return _Salvage(file, begin, McapFile(out, header)).run()
+            return _Salvage(file, McapFile(out, header)).run()
 
 
-def _header(file: FileBytes) -> tuple[Header, int]:
-    """Header of a file, and where it ends."""
-    first = next(records(file, len(MAGIC)), None)
-    if file[: len(MAGIC)] == MAGIC and first is not None and first.opcode == Opcode.HEADER:
+def _header(file: FileBytes) -> Header:
+    """Header of a file, whatever length it says that it has."""
+    begin = len(MAGIC) + RECORD_HEAD.size
+    if file[: len(MAGIC) + 1] == MAGIC + bytes([Opcode.HEADER]):
         with suppress(*_DAMAGE):
-            return parsed(first.opcode, file[first.begin : first.end]), first.end
+            header: Header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
+            return header
     raise NothingWholeError(f"{file.path} does not begin as an MCAP file: it holds nothing that can be recovered")
 
 
 class _Salvage:
     """One file, read from its start to where it breaks off, and written anew."""
 
-    def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
-        self._given, self._begin, self._file = given, begin, file
+    def __init__(self, given: FileBytes, file: McapFile) -> None:
+        self._given, self._file = given, file
         self._records_left = most_records(len(given))
-        self._loose, self._last_loose, self._whole = bytearray(), 0, 0
+        self._loose, self._whole = bytearray(), 0
         self._damaged: list[int] = []
         self._rewritten: list[int] = []
 
@@ -168,38 +188,94 @@ class _Salvage:
 
     def _take_whole_records(self) -> tuple[int, bool]:
         """Take record after record; return where the last ends, and whether the file does."""
-        end, is_whole, data_ended = self._begin, False, False
-        for place in records(self._given, end):
-            if place.opcode == Opcode.FOOTER:
-                is_whole = self._given[place.end : place.end + len(MAGIC) + 1] == MAGIC
-                break
-            data_ended |= place.opcode == Opcode.DATA_END
+        end, opcode, data_ended = len(MAGIC), 0, False
+        for place in self._places():
+            if place.start != end:
+                self._leave_out(end)
+            data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
             try:
                 if not data_ended:
                     self._take(place)
             except _DAMAGE:
-                if not self._damaged:
-                    self._declare_again()
-                self._damaged.append(place.start)
-            end = place.end
-        if not (is_whole or _goes_on(self._given[end : end + 1])):
-            del self._loose[self._last_loose :]
+                self._leave_out(place.start)
+            end, opcode = place.end, place.opcode
         self._close_loose()
-        return end, is_whole
+        return end, opcode == Opcode.FOOTER
 
-    def _declare_again(self) -> None:
-        """Declare what the file declares again in its summary, as the damaged record may have been the first to."""
+    def _places(self) -> Iterator[Place]:
+        """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
+        place = Place(0, 0, 0, len(MAGIC))
+        while found := next(filter(None, map(self._sound, self._starts(place))), None):
+            yield (place := found)
+
+    def _starts(self, before: Place) -> Iterator[int]:
+        """Byte behind a record; should no sound one begin there, where the next chunk or message may, and the footer.
+
+        The summary tells where chunks begin; without one, what looks like a chunk is tried, or behind a message what
+        looks like another. In an attachment, a message or an unfinished chunk no chunk of the file can stand.
+        """
+        yield (at := before.end)
+        given, found = self._given, iter(self._indexed[bisect_right(self._indexed, at) :])
+        is_loose = b"\x05" in (bytes([before.opcode]), given[at : at + 1])
+        if not (self._indexed or given[at : at + 1] == b"\x09" or self._says_twice(at, Opcode.CHUNK)):
+            found = (
+                begin + match.start()
+                for begin in range(at + 1, min(at + LARGEST_RECORD, len(given)), _PIECE)
+                for match in (_LOOSE_HEAD if is_loose else _HEADS[Opcode.CHUNK]).finditer(
+                    given[begin : begin + _PIECE + _HEAD_SIZE]
+                )
+                if not is_loose or int.from_bytes(match[1], "little") in self._file.summary.channels
+            )
+        footer = len(given) - _FOOTER_SIZE
+        yield from chain(found, [footer] if footer > at and given[footer : footer + 1] == b"\x02" else [])
+
+    @cached_property
+    def _indexed(self) -> list[int]:
+        """Bytes where the chunks begin, by their indexes in the summary."""
+        given = self._given
+        summary = records(given, int.from_bytes(given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little"))
+        starts = (given[place.begin + 16 : place.begin + 24] for place in summary if place.opcode == Opcode.CHUNK_INDEX)
+        found = (int.from_bytes(start, "little") for start in starts)
+        return sorted(start for start in found if self._says_twice(start, Opcode.CHUNK))
+
+    def _sound(self, at: int) -> Place | None:
+        """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
+        for place in islice(records(self._given, at), 1):
+            following = self._given[place.end : place.end + len(MAGIC) + 1]
+            if (
+                following == MAGIC
+                if place.opcode == Opcode.FOOTER
+                else self._says_twice(at, place.opcode)
+                if place.opcode in _HEADS
+                else _goes_on(following)
+                or next(records(self._given, place.end), None)
+                or (place.opcode in _OUTSIDE and following[:1] == b"\0")
+            ):
+                return place
+        return None
+
+    def _says_twice(self, at: int, opcode: int) -> bool:
+        """Whether a record of some kind begins at a byte, and says the same length twice."""
+        found = _HEADS[Opcode(opcode)].match(self._given[at : at + _HEAD_SIZE])
+        length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
+        return found is not None and found.end(2) + size == RECORD_HEAD.size + length
+
+    def _leave_out(self, at: int) -> None:
+        """Leave out a damaged record; what the first may have declared is declared as in the summary."""
         known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
-        for place in records(self._given, self._begin):
-            if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
-                with suppress(*_DAMAGE):
-                    record = parsed(place.opcode, self._given[place.begin : place.end])
-                    if record.id not in known[place.opcode]:
-                        self._file.add(record)
+        for place in () if self._damaged else self._places():
+            with suppress(*_DAMAGE):
+                record = parsed(place.opcode, self._content(place)) if place.opcode in known else None
+                if record and record.id not in known[place.opcode]:
+                    self._file.add(record)
+        self._damaged.append(at)
+
+    def _content(self, place: Place) -> bytes:
+        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
+        return self._given[place.begin : place.end]
 
     def _take(self, place: Place) -> None:
-        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
-        content = self._given[place.begin : place.end]
+        content = self._content(place)
         if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
             self._close_loose()
         if place.opcode == Opcode.MESSAGE:
@@ -207,7 +283,6 @@ class _Salvage:
             self._whole += 1
             is_told = channel in self._file.summary.channels and max(times) <= LAST_TIME
             require(is_told, "a message is on no channel, or beyond all times")
-            self._last_loose = len(self._loose)
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
             self._take_chunk(parsed(place.opcode, content), place.start)
