@@ -39,6 +39,7 @@ from lie_rigid_body.recording.records import (
     Place,
     find_messages,
     parsed,
+    record_bytes,
     records,
     require,
 )
@@ -61,7 +62,7 @@ _LOOSE_HEAD: Final = re.compile(rb"\x05(?=.{4}\0{4}(.{2}))", re.DOTALL)
 """Beginning of a message of less than 4 GiB, and its channel."""
 _HEAD_SIZE: Final = 64
 """Bytes of which the longest of these takes less."""
-_PIECE: Final = 2**20
+_PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
 """Bytes of the footer, and of what follows it."""
@@ -137,27 +138,28 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     except BagError as error:
         raise NothingWholeError(str(error)) from None
     with closing(opened) as file:
-        header = _header(file)
+        header, begin = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:
-            return _Salvage(file, McapFile(out, header)).run()
+            return _Salvage(file, begin, McapFile(out, header)).run()
 
 
-def _header(file: FileBytes) -> Header:
-    """Header of a file, whatever length it says that it has."""
+def _header(file: FileBytes) -> tuple[Header, int]:
+    """Header of a file, and where the records begin: behind its fields, or at the header itself if none is there."""
     begin = len(MAGIC) + RECORD_HEAD.size
     if file[: len(MAGIC) + 1] == MAGIC + bytes([Opcode.HEADER]):
         with suppress(*_DAMAGE):
-            header: Header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
-            return header
+            header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
+            end = len(MAGIC + record_bytes(header))
+            return header, end if _goes_on(file[end : end + 1]) else len(MAGIC)
     raise NothingWholeError(f"{file.path} does not begin as an MCAP file: it holds nothing that can be recovered")
 
 
 class _Salvage:
     """One file, read from its start to where it breaks off, and written anew."""
 
-    def __init__(self, given: FileBytes, file: McapFile) -> None:
-        self._given, self._file = given, file
+    def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
+        self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
         self._loose, self._whole = bytearray(), 0
         self._damaged: list[int] = []
@@ -188,7 +190,7 @@ class _Salvage:
 
     def _take_whole_records(self) -> tuple[int, bool]:
         """Take record after record; return where the last ends, and whether the file does."""
-        end, opcode, data_ended = len(MAGIC), 0, False
+        end, opcode, data_ended = self._begin, 0, False
         for place in self._places():
             if place.start != end:
                 self._leave_out(end)
@@ -204,7 +206,7 @@ class _Salvage:
 
     def _places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
-        place = Place(0, 0, 0, len(MAGIC))
+        place = Place(0, 0, 0, self._begin)
         while found := next(filter(None, map(self._sound, self._starts(place))), None):
             yield (place := found)
 
