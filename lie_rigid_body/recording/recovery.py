@@ -11,7 +11,7 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from functools import cached_property
 from io import BytesIO
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -151,7 +151,7 @@ def _header(file: FileBytes) -> tuple[Header, int]:
         with suppress(*_DAMAGE):
             header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
             end = len(MAGIC + record_bytes(header))
-            return header, end if _goes_on(file[end : end + 1]) else len(MAGIC)
+            return header, end if _goes_on(file, end) else len(MAGIC)
     raise NothingWholeError(f"{file.path} does not begin as an MCAP file: it holds nothing that can be recovered")
 
 
@@ -234,27 +234,28 @@ class _Salvage:
     @cached_property
     def _indexed(self) -> list[int]:
         """Bytes where the chunks begin, by their indexes in the summary."""
-        given = self._given
-        summary = records(given, int.from_bytes(given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little"))
-        starts = (given[place.begin + 16 : place.begin + 24] for place in summary if place.opcode == Opcode.CHUNK_INDEX)
-        found = (int.from_bytes(start, "little") for start in starts)
-        return sorted(start for start in found if self._says_twice(start, Opcode.CHUNK))
+        summary = int.from_bytes(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little")
+        return sorted(
+            start
+            for place in records(self._given, summary)
+            if place.opcode == Opcode.CHUNK_INDEX
+            and (start := int.from_bytes(self._given[place.begin + 16 : place.begin + 24], "little")) < len(self._given)
+            and self._says_twice(start, Opcode.CHUNK)
+        )
 
     def _sound(self, at: int) -> Place | None:
         """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
-        for place in islice(records(self._given, at), 1):
-            following = self._given[place.end : place.end + len(MAGIC) + 1]
-            if (
-                following == MAGIC
-                if place.opcode == Opcode.FOOTER
-                else self._says_twice(at, place.opcode)
-                if place.opcode in _HEADS
-                else _goes_on(following)
-                or next(records(self._given, place.end), None)
-                or (place.opcode in _OUTSIDE and following[:1] == b"\0")
-            ):
-                return place
-        return None
+        place = next(records(self._given, at), None)
+        is_right = place and (
+            self._given[place.end : place.end + len(MAGIC) + 1] == MAGIC
+            if place.opcode == Opcode.FOOTER
+            else self._says_twice(at, place.opcode)
+            if place.opcode in _HEADS
+            else _goes_on(self._given, place.end)
+            or next(records(self._given, place.end), None)
+            or (place.opcode in _OUTSIDE and self._given[place.end : place.end + 1] == b"\0")
+        )
+        return place if is_right else None
 
     def _says_twice(self, at: int, opcode: int) -> bool:
         """Whether a record of some kind begins at a byte, and says the same length twice."""
@@ -307,7 +308,6 @@ class _Salvage:
             data = inflated(chunk)
         table = self._whole_messages(data)
         require(len(table.data) == len(data), "a record in it is not whole")
-        self._whole += len(table.starts)
         first_ns, last_ns = table.span_ns
         self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
         if chunk is not given:
@@ -322,24 +322,24 @@ class _Salvage:
                 data = salvaged(chunk)
                 found = find_messages(data, NO_HINTS, self._records_left)
                 end = len(found.data)
-                table = self._whole_messages(data if _goes_on(data[end : end + 1]) else data[: found.starts[-1]])
-                self._whole += len(table.starts)
+                table = self._whole_messages(data if _goes_on(data, end) else data[: found.starts[-1]])
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
         """Table of the messages in the whole records at the start of some data; at least one must be a message."""
         table = find_messages(data, NO_HINTS, self._records_left)
         self._records_left -= len(table.starts) + len(table.others)
+        self._whole += len(table.starts)
         require(bool(table.index), "no message is whole")
         return table
 
 
-def _goes_on(following: bytes) -> bool:
-    """Whether a file ends, or another record begins, with the byte behind a record, which then is whole.
+def _goes_on(data: bytes | FileBytes, end: int) -> bool:
+    """Whether some data end, or another record begins, where a record ends, which then is whole.
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """
-    return not following or following[0] in _KNOWN
+    return end >= len(data) or data[end : end + 1][0] in _KNOWN
 
 
 def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:
