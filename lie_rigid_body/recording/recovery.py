@@ -172,11 +172,10 @@ class _Salvage:
         before = found.counts.total()
         if not is_whole:
             self._take_part(end)
+            self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         if not found.counts:
             lost = "is damaged in the definitions of its topics" if self._whole else "holds no whole message"
             raise NothingWholeError(f"{self._given.path} {lost}: record it again")
-        if not is_whole:
-            self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         self._file.finish()
         return Recovery(
             found.counts.total(),

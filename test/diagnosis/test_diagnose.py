@@ -456,7 +456,7 @@ def test_mistake_of_a_filter_that_begins_at_the_identity_is_named_alone(changes:
 
 
 def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> None:
-    rates = {"imu_rate": 25.0, "magnetometer_rate": 25.0}
+    rates: dict[str, Any] = {"imu_rate": 25.0, "magnetometer_rate": 25.0}
     found = diagnose(lambda run: textbook.without_a_magnetometer(run), max_runs=1, **rates)
     assert found.mistakes == ()
     assert "heading alone" in found.probes[0].message
