@@ -283,8 +283,8 @@ class _Salvage:
         if place.opcode == Opcode.MESSAGE:
             channel, _, *times = _MESSAGE.unpack_from(content)
             self._whole += 1
-            is_told = channel in self._file.summary.channels and max(times) <= LAST_TIME
-            require(is_told, "a message is on no channel, or beyond all times")
+            require(channel in self._file.summary.channels, "a message is on no channel")
+            require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
             self._take_chunk(parsed(place.opcode, content), place.start)
@@ -298,19 +298,17 @@ class _Salvage:
             table = find_messages(data, NO_HINTS, len(data))
             self._file.add_chunk(compressed(table, "zstd"), table)
 
-    def _take_chunk(self, given: Chunk, at: int) -> None:
-        chunk = given
+    def _take_chunk(self, chunk: Chunk, at: int) -> None:
         try:
             data = inflated(chunk)
         except NotOneFrameError:
-            chunk = replace(chunk, compression="", data=salvaged(chunk))
-            data = inflated(chunk)
+            self._take_chunk(replace(chunk, compression="", data=salvaged(chunk)), at)
+            self._rewritten.append(at)
+            return
         table = self._whole_messages(data)
         require(len(table.data) == len(data), "a record in it is not whole")
         first_ns, last_ns = table.span_ns
         self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
-        if chunk is not given:
-            self._rewritten.append(at)
 
     def _take_part(self, begin: int) -> None:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
@@ -320,8 +318,8 @@ class _Salvage:
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 data = salvaged(chunk)
                 found = find_messages(data, NO_HINTS, self._records_left)
-                end = len(found.data)
-                table = self._whole_messages(data if _goes_on(data, end) else data[: found.starts[-1]])
+                is_whole = _goes_on(data, len(found.data))
+                table = self._whole_messages(data if is_whole else data[: found.starts[-1]])
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
