@@ -120,8 +120,7 @@ def whole_of(file: Path) -> Path | None:
 
 def missing_beside(file: Path) -> str | None:
     """The first file that is missing where all in a folder are called as those of a bag that was split; else None."""
-    is_bag = file.suffix in SUFFIXES and file.is_file()
-    numbers = _numbers(file.parent, file.suffix) if is_bag else set()
+    numbers = _numbers(file.parent, file.suffix) if file.suffix in SUFFIXES and file.is_file() else set()
     missing = {*range(max(numbers, default=0))} - numbers
     return f"{real_path(file).parent.name}_{min(missing)}{file.suffix}" if missing else None
 

@@ -51,8 +51,6 @@ _LOOSE_BYTES: Final = 256 * 1024
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
-_KNOWN: Final = frozenset(map(int, Opcode))
-"""Kinds of records of MCAP."""
 _HEADS: Final = {
     Opcode.CHUNK: re.compile(rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd)(.{8}))", re.DOTALL),
     Opcode.MESSAGE_INDEX: re.compile(rb"\x07(?=(.{8}).{2}(.{4}))", re.DOTALL),
@@ -232,15 +230,13 @@ class _Salvage:
 
     @cached_property
     def _indexed(self) -> list[int]:
-        """Bytes where the chunks begin, by their indexes in the summary."""
-        summary = int.from_bytes(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little")
-        return sorted(
-            start
-            for place in records(self._given, summary)
-            if place.opcode == Opcode.CHUNK_INDEX
-            and (start := int.from_bytes(self._given[place.begin + 16 : place.begin + 24], "little")) < len(self._given)
-            and self._says_twice(start, Opcode.CHUNK)
-        )
+        """Bytes where the chunks begin, by their indexes in the summary; none if that is not read to its end."""
+        given, starts, opcode = self._given, list[int](), 0
+        summary = int.from_bytes(given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little")
+        for opcode, _, begin, _ in records(given, summary):
+            if opcode == Opcode.CHUNK_INDEX:
+                starts.append(int.from_bytes(given[begin + 16 : begin + 24], "little"))
+        return sorted(s for s in starts if opcode == Opcode.FOOTER and self._says_twice(s, Opcode.CHUNK))
 
     def _sound(self, at: int) -> Place | None:
         """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
@@ -336,7 +332,7 @@ def _goes_on(data: bytes | FileBytes, end: int) -> bool:
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """
-    return end >= len(data) or data[end : end + 1][0] in _KNOWN
+    return end >= len(data) or 0 < data[end : end + 1][0] <= Opcode.DATA_END
 
 
 def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:

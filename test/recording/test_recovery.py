@@ -358,19 +358,21 @@ def flipped(content: bytes, at: int, bit: int) -> bytes:
     return content[:at] + bytes([content[at] ^ 1 << bit]) + content[at + 1 :]
 
 
-@pytest.mark.parametrize("is_cut", [False, True], ids=["whole", "without a summary"])
+@pytest.mark.parametrize("summary", ["whole", "damaged", "cut off"])
 @pytest.mark.parametrize("compression", COMPRESSIONS)
 def test_a_flipped_bit_of_a_length_costs_the_messages_of_that_record_alone(
-    whole: dict[str, Path], tmp_path: Path, compression: str, is_cut: bool
+    whole: dict[str, Path], tmp_path: Path, compression: str, summary: str
 ) -> None:
     content, everything = whole[compression].read_bytes(), messages(whole[compression])
+    is_cut = summary == "cut off"
     end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
-    content = content[:end] if is_cut else content
+    index = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK_INDEX][1]
+    content = {"whole": content, "damaged": flipped(content, index + 5, 0), "cut off": content[:end]}[summary]
     lengths = [(opcode, begin, whole_in(content, begin, compression)) for opcode, begin, _ in records(content)]
     first = next(begin for opcode, begin, _ in lengths if opcode == Opcode.CHUNK)
     last = max(begin for opcode, begin, _ in lengths if opcode == Opcode.CHUNK)
     broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
-    for i, (opcode, begin, before) in enumerate(lengths):
+    for i, (opcode, begin, before) in enumerate(lengths[: None if summary == "whole" else -1]):
         behind = lengths[i + 1][2] if begin < last else len(everything)
         if is_cut and begin in (first, last):  # one has the definitions, the other has none behind it
             continue
