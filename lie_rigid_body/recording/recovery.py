@@ -160,8 +160,7 @@ class _Salvage:
         self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
         self._loose, self._whole = bytearray(), 0
-        self._damaged: list[int] = []
-        self._rewritten: list[int] = []
+        self._damaged, self._rewritten = list[int](), list[int]()
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -262,18 +261,16 @@ class _Salvage:
         """Leave out a damaged record; what the first may have declared is declared as in the summary."""
         known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
         for place in () if self._damaged else self._places():
-            with suppress(*_DAMAGE):
-                record = parsed(place.opcode, self._content(place)) if place.opcode in known else None
-                if record and record.id not in known[place.opcode]:
-                    self._file.add(record)
+            if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
+                with suppress(*_DAMAGE):
+                    record = parsed(place.opcode, self._given[place.begin : place.end])
+                    if record.id not in known[place.opcode]:
+                        self._file.add(record)
         self._damaged.append(at)
 
-    def _content(self, place: Place) -> bytes:
-        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
-        return self._given[place.begin : place.end]
-
     def _take(self, place: Place) -> None:
-        content = self._content(place)
+        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
+        content = self._given[place.begin : place.end]
         if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
             self._close_loose()
         if place.opcode == Opcode.MESSAGE:
