@@ -211,11 +211,8 @@ class BagWriter:
             self._counts[messages.topic] += len(messages.payloads)
 
     def _put(self, raw: RawChunk) -> None:
-        self._queue.put(partial(self._store, raw), len(raw))
-
-    def _store(self, raw: RawChunk) -> None:
-        """Write a chunk; this is what the disk's own thread does, while the next one is laid out."""
-        self._mcap.add_chunk(compressed(raw.table, self._compression), raw.table)
+        """Have a chunk compressed and written by the disk's own thread, while the next one is laid out."""
+        self._queue.put(lambda: self._mcap.add_chunk(compressed(raw.table, self._compression), raw.table), len(raw))
 
     def flush(self) -> None:
         """Finish the present chunk, and let it be written to the disk. It survives a loss of power as soon as it is."""

@@ -138,9 +138,8 @@ def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[T
     lacking: dict[str, tuple[Tracks, str]] = {}
     scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
     for scenario in [given[SCENARIO]] if SCENARIO in given else scenarios:
-        beside = {space: _beside(contents, space) for space in _above(scenario.topic)}
-        namespace = next((space for space, own in beside.items() if own), "")
-        own = beside.get(namespace, {})
+        beside = ((space, _beside(contents, space)) for space in _above(scenario.topic))
+        namespace, own = next((each for each in beside if each[1]), ("", {}))
         if len(own) == 1 and telling_of_bodies(path, contents, [scenario]):
             name = TWIST if POSE in own else POSE
             none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")

@@ -163,7 +163,6 @@ def _chunk_of(raw: bytes) -> tuple[Chunk | None, list[Place]]:
 
 def _index(raw: bytes, place: Place) -> tuple[int, Rows]:
     """Channel of a message index in some bytes, and its rows in the order of the messages."""
-    channel: int
     channel, size = _INDEX_HEAD.unpack(raw[place.begin : min(place.begin + _INDEX_HEAD.size, place.end)])
     begin = place.begin + _INDEX_HEAD.size
     require(begin + size <= place.end, f"the index of channel {channel} is longer than its record")

@@ -38,9 +38,8 @@ class OutputFile:
     When another file of that name exists and may be overwritten, the new one is written beside it and takes its place
     in `commit`. Until then the old one is untouched.
 
-    An unfinished file is closed by `discard`, which removes it, or keeps it for rescue unless it was to replace an
-    older one. What a killed process has left beside a file that it was to replace is removed when the next output file
-    is made in that folder.
+    An unfinished file is closed by `discard`. What a killed process has left beside a file that it was to replace is
+    removed when the next output file is made in that folder.
 
     Parameters
     ----------
@@ -127,19 +126,14 @@ class OutputFile:
         BagError
             If another program has taken it away.
         """
-        if damage := self._damage():
-            raise BagError(f"{self.path} is lost: {damage} meanwhile: keep others away, and write it again")
-
-    def _damage(self) -> str:
-        try:
+        damage, length = "the file was deleted or moved", self._file.length
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             there = self._written.stat()
-        except (FileNotFoundError, NotADirectoryError):
-            return "the file was deleted or moved"
-        if not os.path.samestat(there, self._identity):
-            return "another file took its place"
-        if there.st_size != self._file.length:
-            return f"another program made it {there.st_size} bytes long instead of {self._file.length}"
-        return ""
+            is_other = not os.path.samestat(there, self._identity)
+            resized = f"another program made it {there.st_size} bytes long instead of {length}"
+            damage = "another file took its place" if is_other else resized * (there.st_size != length)
+        if damage:
+            raise BagError(f"{self.path} is lost: {damage} meanwhile: keep others away, and write it again")
 
     def commit(self) -> None:
         """Flush and fsync, replace the older file, if any, and close."""
@@ -152,7 +146,7 @@ class OutputFile:
         self._unlock()
 
     def discard(self, *, rescued: bool = False) -> None:
-        """Close the unfinished file and remove it; where it is to be rescued only if it was to replace an older one."""
+        """Close the unfinished file and remove it, unless it is rescued and was not to replace an older one."""
         is_own = False
         with contextlib.suppress(OSError):  # another file may have taken its place
             is_own = not self._is_whole and os.path.samestat(self._written.stat(), self._identity)

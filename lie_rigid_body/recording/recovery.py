@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import struct
+from bisect import bisect_right
+from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import replace
+from functools import cached_property
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +21,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
+from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.recording.bag_files import BagFiles, left_out
 from lie_rigid_body.recording.bag_writer import CUT_OFF
@@ -33,6 +39,7 @@ from lie_rigid_body.recording.records import (
     Place,
     find_messages,
     parsed,
+    record_bytes,
     records,
     require,
 )
@@ -44,8 +51,19 @@ _LOOSE_BYTES: Final = 256 * 1024
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
-_KNOWN: Final = frozenset(map(int, Opcode))
-"""Kinds of records of MCAP."""
+_HEADS: Final = {
+    Opcode.CHUNK: re.compile(rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd)(.{8}))", re.DOTALL),
+    Opcode.MESSAGE_INDEX: re.compile(rb"\x07(?=(.{8}).{2}(.{4}))", re.DOTALL),
+}
+"""Beginnings of records that say their length twice: that of the record, and that of its last field."""
+_LOOSE_HEAD: Final = re.compile(rb"\x05(?=.{4}\0{4}(.{2}))", re.DOTALL)
+"""Beginning of a message of less than 4 GiB, and its channel."""
+_HEAD_SIZE: Final = 64
+"""Bytes of which the longest of these takes less."""
+_PIECE: Final = 2**12
+"""Bytes that are looked through at a time."""
+_FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
+"""Bytes of the footer, and of what follows it."""
 _DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -125,11 +143,13 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
 
 
 def _header(file: FileBytes) -> tuple[Header, int]:
-    """Header of a file, and where it ends."""
-    first = next(records(file, len(MAGIC)), None)
-    if file[: len(MAGIC)] == MAGIC and first is not None and first.opcode == Opcode.HEADER:
+    """Header of a file, and where the records begin: behind its fields, or at the header itself if none is there."""
+    begin = len(MAGIC) + RECORD_HEAD.size
+    if file[: len(MAGIC) + 1] == MAGIC + bytes([Opcode.HEADER]):
         with suppress(*_DAMAGE):
-            return parsed(first.opcode, file[first.begin : first.end]), first.end
+            header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
+            end = len(MAGIC + record_bytes(header))
+            return header, end if _goes_on(file, end) else len(MAGIC)
     raise NothingWholeError(f"{file.path} does not begin as an MCAP file: it holds nothing that can be recovered")
 
 
@@ -139,9 +159,8 @@ class _Salvage:
     def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
         self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
-        self._loose, self._last_loose, self._whole = bytearray(), 0, 0
-        self._damaged: list[int] = []
-        self._rewritten: list[int] = []
+        self._loose, self._whole = bytearray(), 0
+        self._damaged, self._rewritten = list[int](), list[int]()
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -150,11 +169,10 @@ class _Salvage:
         before = found.counts.total()
         if not is_whole:
             self._take_part(end)
+            self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         if not found.counts:
             lost = "is damaged in the definitions of its topics" if self._whole else "holds no whole message"
             raise NothingWholeError(f"{self._given.path} {lost}: record it again")
-        if not is_whole:
-            self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         self._file.finish()
         return Recovery(
             found.counts.total(),
@@ -168,34 +186,87 @@ class _Salvage:
 
     def _take_whole_records(self) -> tuple[int, bool]:
         """Take record after record; return where the last ends, and whether the file does."""
-        end, is_whole, data_ended = self._begin, False, False
-        for place in records(self._given, end):
-            if place.opcode == Opcode.FOOTER:
-                is_whole = self._given[place.end : place.end + len(MAGIC) + 1] == MAGIC
-                break
-            data_ended |= place.opcode == Opcode.DATA_END
+        end, opcode, data_ended = self._begin, 0, False
+        for place in self._places():
+            if place.start != end:
+                self._leave_out(end)
+            data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
             try:
                 if not data_ended:
                     self._take(place)
             except _DAMAGE:
-                if not self._damaged:
-                    self._declare_again()
-                self._damaged.append(place.start)
-            end = place.end
-        if not (is_whole or _goes_on(self._given[end : end + 1])):
-            del self._loose[self._last_loose :]
+                self._leave_out(place.start)
+            end, opcode = place.end, place.opcode
         self._close_loose()
-        return end, is_whole
+        return end, opcode == Opcode.FOOTER
 
-    def _declare_again(self) -> None:
-        """Declare what the file declares again in its summary, as the damaged record may have been the first to."""
+    def _places(self) -> Iterator[Place]:
+        """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
+        place = Place(0, 0, 0, self._begin)
+        while found := next(filter(None, map(self._sound, self._starts(place))), None):
+            yield (place := found)
+
+    def _starts(self, before: Place) -> Iterator[int]:
+        """Byte behind a record; should no sound one begin there, where the next chunk or message may, and the footer.
+
+        The summary tells where chunks begin; without one, what looks like a chunk is tried, or behind a message what
+        looks like another. In an attachment, a message or an unfinished chunk no chunk of the file can stand.
+        """
+        yield (at := before.end)
+        given, found = self._given, iter(self._indexed[bisect_right(self._indexed, at) :])
+        is_loose = b"\x05" in (bytes([before.opcode]), given[at : at + 1])
+        if not (self._indexed or given[at : at + 1] == b"\x09" or self._says_twice(at, Opcode.CHUNK)):
+            found = (
+                begin + match.start()
+                for begin in range(at + 1, min(at + LARGEST_RECORD, len(given)), _PIECE)
+                for match in (_LOOSE_HEAD if is_loose else _HEADS[Opcode.CHUNK]).finditer(
+                    given[begin : begin + _PIECE + _HEAD_SIZE]
+                )
+                if not is_loose or int.from_bytes(match[1], "little") in self._file.summary.channels
+            )
+        footer = len(given) - _FOOTER_SIZE
+        yield from chain(found, [footer] if footer > at and given[footer : footer + 1] == b"\x02" else [])
+
+    @cached_property
+    def _indexed(self) -> list[int]:
+        """Bytes where the chunks begin, by their indexes in the summary; none if that is not read to its end."""
+        given, starts, opcode = self._given, list[int](), 0
+        summary = int.from_bytes(given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little")
+        for opcode, _, begin, _ in records(given, summary):
+            if opcode == Opcode.CHUNK_INDEX:
+                starts.append(int.from_bytes(given[begin + 16 : begin + 24], "little"))
+        return sorted(s for s in starts if opcode == Opcode.FOOTER and self._says_twice(s, Opcode.CHUNK))
+
+    def _sound(self, at: int) -> Place | None:
+        """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
+        place = next(records(self._given, at), None)
+        is_right = place and (
+            self._given[place.end : place.end + len(MAGIC) + 1] == MAGIC
+            if place.opcode == Opcode.FOOTER
+            else self._says_twice(at, place.opcode)
+            if place.opcode in _HEADS
+            else _goes_on(self._given, place.end)
+            or next(records(self._given, place.end), None)
+            or (place.opcode in _OUTSIDE and self._given[place.end : place.end + 1] == b"\0")
+        )
+        return place if is_right else None
+
+    def _says_twice(self, at: int, opcode: int) -> bool:
+        """Whether a record of some kind begins at a byte, and says the same length twice."""
+        found = _HEADS[Opcode(opcode)].match(self._given[at : at + _HEAD_SIZE])
+        length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
+        return found is not None and found.end(2) + size == RECORD_HEAD.size + length
+
+    def _leave_out(self, at: int) -> None:
+        """Leave out a damaged record; what the first may have declared is declared as in the summary."""
         known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
-        for place in records(self._given, self._begin):
+        for place in () if self._damaged else self._places():
             if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
                 with suppress(*_DAMAGE):
                     record = parsed(place.opcode, self._given[place.begin : place.end])
                     if record.id not in known[place.opcode]:
                         self._file.add(record)
+        self._damaged.append(at)
 
     def _take(self, place: Place) -> None:
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
@@ -205,9 +276,8 @@ class _Salvage:
         if place.opcode == Opcode.MESSAGE:
             channel, _, *times = _MESSAGE.unpack_from(content)
             self._whole += 1
-            is_told = channel in self._file.summary.channels and max(times) <= LAST_TIME
-            require(is_told, "a message is on no channel, or beyond all times")
-            self._last_loose = len(self._loose)
+            require(channel in self._file.summary.channels, "a message is on no channel")
+            require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
             self._take_chunk(parsed(place.opcode, content), place.start)
@@ -221,20 +291,17 @@ class _Salvage:
             table = find_messages(data, NO_HINTS, len(data))
             self._file.add_chunk(compressed(table, "zstd"), table)
 
-    def _take_chunk(self, given: Chunk, at: int) -> None:
-        chunk = given
+    def _take_chunk(self, chunk: Chunk, at: int) -> None:
         try:
             data = inflated(chunk)
         except NotOneFrameError:
-            chunk = replace(chunk, compression="", data=salvaged(chunk))
-            data = inflated(chunk)
+            self._take_chunk(replace(chunk, compression="", data=salvaged(chunk)), at)
+            self._rewritten.append(at)
+            return
         table = self._whole_messages(data)
         require(len(table.data) == len(data), "a record in it is not whole")
-        self._whole += len(table.starts)
         first_ns, last_ns = table.span_ns
         self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
-        if chunk is not given:
-            self._rewritten.append(at)
 
     def _take_part(self, begin: int) -> None:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
@@ -244,25 +311,25 @@ class _Salvage:
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 data = salvaged(chunk)
                 found = find_messages(data, NO_HINTS, self._records_left)
-                end = len(found.data)
-                table = self._whole_messages(data if _goes_on(data[end : end + 1]) else data[: found.starts[-1]])
-                self._whole += len(table.starts)
+                is_whole = _goes_on(data, len(found.data))
+                table = self._whole_messages(data if is_whole else data[: found.starts[-1]])
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
     def _whole_messages(self, data: bytes) -> MessageTable:
         """Table of the messages in the whole records at the start of some data; at least one must be a message."""
         table = find_messages(data, NO_HINTS, self._records_left)
         self._records_left -= len(table.starts) + len(table.others)
+        self._whole += len(table.starts)
         require(bool(table.index), "no message is whole")
         return table
 
 
-def _goes_on(following: bytes) -> bool:
-    """Whether a file ends, or another record begins, with the byte behind a record, which then is whole.
+def _goes_on(data: bytes | FileBytes, end: int) -> bool:
+    """Whether some data end, or another record begins, where a record ends, which then is whole.
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """
-    return not following or following[0] in _KNOWN
+    return end >= len(data) or 0 < data[end : end + 1][0] <= Opcode.DATA_END
 
 
 def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:

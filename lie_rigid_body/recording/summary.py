@@ -131,22 +131,19 @@ class Summary:
         """
         before = {**self.schemas}, {**self.channels}
         try:
-            self._declare(table)
+            for place in table.others:
+                is_declaration = place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL)
+                require(is_declaration, f"a record of kind {place.opcode:#04x} in a chunk")
+                self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
+            table.require_times()
+            unknown = min(table.index.keys() - self.channels.keys(), default=None)
+            require(unknown is None, f"it has a message of channel {unknown}, which is not declared before it")
         except Exception:
             self.schemas, self.channels = before
             raise
         self.counts.update({channel: len(rows) for channel, rows in table.index.items()})
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
-
-    def _declare(self, table: MessageTable) -> None:
-        """Add the schemas and channels in a chunk, whose messages are of these and of those before."""
-        for place in table.others:
-            require(place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL), f"a record of kind {place.opcode:#04x} in a chunk")
-            self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
-        table.require_times()
-        unknown = table.index.keys() - self.channels.keys()
-        require(not unknown, f"it has a message of channel {min(unknown, default=0)}, which is not declared before it")
 
     def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], end: int) -> None:
         """Add a chunk whose messages were added.

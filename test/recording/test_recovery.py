@@ -26,7 +26,7 @@ from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.mcap_contents import McapContents
 from lie_rigid_body.recording.mcap_reader import read_file
-from lie_rigid_body.recording.records import record_bytes
+from lie_rigid_body.recording.records import FileBytes, record_bytes
 from lie_rigid_body.recording.recovery import NothingWholeError, recover
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
@@ -351,3 +351,113 @@ def test_room_that_was_kept_for_more_is_not_read(whole: dict[str, Path], tmp_pat
         out.truncate(2**36)
     recovery = recover(path, tmp_path / "fixed.mcap", overwrite=False)
     assert (recovery.messages, recovery.broken_at) == (len(messages(whole["zstd"])), end)
+
+
+def flipped(content: bytes, at: int, bit: int) -> bytes:
+    """The content with one bit of a byte flipped."""
+    return content[:at] + bytes([content[at] ^ 1 << bit]) + content[at + 1 :]
+
+
+@pytest.mark.parametrize("summary", ["whole", "damaged", "cut off"])
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_a_flipped_bit_of_a_length_costs_the_messages_of_that_record_alone(
+    whole: dict[str, Path], tmp_path: Path, compression: str, summary: str
+) -> None:
+    content, everything = whole[compression].read_bytes(), messages(whole[compression])
+    is_cut = summary == "cut off"
+    end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    index = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK_INDEX][1]
+    content = {"whole": content, "damaged": flipped(content, index + 5, 0), "cut off": content[:end]}[summary]
+    lengths = [(opcode, begin, whole_in(content, begin, compression)) for opcode, begin, _ in records(content)]
+    first = next(begin for opcode, begin, _ in lengths if opcode == Opcode.CHUNK)
+    last = max(begin for opcode, begin, _ in lengths if opcode == Opcode.CHUNK)
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    for i, (opcode, begin, before) in enumerate(lengths[: None if summary == "whole" else -1]):
+        behind = lengths[i + 1][2] if begin < last else len(everything)
+        if is_cut and begin in (first, last):  # one has the definitions, the other has none behind it
+            continue
+        broken.write_bytes(flipped(content, begin + 1 + i % 8, i % 7))
+        recovery = recover(broken, fixed, overwrite=True)
+        assert messages(fixed) == everything[:before] + everything[behind:], (opcode, begin)
+        told = recovery.damaged[0] if recovery.damaged else recovery.broken_at
+        assert opcode in (Opcode.HEADER, Opcode.FOOTER) or told == begin
+        assert sum(size for size, _ in read_file(fixed, McapContents())) > 0
+
+
+def loose(path: Path, count: int, payload: bytes) -> bytes:
+    """A file of messages that are in no chunk, as of rosbag2's preset ``fastwrite``."""
+    with path.open("wb") as out:
+        writer = Writer(out, use_chunking=False)
+        writer.start("ros2", "another recorder")
+        channels = [writer.register_channel(topic, "cdr", 0) for topic in ("/a", "/b")]
+        for k in range(count):
+            writer.add_message(channels[k % 2], 1000 * k, payload + bytes([k]), 1000 * k, k)
+        writer.finish()
+    return path.read_bytes()
+
+
+def test_a_flipped_bit_of_the_length_of_a_message_in_no_chunk_costs_that_message(tmp_path: Path) -> None:
+    content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
+    everything, begins = messages(tmp_path / "whole.mcap"), [b for kind, b, _ in records(content) if kind == 5]
+    for is_cut in (False, True):
+        for k in range(40):
+            broken = flipped(content, begins[k] + 1 + k % 8, 3 + k % 5)[: begins[-1] + 40 if is_cut else None]
+            (tmp_path / "broken.mcap").write_bytes(broken)
+            recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+            left = everything[:-1] if is_cut else everything
+            assert messages(tmp_path / "fixed.mcap") == [one for one in left if one[2] != k]
+            assert begins[k] in (*recovery.damaged, recovery.broken_at)
+
+
+@pytest.mark.parametrize("is_cut", [False, True], ids=["whole", "without a summary"])
+def test_a_chunk_in_an_attachment_whose_length_is_damaged_is_none_of_the_file(
+    whole: dict[str, Path], tmp_path: Path, is_cut: bool
+) -> None:
+    """Where no summary tells what are the chunks of the file, none behind the attachment is sought."""
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    with broken.open("wb") as out:
+        writer = Writer(out, chunk_size=100)
+        writer.start("ros2", "another recorder")
+        channel = writer.register_channel("/a", "cdr", 0)
+        for k in range(20):
+            if k == 10:
+                writer.flush()
+                writer.add_attachment(1, 2, "bag", "", whole["zstd"].read_bytes())
+            writer.add_message(channel, 1000 * k, bytes(50), 1000 * k, k)
+        writer.finish()
+    content, everything = broken.read_bytes(), messages(broken)
+    attachment = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.ATTACHMENT)
+    rest = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END) if is_cut else None
+    for at, bit in ((1, 4), (2, 3), (6, 7)):
+        broken.write_bytes(flipped(content, attachment + at, bit)[:rest])
+        recovery = recover(broken, fixed, overwrite=True)
+        assert messages(fixed) == everything[: 10 if is_cut else None]
+        assert attachment in (*recovery.damaged, recovery.broken_at)
+
+
+def test_work_for_damaged_records_grows_with_the_file_alone(
+    whole: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Heads that claim what is behind them, each in the one before, and ever new ones where the last one ended."""
+    read, broken = list[int](), tmp_path / "broken.mcap"
+    given = FileBytes.__getitem__
+
+    def counted(file: FileBytes, part: slice) -> bytes:
+        read.append(len(data := given(file, part)))
+        return data
+
+    monkeypatch.setattr(FileBytes, "__getitem__", counted)
+    head = whole["zstd"].read_bytes()
+    begin = next(begin for opcode, begin, _ in records(head) if opcode == Opcode.DATA_END)
+    for size in (0, 1000):
+        false = Chunk("", bytes(size), 0, 0, 1, size)
+        piece = record_bytes(false)[: 49 + size]
+        claims = RECORD.pack(Opcode.CHUNK, 2**20 + 40) + piece[9:41] + RECORD.pack(0, 2**20)[1:] + bytes(4)
+        for nested in (piece + b"\0", claims + piece[41:] + b"\0"):
+            sizes = []
+            for count in (500, 1000):
+                read.clear()
+                broken.write_bytes(head[:begin] + count * nested)
+                recover(broken, tmp_path / "fixed.mcap", overwrite=True)
+                sizes.append(sum(read))
+            assert sizes[1] < 2.5 * sizes[0]
