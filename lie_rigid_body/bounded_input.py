@@ -156,7 +156,10 @@ def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
 
 
 class BoundedLoader(yaml.SafeLoader):
-    """A YAML loader whose result is no larger than its text: without aliases, as in rcl, and not deeply nested."""
+    """A YAML loader whose result is no larger than its text: without aliases, as in rcl, and not deeply nested.
+
+    No key is given twice, as readers differ in which of the two they take.
+    """
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         """Refuse an alias."""
@@ -164,6 +167,15 @@ class BoundedLoader(yaml.SafeLoader):
             problem = "aliases (*name) are not read: write the value itself"
             raise yaml.MarkedYAMLError(None, None, problem, self.get_mark())
         return super().compose_node(parent, index)
+
+    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
+        """Refuse a key that is given twice."""
+        node, before = super().compose_mapping_node(anchor), set[str]()
+        for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
+            if key.value in before:
+                raise yaml.MarkedYAMLError(None, None, f"{key.value!r} is given twice", key.start_mark)
+            before.add(key.value)
+        return node
 
     def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:
         """Refuse too many open brackets."""

@@ -249,8 +249,17 @@ class SummaryCheck:
             require(
                 self._said[opcode] in ([], found[opcode]), f"the index of its {what} is not that of the {what} it has"
             )
+        self._hold_repeats()
         self._hold_statistics(*found[Opcode.STATISTICS])
         self._hold_places(footer)
+
+    def _hold_repeats(self) -> None:
+        """Require that a reader which seeks by the indexes of the chunks is told of every topic that has messages."""
+        used = {*self._found.counts} if self._said[Opcode.CHUNK_INDEX] else set()
+        schemas = {self._found.channels[channel].schema_id for channel in used} - {0}
+        for opcode, what, numbers in ((Opcode.CHANNEL, "channel", used), (Opcode.SCHEMA, "schema", schemas)):
+            missing = numbers - {record.id for record in self._said[opcode]}
+            require(not missing, f"its summary has indexes of chunks, and no {what} {min(missing, default=0)}")
 
     def _hold_statistics(self, found: Any) -> None:
         require(len(self._said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")

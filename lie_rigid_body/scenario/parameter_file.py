@@ -249,7 +249,7 @@ def scenario_file(name: str) -> Path:
 
 
 class _Loader(BoundedLoader):
-    """A YAML loader that reads plain scalars as rcl does, and refuses a key given twice."""
+    """A YAML loader that reads plain scalars as rcl does."""
 
 
 def _plain(text: str) -> object:
@@ -287,10 +287,7 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, obj
     for key_node, value_node in node.value:
         if not isinstance(key_node, yaml.ScalarNode):
             raise yaml.MarkedYAMLError(None, None, "a key is not a word", key_node.start_mark)
-        key = str(key_node.value)
-        if key in mapping:
-            raise yaml.MarkedYAMLError(None, None, f"{key!r} is given twice", key_node.start_mark)
-        mapping[key] = loader.construct_object(value_node, deep=True)
+        mapping[str(key_node.value)] = loader.construct_object(value_node, deep=True)
     return mapping
 
 

@@ -131,6 +131,16 @@ def test_the_second_reading_gives_what_the_library_reads(
         assert {len(piece) // 7 for piece in pieces} == {1}
 
 
+@pytest.mark.parametrize("left_out", ["repeat_channels", "repeat_schemas"])
+def test_what_a_seeking_reader_is_not_told_of_is_no_whole_bag(make_bag: MakeBag, tmp_path: Path, left_out: str) -> None:
+    """With indexes of chunks it seeks; without, it reads all."""
+    source, options = make_bag(count=30), dict[str, Any](**{left_out: False})
+    with refused("no repeat", what=left_out.removeprefix("repeat_").removesuffix("s")):
+        Bag(rewrite(source, tmp_path / "seek.mcap", **options))
+    scanned = rewrite(source, tmp_path / "scan.mcap", **options, index_types=IndexType.NONE)
+    assert Bag(scanned).pose_count == 30
+
+
 def test_messages_of_two_publishers_are_read_again_in_the_order_of_the_file(tmp_path: Path) -> None:
     """Each publisher has a channel, and so an index, of its own; log times do not tell the order."""
     path, sent = tmp_path / "x.mcap", [(time, bytes([time])) for time in (9, 4, 7, 7, 1, 8)]
