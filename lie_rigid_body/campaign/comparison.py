@@ -149,6 +149,11 @@ class Comparison:
     has_covariances: bool
     fixed_constants: tuple[str, ...]
 
+    @property
+    def worst_first(self) -> list[Standing]:
+        """Estimators in the order of the share of runs in which they failed, and then of their median total error."""
+        return sorted(self.standings, key=lambda one: (-np.mean(one.failed), -one.quantile(_TOTAL, 0.5)))
+
 
 def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     """Compare the estimators of a campaign.

@@ -237,7 +237,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     ]
     if broken:
         told.append(f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}")
-    first: tuple[str, ...] = ()
+    first, worst_first = tuple[str, ...](), [*campaign.contenders.values()]
     if campaign.estimator is not None:
         middle = f", median {median(totals):.3g}° rms" if totals else ""
         reasons = (f"; run {run} is not: {error}" for run, (error,) in enumerate(errors) if error is not None)
@@ -245,8 +245,9 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     elif campaign.estimators:
         comparison = compare(campaign, journal.rows())
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
+        worst_first = [one.entry for one in comparison.worst_first]
         first = tuple(campaign_scores.sections(campaign, comparison, varied)) if has_page else ()
-    functions = sorted({one.function for one in campaign.contenders.values() if one.function})
+    functions = [one.function for one in worst_first if one.function]
     what = f"what is wrong with {'one' if campaign.estimators else 'it'}: {console.program('diagnose')}"
     told += [f"{what} {name}" for name in functions[:1]]
     if has_page:

@@ -45,7 +45,7 @@ def main(given: argparse.Namespace) -> int:
     wrong += [printable(str(each)) for each in found.values() if not isinstance(each, Recovery)]
     lines = [
         _how_much(out, [*parts.values()]),
-        *(wrong or [f"{printable(given.broken)} was whole"]),
+        *(wrong or [f"{printable(given.broken)}: its messages were all whole"]),
         *_what_next(given, is_folder),
     ]
     console.say("\n".join(lines), done=f"{given.out} is written and whole")

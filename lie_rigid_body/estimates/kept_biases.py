@@ -31,7 +31,7 @@ class KeptBiases:
     """
 
     def __init__(self, most: int) -> None:
-        self._most, self._count, self._stride = most, 0, 1
+        self._most, self._count, self._left_out, self._stride = most, 0, 0, 1
         self.topic, self.stamps_ns, self.values = "", np.empty(0, dtype=np.int64), np.empty((0, 3))
 
     def hear(self, topic: str, message_type: str, payloads: Sequence[bytes]) -> None:
@@ -42,15 +42,26 @@ class KeptBiases:
         BagError
             If one cannot be read: then none is taken.
         """
+        self.take(topic, *vectors_of(message_type, payloads))
+
+    def take(self, topic: str, stamps_ns: Integers, values: Array) -> None:
+        """Take biases, rad/s, shape (N, 3), with their stamps."""
         self.topic = topic
-        stamps_ns, values = vectors_of(message_type, payloads)
         finite = np.flatnonzero(np.isfinite(values).all(axis=1))
         kept = finite[-self._count % self._stride :: self._stride]
         self._count += len(finite)
+        self._left_out += len(values) - len(finite)
         self.stamps_ns = np.concatenate([self.stamps_ns, stamps_ns[kept]])
         self.values = np.concatenate([self.values, values[kept]])
         while len(self.values) > self._most:
             self.stamps_ns, self.values, self._stride = self.stamps_ns[::2], self.values[::2], 2 * self._stride
+
+    @property
+    def notes(self) -> list[str]:
+        """What the reader of a score should know of them, one sentence each."""
+        count = self._left_out
+        told = f"{count} of {count + self._count} biases on {self.topic} are not finite, and are left out"
+        return [f"{told}; find out why they were given."] * (count > 0)
 
     def between(self, first_ns: int, last_ns: int) -> tuple[Integers, Array]:
         """Stamps and biases from one stamp to another, ns, in their order."""

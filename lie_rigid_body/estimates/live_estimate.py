@@ -227,7 +227,7 @@ class LiveEstimate:
         by_poses = poses.count and (most is None or not self.truth.segments)
         motion, truth = self._true(track.stamps_ns, [poses.track()] if by_poses else [], start_ns)
         bias = self.gyro_bias.beside(self.truth.gyro_bias, *track.stamps_ns[[0, -1]].tolist())
-        notes = (*motion.notes_on(track), *self._notes())
+        notes = (*motion.notes_on(track), *self._notes(), *self.gyro_bias.notes)
         if bias is None and self.gyro_bias.topic:
             notes = (*notes, f"The biases on {self.gyro_bias.topic} have no score: no true ones came beside them.")
         read = RecordedEstimate(track, motion, truth, notes, kept.number_of(STRAY, DISORDERED), bias)

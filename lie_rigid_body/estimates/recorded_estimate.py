@@ -13,6 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.kept_biases import KeptBiases
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
@@ -174,11 +175,16 @@ def _with_bias(
 ) -> RecordedEstimate:
     """An estimate with biases of the gyro beside the true ones, or with a note why these are not known."""
     found = topic_messages(path, biases.key, [contents.messages(biases.key)])
+    kept = KeptBiases(len(found))
+    kept.take(biases.topic, found.stamps_ns, found.values)
+    read = replace(read, notes=(*read.notes, *kept.notes))
+    if not len(kept.values):
+        return read
     try:
-        truth = _run_of(read, truth_bag).gyro_bias_at(found.stamps_ns)
+        truth = _run_of(read, truth_bag).gyro_bias_at(kept.stamps_ns)
     except (BagError, InputError) as error:
         return replace(read, notes=(*read.notes, f"The biases on {biases.topic} have no score: {error}."))
-    return replace(read, gyro_bias=BiasEstimate(found.stamps_ns, found.values, truth))
+    return replace(read, gyro_bias=BiasEstimate(kept.stamps_ns, kept.values, truth))
 
 
 def _is_kept(topics: Collection[str], name: str, kind: str) -> bool:

@@ -88,10 +88,11 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
     for one in comparison.standings:
         if one.points:
             point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
-            yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
-            if lost := [point for point in one.points if point.failures]:
+            if not all(np.isnan(each.mean_deg) for each in one.points):
+                yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
+                yield from _at_the_edge(one)
+            if lost := [each for each in one.points if each.failures]:
                 yield f"{one.name}: {len(lost)} of {points} failed in runs of even number, first: {lost[0].reason}"
-            yield from _at_the_edge(one)
         if one.reason:
             yield f"{one.name} failed in {np.sum(one.failed)} of {counted(len(one.runs), 'run')}, first: {one.reason}"
         verdicts = {"": one.covariance, " (gyro bias)": one.gyro_bias}

@@ -144,9 +144,11 @@ def test_biases_that_are_not_finite_count_for_nothing_and_without_true_ones_a_no
     live = followed(tmp_path / "bag.mcap", POSE_STAMPED)
     payload = next(payload for topic, payload in of(tmp_path / "bag.mcap") if topic == "/estimate/gyro_bias")
     live.gyro_bias.hear("/estimate/gyro_bias", VECTOR3_STAMPED, [payload[:-8] + np.array([np.nan]).tobytes()])
-    found = live.score()[1].gyro_bias_rad_s
+    read, score = live.score()
+    found = score.gyro_bias_rad_s
     assert found is not None
     assert found.rms == pytest.approx(0.5)
+    assert [numbers(note) for note in read.notes if "/estimate/gyro_bias" in note] == [[1, 251]]
     read, score = followed(tmp_path / "bag.mcap", POSE_STAMPED, without=("/imu/bias",)).score()
     assert score.gyro_bias is None
     assert [note for note in read.notes if "/estimate/gyro_bias" in note]

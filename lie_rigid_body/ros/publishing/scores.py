@@ -122,7 +122,7 @@ class Scores:
         if score is not None and score.lag_s is not None:
             values["lag (s)"] = f"{score.lag_s:+.4g}"
         if score is not None and (bias := score.gyro_bias_rad_s):
-            values["gyro bias error, RMS (rad/s)"] = f"{bias.rms:.4g}"
+            values["gyro bias error, RMS of the second half (rad/s)"] = f"{bias.rms:.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
         fault = self._fault or live.left_out().get(UNUSABLE, "")
         if fault:
