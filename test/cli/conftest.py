@@ -56,7 +56,7 @@ def own(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def bag(own: Path, stamps: np.ndarray, noisy: np.ndarray) -> Path:
     """The run with the same estimate in each type of message."""
-    from estimates import beside
+    from estimate_messages import beside
     from evaluating import HOW
 
     topics = [(kind, how, f"/filter/{kind.rpartition('/')[2]}", stamps, noisy) for kind, how in HOW.items()]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import messages
+from estimate_messages import messages
 
 from lie_rigid_body.cli.evaluate import main
 

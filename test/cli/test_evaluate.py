@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from estimate_messages import beside
 from evaluating import HOW, IMU, ODOMETRY, POSE, refused, scored
 
-from estimates import beside
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.console import progress_of_bags
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 import pytest
-from estimates import beside
+from estimate_messages import beside
 from evaluating import HOW, POSE, scored
 
 from lie_rigid_body.cli.evaluate import main

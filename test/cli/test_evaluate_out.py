@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import beside
+from estimate_messages import beside
 from evaluating import HOW, POSE, P, refused, scored
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
@@ -90,7 +90,7 @@ def test_covariances_on_the_bodys_axes_come_out_on_the_worlds(own, run, stamps, 
 
 
 def with_covariance(covariance: np.ndarray) -> tuple[str, Any]:
-    from estimates import messages
+    from estimate_messages import messages
 
     kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
     return kind, messages(covariance)[kind]

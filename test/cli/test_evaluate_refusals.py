@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import Make, beside, messages, write
+from estimate_messages import Make, beside, messages, write
 from evaluating import HOW, ODOMETRY, POSE, TF, P, refused
 
 from lie_rigid_body.cli.evaluate import main

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from estimate_messages import beside, messages
 from evaluating import HOW, IMU, ODOMETRY, POSE, P, scored
 
-from estimates import beside, messages
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 from said import numbers

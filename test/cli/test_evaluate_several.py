@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from estimates import beside
+from estimate_messages import beside
 from evaluating import HOW, IMU, POSE, refused, scored
 from scipy.spatial.transform import Rotation
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
-from estimates import beside, write
+from estimate_messages import beside, write
 from evaluating import HOW, POSE, refused, scored
 
 from lie_rigid_body import Run

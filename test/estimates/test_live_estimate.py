@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from estimate_messages import NS, STORE, beside, header, make, messages, vector
+from estimate_messages import quaternion as rotation
 from mcap.reader import make_reader
 from refused_runs import refused
 
-from estimates import NS, STORE, beside, header, make, messages, vector
-from estimates import quaternion as rotation
 from lie_rigid_body import Estimate, Run, Scenario, simulate
 from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.estimates.live_estimate import LiveEstimate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import estimates
+import estimate_messages
 import numpy as np
 import pytest
 from evo.core import metrics, sync, trajectory
@@ -41,8 +41,8 @@ def test_the_verb_has_evos_rms_of_two_topics_of_a_bag(tmp_path, capsys):
     run.to_bag(tmp_path / "run.mcap")
     estimate = quaternion.multiply(run.truth.attitude_xyzw, turns(2.0, 5, len(run.t_ns)))[::3]
     kind = "geometry_msgs/msg/PoseStamped"
-    topic = (kind, estimates.messages(np.eye(3))[kind], "/estimate", run.t_ns[::3], estimate)
-    bag = estimates.beside(tmp_path / "run.mcap", tmp_path / "both.mcap", topic)
+    topic = (kind, estimate_messages.messages(np.eye(3))[kind], "/estimate", run.t_ns[::3], estimate)
+    bag = estimate_messages.beside(tmp_path / "run.mcap", tmp_path / "both.mcap", topic)
     pair = sync.associate_trajectories(read_by_rosbags(bag, "/pose"), read_by_rosbags(bag, "/estimate"))
     ape = metrics.APE(metrics.PoseRelation.rotation_angle_deg)
     ape.process_data(pair)
@@ -57,7 +57,7 @@ def read_by_rosbags(bag, topic):
     with bag.open("rb") as stream:
         for schema, _, message in make_reader(stream).iter_messages([topic]):
             assert schema is not None
-            read.append(estimates.STORE.deserialize_cdr(message.data, schema.name))
+            read.append(estimate_messages.STORE.deserialize_cdr(message.data, schema.name))
     q = [[getattr(m.pose.orientation, axis) for axis in "wxyz"] for m in read]
     stamps = [m.header.stamp.sec + m.header.stamp.nanosec / 1e9 for m in read]
     return trajectory.PoseTrajectory3D(np.zeros((len(q), 3)), np.array(q), np.array(stamps))

@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 import pytest
-from estimates import STORE, messages
+from estimate_messages import STORE, messages
 
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.definitions import ODOMETRY, TF_MESSAGE
