@@ -236,10 +236,8 @@ def _gaps(search: Search) -> list[Course]:
 
 def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     errors, t_s = answers[0].track.error().total, answers[0].track.stamps_ns / 1e9
-    last, most = (
-        error_of([answers[0].track.part(t_s >= 40.0)]),
-        max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0)),
-    )
+    last = error_of([answers[0].track.part(t_s >= 40.0)])
+    most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
 

@@ -10,6 +10,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.estimates.kept_attitudes import LENIENCE_NS
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.recording.topic_messages import vectors_of
+from lie_rigid_body.runs.readings import linear
 
 
 class KeptBiases:
@@ -82,5 +83,4 @@ class KeptBiases:
         stamps_ns, values = self.between(*span)
         if not len(values):
             return None
-        true = [np.interp(stamps_ns - known_ns[0], known_ns - known_ns[0], axis) for axis in known.T]
-        return BiasEstimate(stamps_ns, values, np.stack(true, axis=-1))
+        return BiasEstimate(stamps_ns, values, linear(stamps_ns, known_ns, known))

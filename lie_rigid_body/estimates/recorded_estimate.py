@@ -74,7 +74,7 @@ class RecordedEstimate:
     def covariance(self) -> Array | None:
         """The estimator's own, shape (N, 3, 3), rad², if it gives one at every sample that can be used."""
         P = self.track.covariance
-        return None if P is None or unknown_covariances(P).any() or covariance_fault(P) else P
+        return None if P is None or unknown_covariances(P).any() or self.fault else P
 
     @property
     def fault(self) -> str:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
-import numpy as np
-
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.motion import InitialConditions
@@ -96,7 +94,8 @@ class MovingEnsemble:
         if len(t_ns) == 0:
             return
         require_order(t_ns, self._reached_ns)
-        work = sum(self._steps_through(k, t_ns) for k in range(len(self._states)))
+        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - self._reached_ns))
+        work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(self._states)))
         moved = []
         for k, state in enumerate(self._states):
             moved.append(list(state))
@@ -105,9 +104,8 @@ class MovingEnsemble:
                 work = 0
         self._states, self._reached_ns = moved, int(t_ns[-1])
 
-    def _steps_through(self, k: int, t_ns: Integers) -> int:
+    def _steps_through(self, k: int, t_ns: Integers, longest_ns: int) -> int:
         """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
-        longest_ns = int(np.diff(t_ns, prepend=self._reached_ns).max())
         try:
             self._integrators[k].require_short_steps(self._states[k], longest_ns)
             return max(self._steps[k].through(int(t_ns[-1]), self._reached_ns), len(t_ns))

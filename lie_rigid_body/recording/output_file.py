@@ -126,14 +126,19 @@ class OutputFile:
         BagError
             If another program has taken it away.
         """
-        damage, length = "the file was deleted or moved", self._file.length
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            there = self._written.stat()
-            is_other = not os.path.samestat(there, self._identity)
-            resized = f"another program made it {there.st_size} bytes long instead of {length}"
-            damage = "another file took its place" if is_other else resized * (there.st_size != length)
-        if damage:
+        if damage := self._damage():
             raise BagError(f"{self.path} is lost: {damage} meanwhile: keep others away, and write it again")
+
+    def _damage(self) -> str:
+        try:
+            there = self._written.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return "the file was deleted or moved"
+        if not os.path.samestat(there, self._identity):
+            return "another file took its place"
+        if there.st_size != self._file.length:
+            return f"another program made it {there.st_size} bytes long instead of {self._file.length}"
+        return ""
 
     def commit(self) -> None:
         """Flush and fsync, replace the older file, if any, and close."""

@@ -24,7 +24,7 @@ from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.readings import SensorArrays, read_only
+from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth, at_limit, bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
@@ -353,7 +353,7 @@ class Run(_NamedSensors, Shown):
             raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
         told = told[np.argsort(imu.t_ns[told], kind="stable")]
         times = integer_stamps("t_ns", t_ns)
-        return np.stack([np.interp(times, imu.t_ns[told], axis) for axis in bias[told].T], axis=-1)
+        return linear(times, imu.t_ns[told], bias[told])
 
     def stamped(self, estimate: Estimate) -> Estimate:
         """An estimate with its stamps: by default those of the readings of the IMU, or of the samples of the truth.
