@@ -64,6 +64,7 @@ class FaultLog:
 
     def __init__(self) -> None:
         self._segments: list[_SegmentFaults] = []
+        self._taken_ns = 0
 
     def follow(self, segment: Segment) -> None:
         """Begin with a segment, or continue with the next one."""
@@ -71,8 +72,14 @@ class FaultLog:
             earlier.end_ns = segment.start_ns - 1
         self._segments.append(_SegmentFaults(segment))
 
+    def end_ns(self, most: int) -> int:
+        """Time, ns, up to which at most about so many faults of a kind can begin that were not taken yet."""
+        rate = max(segment.most_per_second for segment in self._segments)
+        return max(self._taken_ns, self._segments[0].start_ns) + int(most * NS / rate) if rate else 2 * MAX_EPOCH_NS
+
     def take(self, until_ns: int) -> tuple[Fault, ...]:
         """Faults that begin up to a time, ns, and were not taken yet."""
+        self._taken_ns = max(self._taken_ns, until_ns)
         found = tuple(fault for faults in self._segments for fault in faults.take(min(until_ns, faults.end_ns)))
         self._segments = [faults for faults in self._segments if faults.end_ns > until_ns]
         return found
@@ -82,10 +89,11 @@ class _SegmentFaults:
     """The faults of one segment, found some time before they are taken."""
 
     def __init__(self, segment: Segment) -> None:
-        self.end_ns = MAX_EPOCH_NS + 1
+        self.start_ns, self.end_ns = segment.start_ns, MAX_EPOCH_NS + 1
         self._segment, self._known_ns, self._ready = segment, segment.start_ns, list[Fault]()
         self._faulty = [sensor for sensor in segment.scenario.sensors.on.values() if sensor.faulty]
         fastest = max((sensor.rate for sensor in self._faulty), default=1.0)
+        self.most_per_second = max((rate for sensor in self._faulty for rate in _rates(sensor)), default=0.0)
         self._ahead_ns = min(int(_READINGS_AHEAD * NS / fastest), NS)  # of slow ones no sea of episodes
 
     def take(self, until_ns: int) -> list[Fault]:
@@ -108,6 +116,14 @@ class _SegmentFaults:
         for faulty in sensor.faulty:
             for fault in faulty.faults(begin_ns - start_ns, end_ns - start_ns, first, times):
                 yield fault.later(start_ns)
+
+
+def _rates(sensor: SensorModel) -> Iterator[float]:
+    """The most faults a second of each kind that a sensor has."""
+    yield sensor.rate
+    for faulty in sensor.faulty:
+        kinds = (getattr(faulty, kind) for kind in faulty.kinds_of_episodes)
+        yield from (NS / episodes.interval_ns for episodes in kinds if episodes is not None)
 
 
 class _RunningSegment:
@@ -222,14 +238,15 @@ class Simulation:
         stamp_ns : int
             The last stamp wanted, ns, and the last time at which a reading may arrive.
         at_most : int
-            Most samples of the truth, and of each sensor, lost readings included. All end where one reaches it.
+            Most samples of the truth, and of each sensor, lost readings included, and about the most faults of a kind.
+            All end where one reaches it, also before the next sample.
 
         Returns
         -------
         Taken
         """
-        running = self._oldest()
-        stamp_ns = min(stamp_ns, running.end_ns)
+        running, fault_end_ns = self._oldest(), self._faults.end_ns(at_most)
+        stamp_ns = min(stamp_ns, running.end_ns, fault_end_ns)
         for queue in running.queues:
             if queue.count_until(stamp_ns) > at_most:
                 stamp_ns = queue.stamp_ns(at_most - 1)
@@ -238,6 +255,8 @@ class Simulation:
         # those up to the last sample and no further: however a run is cut into batches, each is in the same place
         times = (truth.times_ns, *(rows.times_ns for rows in taken.values()))
         last_ns = max((int(of_one[-1]) for of_one in times if len(of_one)), default=-1)
+        if last_ns < 0 and stamp_ns == fault_end_ns:
+            last_ns = fault_end_ns
         received = {name: rows.received() for name, rows in taken.items()}
         return Taken(truth, received, self._faults.take(last_ns), running.segment.scenario)
 

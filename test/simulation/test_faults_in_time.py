@@ -192,3 +192,22 @@ def test_what_is_lost_after_a_reset_is_what_is_told() -> None:
     lost = [fault.begin_ns for fault in taken.faults if fault.begin_ns >= start]
     received = taken.sensors["imu"].stamps_ns[taken.sensors["imu"].stamps_ns >= start].tolist()
     assert sorted(lost + received) == list(range(start, start + 2 * NS + 1, 10_000_000))
+
+
+@pytest.mark.parametrize(
+    ("parameters", "most"),
+    [
+        ({"imu_rate": 1e9, "imu_latency": 1.0, "imu_dropout_probability": 1.0}, 130),
+        ({"rate": 1e-6, "imu_rate": 1e-3, "gyro_stuck_interval": 1e-3, "gyro_stuck_duration": 1e-4}, 130),
+    ],
+)
+def test_faults_of_readings_under_way_come_in_parts(parameters: dict[str, float], most: int) -> None:
+    # made at once until the next message they are millions
+    simulation = Simulation(Scenario.from_parameters({"epoch_ns": 0, "sensor_seed": 1, **parameters}))
+    simulation.take_until(0, 64)
+    parts = [simulation.take_until(10**10, 64).faults for _ in range(50)]
+    assert all(len(part) <= most for part in parts)
+    told = [fault for part in parts for fault in part]
+    other = Simulation(Scenario.from_parameters({"epoch_ns": 0, "sensor_seed": 1, **parameters}))._faults
+    assert len(told) >= 3000
+    assert told == list(other.take(told[-1].begin_ns))[-len(told) :]
