@@ -125,7 +125,8 @@ class FilterRow:
                 if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
             ]
             flags = isinstance(row.sees_future, bool) and {*row.other_readings} <= {*map(str, CASES)}
-            if not (all(map(str.isprintable, texts)) and row.filter and all(map(_is_size, sizes)) and flags):
+            whole = row.filter and len(results) == len(CASES)
+            if not (all(map(str.isprintable, texts)) and whole and all(map(_is_size, sizes)) and flags):
                 raise ValueError("no words, no size of an error, no flag or no case")
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             what = f"{error} is missing" if isinstance(error, KeyError) else "a value is unknown, or of another kind"

@@ -244,6 +244,7 @@ def changed(name: str, value: object) -> dict[str, object]:
         *[("converged_s", wrong) for wrong in WRONG_ERRORS[1:]],
         *[("sees_future", wrong) for wrong in WRONG_FLAGS],
         *[("other_readings", wrong) for wrong in WRONG_CASES],
+        ("results", {**row("x", 1.0).to_json()["results"], "a case of its own": vars(CaseResult(0.0, 0.0, 0.0))}),
     ],
 )
 def test_row_with_a_value_of_another_kind_is_refused(name, value):
