@@ -358,8 +358,9 @@ def _by_track(data: bytes, index: Mapping[int, Rows], channels: Mapping[TrackKey
     """Messages of some tracks, each of which has several channels where there were several publishers or recorders."""
     found = Found()
     for key, own in channels.items():
-        rows = np.concatenate([index.get(channel, _NO_ROWS) for channel in own])
-        times, starts = np.ascontiguousarray(_in_order(rows).T).view(np.int64)
+        several = [index.get(channel, _NO_ROWS) for channel in own]
+        rows = several[0] if len(several) == 1 else _in_order(np.concatenate(several))
+        times, starts = np.ascontiguousarray(rows.T).view(np.int64)
         lengths = windows(data, 8)[starts + 1].view("<i8")[:, 0]
         found[key] = RawMessages.of(data, starts + HEAD.itemsize, starts + RECORD_HEAD.size + lengths, times)
     return found

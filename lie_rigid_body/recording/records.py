@@ -254,7 +254,7 @@ class MessageTable:
         lengths = np.minimum(self.heads["length"], len(self.data)).astype(np.int64)
         return np.asarray(self.starts + RECORD_HEAD.size + lengths)
 
-    @property
+    @cached_property
     def span_ns(self) -> tuple[int, int]:
         """The earliest and the latest log time, ns; `LAST_TIME` and 0 without messages."""
         times = self.heads["log_time"].view(np.int64)
