@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -158,12 +157,14 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
         raise BagError(
             f"{metadata} is not the metadata of a rosbag2 bag: remove it, or remake it with 'ros2 bag reindex'"
         ) from None
-    here = real_path(metadata.parent)
+    here, places = real_path(metadata.parent), set[Path]()
     for name in names:
-        if "\0" not in name and not real_path(here / name).is_relative_to(here):
+        place = here / name if "\0" in name else real_path(here / name)
+        if not place.is_relative_to(here):
             raise BagError(f"{metadata} names {shown(name)}, which is outside of its folder: give a whole bag")
-    if twice := [name for name, count in Counter(names).items() if count > 1]:
-        raise BagError(f"{metadata} names {twice[0]} twice: remake it with 'ros2 bag reindex'")
+        if place in places:
+            raise BagError(f"{metadata} names {shown(name)} twice: remake it with 'ros2 bag reindex'")
+        places.add(place)
     return information
 
 

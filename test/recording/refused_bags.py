@@ -22,7 +22,7 @@ refused = refusals(
             # its metadata
             "null": "embedded null",
             "metadata": "is not the metadata",
-            "named twice": "names {name} twice",
+            "named twice": "names '{name}' twice",
             "outside": "names '{name}', which is outside of its folder",
             "folder as file": "Is a directory",
             # its content

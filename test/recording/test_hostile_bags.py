@@ -120,6 +120,7 @@ NAMES = {
     "alias": ("[&a x.mcap, *a]", refused("metadata")),
     "number": ("3", refused("metadata")),
     "twice": ("[x.mcap, x.mcap]", refused("named twice", name="x.mcap")),
+    "twice in other words": ("[x.mcap, ./x.mcap]", refused("named twice", name="./x.mcap")),
     "two lists": ("[secret], relative_file_paths: [x.mcap]", refused("metadata")),
     "device": ("[/dev/zero]", refused("outside", name="/dev/zero")),
     "above": ("[../../secret]", refused("outside", name="../../secret")),
