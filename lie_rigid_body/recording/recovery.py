@@ -11,7 +11,6 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from functools import cached_property
 from io import BytesIO
-from itertools import chain
 from pathlib import Path
 from typing import Any, Final
 
@@ -213,19 +212,22 @@ class _Salvage:
         looks like another. In an attachment, a message or an unfinished chunk no chunk of the file can stand.
         """
         yield (at := before.end)
-        given, found = self._given, iter(self._indexed[bisect_right(self._indexed, at) :])
-        is_loose = b"\x05" in (bytes([before.opcode]), given[at : at + 1])
-        if not (self._indexed or given[at : at + 1] == b"\x09" or self._says_twice(at, Opcode.CHUNK)):
-            found = (
-                begin + match.start()
-                for begin in range(at + 1, min(at + LARGEST_RECORD, len(given)), _PIECE)
-                for match in (_LOOSE_HEAD if is_loose else _HEADS[Opcode.CHUNK]).finditer(
-                    given[begin : begin + _PIECE + _HEAD_SIZE]
-                )
-                if not is_loose or int.from_bytes(match[1], "little") in self._file.summary.channels
-            )
-        footer = len(given) - _FOOTER_SIZE
-        yield from chain(found, [footer] if footer > at and given[footer : footer + 1] == b"\x02" else [])
+        given, footer = self._given, len(self._given) - _FOOTER_SIZE
+        if self._indexed:
+            yield from self._indexed[bisect_right(self._indexed, at) :]
+        elif given[at : at + 1] != bytes([Opcode.ATTACHMENT]) and not self._says_twice(at, Opcode.CHUNK):
+            is_loose = bytes([Opcode.MESSAGE]) in (bytes([before.opcode]), given[at : at + 1])
+            yield from self._looked_for(at + 1, is_loose=is_loose)
+        if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
+            yield footer
+
+    def _looked_for(self, at: int, *, is_loose: bool) -> Iterator[int]:
+        """Bytes from a place on where what looks like a chunk begins, or like a message of a channel that is known."""
+        head = _LOOSE_HEAD if is_loose else _HEADS[Opcode.CHUNK]
+        for begin in range(at, min(at + LARGEST_RECORD, len(self._given)), _PIECE):
+            for match in head.finditer(self._given[begin : begin + _PIECE + _HEAD_SIZE]):
+                if not is_loose or int.from_bytes(match[1], "little") in self._file.summary.channels:
+                    yield begin + match.start()
 
     @cached_property
     def _indexed(self) -> list[int]:
