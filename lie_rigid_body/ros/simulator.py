@@ -51,6 +51,7 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
                 factor=values["real_time_factor"],
                 paused=values["paused"],
                 lockstep=lockstep,
+                warn=node.get_logger().warning,
             )
             node.serve(run)
             _say(announcement(scenario, node.names, node.context.get_domain_id(), values["record_path"]))

@@ -185,12 +185,20 @@ class Simulation:
         self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else scenario.resampled(epoch_ns=epoch_ns), 0)
 
     def start_at(self, epoch_ns: int) -> None:
-        """Begin anew with another stamp of sample 0, ns, before anything was taken."""
+        """Begin anew with another stamp of sample 0, ns, before anything was taken.
+
+        Raises
+        ------
+        ParameterError
+            If the clock of a sensor would show then what ROS cannot tell.
+        """
+        _require_stamps_of_readings(self.segment.scenario.resampled(epoch_ns=epoch_ns), epoch_ns)
         vars(self).update(vars(Simulation(self.segment.scenario, epoch_ns, self._motions)))
 
     def _begin(self, scenario: Scenario, first: int) -> None:
         start_ns = int(SampleClock(scenario.epoch_ns, scenario.rate).stamps_ns(first, 1)[0])
-        _require_stamps_of_readings(scenario, start_ns)
+        if self._running:
+            _require_stamps_of_readings(scenario, start_ns)
         new = _RunningSegment(Segment(scenario, first, start_ns), self._motions(scenario))
         # only now: a scenario that is refused changes nothing
         for earlier in self._running:
@@ -244,12 +252,19 @@ class Simulation:
         Returns
         -------
         Taken
+
+        Raises
+        ------
+        ParameterError
+            If the next ones have no stamp in ROS. Then nothing is taken.
         """
         running, fault_end_ns = self._oldest(), self._faults.end_ns(at_most)
-        stamp_ns = min(stamp_ns, running.end_ns, fault_end_ns)
+        stamp_ns = min(stamp_ns, running.end_ns, fault_end_ns, max(self.next_stamp_ns, MAX_EPOCH_NS))
         for queue in running.queues:
             if queue.count_until(stamp_ns) > at_most:
                 stamp_ns = queue.stamp_ns(at_most - 1)
+        for queue in running.queues:
+            queue.prepare(queue.count_until(stamp_ns))
         truth = running.truth.take(running.truth.count_until(stamp_ns))
         taken = {name: queue.take(queue.count_until(stamp_ns)) for name, queue in running.sensors.items()}
         # those up to the last sample and no further: however a run is cut into batches, each is in the same place

@@ -102,7 +102,8 @@ class SampleQueue(Generic[R]):
     first : int
         Number of the first sample to compute.
     compute : callable
-        ``compute(stamps_ns)`` makes samples. Each stamp is asked for once, in rising order.
+        ``compute(stamps_ns)`` makes samples. Each stamp is asked for once, in rising order, unless a ParameterError
+        says that there is none.
     look_ahead : int
         Samples to compute at once when fewer are wanted.
     arrivals : Arrivals, optional
@@ -139,18 +140,24 @@ class SampleQueue(Generic[R]):
             return count
         return count + max(0, self._arrivals.count_until(stamp_ns) - self._next)
 
-    def take(self, count: int) -> R:
-        """The next ``count`` samples."""
+    def prepare(self, count: int) -> None:
+        """Compute what is missing of the next ``count`` samples, which stay."""
         missing = count - len(self._ready)
         if missing > 0:
             try:
-                stamps = self._clock.stamps_ns(self._next, max(missing, self._look_ahead))
+                rows = self._following(max(missing, self._look_ahead))
             except ParameterError:
                 # the stamps end before that, though perhaps not before the samples that are wanted
-                stamps = self._clock.stamps_ns(self._next, missing)
-            rows = self._compute(stamps)
+                rows = self._following(missing)
             self._ready = self._ready.joined(rows) if len(self._ready) else rows
-            self._next += len(stamps)
+            self._next += len(rows)
+
+    def _following(self, count: int) -> R:
+        return self._compute(self._clock.stamps_ns(self._next, count))
+
+    def take(self, count: int) -> R:
+        """The next ``count`` samples."""
+        self.prepare(count)
         taken, self._ready = self._ready[:count], self._ready[count:]
         return taken
 
@@ -194,9 +201,10 @@ class Measurement:
     def samples(self, measured_ns: Integers) -> SensorSamples:
         """The next readings, which are measured at some times, ns."""
         number, times = self.next, measured_ns - self._start_ns
+        arrived = self._arrived(number, measured_ns)  # first, as it may be refused
         self.next += len(times)
         readings = self._instrument.measure(times, self._motion.at(times), number - self.first)
-        return SensorSamples(*self._arrived(number, measured_ns), readings)
+        return SensorSamples(*arrived, readings)
 
     def replay(self, count: int) -> tuple[Integers, Integers, dict[str, Signal]]:
         """When the next readings arrive, ns, and are measured, ns since the start, and their signals by array."""

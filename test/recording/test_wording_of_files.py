@@ -171,6 +171,11 @@ RECORDS: dict[str, tuple[Change, int, str]] = {
         Opcode.CHUNK,
         "a chunk has no index of channel 1",
     ),
+    "indexes of some chunks": (
+        inserted(Opcode.ATTACHMENT, Opcode.CHUNK),
+        Opcode.FOOTER,
+        "some of its chunks have indexes of their messages, and some have none",
+    ),
     "the index of chunks": (
         flipped(Opcode.CHUNK_INDEX, 0),
         Opcode.FOOTER,

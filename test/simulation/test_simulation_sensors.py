@@ -16,6 +16,7 @@ from mcap.reader import make_reader
 from lie_rigid_body import ClosedForm
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
+from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -238,4 +239,25 @@ def test_a_reset_to_a_clock_that_no_stamp_can_show_is_refused_and_changes_nothin
     left, expected = (each.take_until(EPOCH + NS, 50).samples.times_ns for each in (simulation, other))
     np.testing.assert_array_equal(left, expected)
     with pytest.raises(ParameterError):
-        Simulation(wrong, EPOCH)
+        Simulation(wrong).start_at(EPOCH)
+
+
+def test_a_clock_behind_is_judged_by_the_time_at_which_a_run_begins() -> None:
+    """A node stamps its first sample by the time of day: what would be before 0 else is not."""
+    simulation = Simulation(Scenario.from_parameters({"imu_rate": 10.0, "imu_clock_offset": -5.0}))
+    with pytest.raises(ParameterError):
+        simulation.take_until(NS, 5)
+    simulation.start_at(EPOCH)
+    assert simulation.take_until(EPOCH, 5).sensors["imu"].stamps_ns.tolist() == [EPOCH - 5 * NS]
+
+
+@pytest.mark.parametrize(("offset", "count"), [(0.0, 8), (0.25, 4)])
+@pytest.mark.parametrize("motion", ["closed_form", "moving_chart"])
+def test_where_the_stamps_end_nothing_is_taken_that_has_none(motion: str, offset: float, count: int) -> None:
+    given = {"rate": 20.0, "imu_rate": 5.0, "imu_clock_offset": offset}
+    simulation = Simulation(Scenario.from_parameters({**given, "motion": motion}), MAX_EPOCH_NS - 7 * NS // 20)
+    assert len(simulation.take_until(MAX_EPOCH_NS + NS, count).samples) == count
+    for _ in range(2):
+        with pytest.raises(ParameterError):
+            simulation.take_until(MAX_EPOCH_NS + NS, 8)
+    assert simulation.next_sample == count

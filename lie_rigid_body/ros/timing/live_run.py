@@ -89,6 +89,8 @@ class LiveRun:
         Begin paused, before the first sample.
     lockstep : Lockstep, optional
         What holds samples back until a filter has answered; the factor is then an upper limit.
+    warn : callable, optional
+        Told why the run has paused by itself, as where the stamps of ROS end.
 
     Attributes
     ----------
@@ -113,6 +115,7 @@ class LiveRun:
         factor: float = 1.0,
         paused: bool = False,
         lockstep: Lockstep | None = None,
+        warn: Callable[[str], object] = lambda reason: None,
     ) -> None:
         self._simulation = simulation
         self._sinks = sinks
@@ -122,6 +125,7 @@ class LiveRun:
         self._wall = wall
         self.factor = factor
         self._lockstep = lockstep
+        self._warn = warn
         self._take_pace(UpTo(simulation.next_stamp_ns - 1))
         self.state = RunState.PAUSED if paused else RunState.PLAYING
         self._request: StepRequest | None = None
@@ -138,7 +142,7 @@ class LiveRun:
         Raises
         ------
         LieRigidBodyError
-            If a sink fails, the stamps reach their end, or in lock-step no answer comes.
+            If a sink fails, the first sample cannot be stamped, or in lock-step no answer comes.
         """
         steady = self._steady()
         if self._wall is not None:
@@ -326,7 +330,12 @@ class LiveRun:
         with self._interruption.allowed():
             credit = self._credit_ns(stamp, now)
             last_ns = self._pace.last_ns(stamp, now, credit) if self._lockstep is None else stamp
-            taken = self._simulation.take_until(last_ns, self._batch_size)
+            try:
+                taken = self._simulation.take_until(last_ns, self._batch_size)
+            except ParameterError as error:
+                self.pause()
+                self._warn(f"paused: {error}")
+                return
         self._rested_ns = now + self._pace.rest_ns(self._simulation.next_stamp_ns - stamp, credit)
         batch = self._encoder.encode(taken)
         for sink in self._sinks:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from fake_time import NS, FakeTime, KeepingSink
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun
+from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun, RunState
 from lie_rigid_body.ros.timing.requests import Call, ClosedError, Mailbox
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
@@ -69,6 +70,22 @@ def test_reset_begins_with_the_next_sample() -> None:
     assert sink.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
     assert sink.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(80)]
     assert second.scenario.initial_body_rate == (0.0, 0.0, 9.0)
+
+
+def test_where_the_stamps_end_the_run_pauses_until_a_reset() -> None:
+    time, interruption, told = FakeTime({}), Interruption(), list[str]()
+    sink = KeepingSink(interruption, 10_000)
+    simulation = Simulation(Scenario.from_parameters({"rate": 20.0, "motion": "closed_form"}), MAX_EPOCH_NS - 5 * NS)
+    live = LiveRun(simulation, [sink], time, interruption, time.steady, factor=0.0, warn=told.append)
+    time.calls[20] = Call(live.resume)
+    time.calls[30] = Call(live.quit)
+    live.run()
+    assert sink.stamps[-1] == MAX_EPOCH_NS
+    assert len(sink.stamps) == 101
+    assert live.state is RunState.PAUSED
+    assert len(told) == 2
+    with pytest.raises(ParameterError):
+        live.reset(simulation.segment.scenario)
 
 
 def test_failed_reset_is_answered_and_changes_nothing() -> None:
