@@ -27,6 +27,7 @@ from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.estimates.estimators import MENDED
+from lie_rigid_body.estimates.programs import words
 from lie_rigid_body.interpreters import Interpreter
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import Value
@@ -44,8 +45,9 @@ _LONGEST_REASON: Final = 70
 
 def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
-    require_outputs(given, [given.campaign], with_figures=True)
     campaign = Campaign.from_file(given.campaign)
+    named = [word for one in campaign.contenders.values() for word in words(one.command or "")]
+    require_outputs(given, [given.campaign, *named], with_figures=True)
     if not Journal.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
     if given.scheduler is not None:

@@ -12,7 +12,7 @@ from lie_rigid_body import console
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator
+from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, words
 from lie_rigid_body.wording import printable
 
 ESTIMATOR: Final = (
@@ -55,6 +55,11 @@ def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | 
     return given.estimator or "", given.estimator
 
 
+def named_by(given: argparse.Namespace) -> list[str]:
+    """Words of the command that is given, which may name files that it reads."""
+    return words(given.command or given.node or "")
+
+
 @verb(
     "Say what is wrong with an attitude filter, by repairing it from outside.",
     *ESTIMATOR,
@@ -91,7 +96,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.filters import lines_of_diagnosis, page_of_diagnosis
     from lie_rigid_body.scenario.parameter_file import gather
 
-    require_outputs(given, given.params_file)
+    require_outputs(given, [*given.params_file, *named_by(given)])
     chosen = gather(given.scenario, given.params_file, ())
     parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:

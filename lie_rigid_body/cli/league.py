@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from lie_rigid_body import console
-from lie_rigid_body.cli.diagnose import ESTIMATOR, given_estimator
+from lie_rigid_body.cli.diagnose import ESTIMATOR, given_estimator, named_by
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
 
@@ -45,7 +45,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.report.filters import lines_of_league, page_of_league
     from lie_rigid_body.system import cores
 
-    require_outputs(given, given.others)
+    require_outputs(given, [*given.others, *named_by(given)])
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
     if estimate is not None:

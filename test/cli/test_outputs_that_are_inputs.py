@@ -30,6 +30,11 @@ COMMANDS = (
     "record link.yaml --params-file other.yaml --params-file given.yaml --duration 1",
     "record link.yaml --scenario given --duration 1",
     "campaign campaign.html --out out --workers 1 --report campaign.html",
+    "campaign of_program.yaml --out out --workers 1 --report program.html",
+    "league --command ./program.html --report program.html",
+    "league --with program.html --report program.html",
+    "diagnose --command ./program.html --report program.html",
+    "diagnose --node ./program.html --report program.html",
     "recover bag.mcap -o bag.mcap",
     "recover bag.mcap -o s.html",
     "recover bag.mcap -o bag.html",
@@ -46,6 +51,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     Path("given.yaml").write_text("/**: {ros__parameters: {rate: 50.0}}")
     shutil.copy("given.yaml", "other.yaml")
     Path("campaign.html").write_text("{runs: 1, seed: 1, duration: 0.1}")
+    Path("of_program.yaml").write_text(
+        "{runs: 1, seed: 1, duration: 0.1, estimators: {mine: {command: ./program.html}}}"
+    )
+    Path("program.html").write_text("#!/bin/sh\nexec awk -F, 'NR > 1 {print $1 \",0,0,0,1\"}'\n")
+    Path("program.html").chmod(0o755)
     run = Path("bags/run")
     run.mkdir(parents=True)
     for name in ("run_0.mcap", "named"):
