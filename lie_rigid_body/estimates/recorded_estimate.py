@@ -166,14 +166,19 @@ def recorded_estimate(
     notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))
     truth = motion.until(int(ordered.stamps_ns[-1]))
     read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
-    biases = contents.tracks.get((f"{topic}{BIAS}", VECTOR3_STAMPED))
-    return read if biases is None or not biases.count else _with_bias(read, path, contents, biases, truth_bag or path)
+    there = [track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS}" and track.count]
+    for biases in sorted(there, key=lambda track: track.message_type != VECTOR3_STAMPED)[:1]:
+        read = _with_bias(read, path, contents, biases, truth_bag or path)
+    return read
 
 
 def _with_bias(
     read: RecordedEstimate, path: Path, contents: McapContents, biases: RawTrack, truth_bag: str | Path
 ) -> RecordedEstimate:
-    """An estimate with biases of the gyro beside the true ones, or with a note why these are not known."""
+    """An estimate with biases of the gyro beside the true ones, or with a note why they have no score."""
+    if biases.message_type != VECTOR3_STAMPED:
+        why = f"they are of {biases.message_type}: give {VECTOR3_STAMPED}"
+        return replace(read, notes=(*read.notes, f"The biases on {biases.topic} have no score: {why}."))
     found = topic_messages(path, biases.key, [contents.messages(biases.key)])
     kept = KeptBiases(len(found))
     kept.take(biases.topic, found.stamps_ns, found.values)

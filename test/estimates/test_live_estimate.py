@@ -33,6 +33,7 @@ SIZE = np.radians(0.5)
 HOW = messages(np.eye(3) * SIZE**2)
 LIMITS = Limits.parse("1deg", ("1s:1.2deg", "100s:1deg"))
 MOTION: dict[str, Any] = {"initial_body_rate": [0.4, 0.6, -0.3], "rate": 25.0, "motion": "closed_form"}
+BIASES = "/estimate/gyro_bias"
 RESET = "The motion began anew at 3 s, 1 reset in all."
 
 
@@ -152,6 +153,13 @@ def test_biases_that_are_not_finite_count_for_nothing_and_without_true_ones_a_no
     read, score = followed(tmp_path / "bag.mcap", POSE_STAMPED, without=("/imu/bias",)).score()
     assert score.gyro_bias is None
     assert [note for note in read.notes if "/estimate/gyro_bias" in note]
+
+
+def test_biases_of_another_type_are_told_in_a_bag(own, stamps, noisy, tmp_path) -> None:
+    topics = [(kind, HOW[kind], name, stamps, noisy) for kind, name in ((POSE_STAMPED, "/estimate"), (IMU, BIASES))]
+    read = recorded_estimate(beside(own, tmp_path / "bag.mcap", *topics), "/estimate")
+    assert read.gyro_bias is None
+    assert [note for note in read.notes if BIASES in note and IMU in note and VECTOR3_STAMPED in note]
 
 
 @pytest.mark.parametrize(("without", "source"), [("/pose", "scenario"), ("/lie_rigid_body/scenario", "poses")])
