@@ -24,7 +24,7 @@ SCENARIO = {
     "sensors",
     "scenario",
 }
-BAG = SCENARIO | {"simulation", "messages", "recording"}
+BAG = SCENARIO | {"simulation", "messages", "output_file", "recording"}
 EDGE = BAG | {"certificate", "evaluation", "runs", "estimates", "report", "console", "command_line", "interruption"}
 MAY_IMPORT: dict[str, set[str]] = {
     "wording": set(),
@@ -34,6 +34,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "bounded_input": set(),
     "showing": set(),
     "system": set(),
+    "output_file": {"bounded_input", "system"},
     "interpreters": {"console"},
     "compilation": {"system"},
     "arithmetic": {"compilation"},
@@ -46,7 +47,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "scenario": SCENARIO - {"scenario", "arithmetic", "compilation"},
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},
-    "recording": SCENARIO | {"simulation", "messages", "system"},
+    "recording": SCENARIO | {"simulation", "messages", "output_file", "system"},
     "proof": set(),
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},

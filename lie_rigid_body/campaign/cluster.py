@@ -25,7 +25,7 @@ from lie_rigid_body.campaign.run import BagFolder, Row, carry_out
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interpreters import safe_path, variable
 from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.recording.output_file import write_file
+from lie_rigid_body.output_file import write_file
 from lie_rigid_body.system import cores
 from lie_rigid_body.wording import shortened, shown
 

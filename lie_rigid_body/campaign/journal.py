@@ -17,7 +17,7 @@ from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, BagFolder, Judgement, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.output_file import remedy, written
+from lie_rigid_body.output_file import remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system import is_others, lock, open_itself
 

@@ -30,8 +30,8 @@ from lie_rigid_body.estimates.estimators import MENDED
 from lie_rigid_body.estimates.programs import words
 from lie_rigid_body.interpreters import Interpreter
 from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.output_file import write_file
 from lie_rigid_body.parameters import Value
-from lie_rigid_body.recording.output_file import write_file
 from lie_rigid_body.report import campaign_scores, html_page
 from lie_rigid_body.report.drawing import require_outputs
 from lie_rigid_body.report.overview import Line, page

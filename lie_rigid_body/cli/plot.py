@@ -8,7 +8,7 @@ from pathlib import Path
 from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, argument, file_name, require_suffix, topic_names, verb
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.output_file import require_room
+from lie_rigid_body.output_file import require_room
 
 
 @verb(

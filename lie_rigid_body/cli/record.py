@@ -47,8 +47,8 @@ def main(given: argparse.Namespace) -> int:
     chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
+    from lie_rigid_body.output_file import require_other
     from lie_rigid_body.recording.bag_writer import BagWriter, write_run
-    from lie_rigid_body.recording.output_file import require_other
     from lie_rigid_body.scenario.parameter_file import files_read
     from lie_rigid_body.simulation import SampleClock, Simulation
 

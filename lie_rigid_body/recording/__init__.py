@@ -1,6 +1,5 @@
 """Bags: MCAP files as rosbag2 writes and reads them.
 
-- `output_file`: a file that appears under its name when it is whole, and the thread that compresses and writes;
 - `records`: records, and where the messages among them stand, in a file, in a chunk, read or written;
 - `summary`: what a file says of itself at its end, made of its records, and held against what a file says;
 - `mcap_file`: messages laid out as arrays, many at once, in chunks, with their indexes and the summary;

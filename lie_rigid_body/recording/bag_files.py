@@ -11,11 +11,11 @@ from typing import Any, Final
 
 from lie_rigid_body.bounded_input import LARGEST_METADATA, as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.output_file import reason
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
 from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
-from lie_rigid_body.recording.output_file import reason
 from lie_rigid_body.system import real_path
 from lie_rigid_body.wording import shown
 

@@ -17,9 +17,9 @@ from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
+from lie_rigid_body.output_file import DiskQueue, OutputFile, reason, remedy
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
-from lie_rigid_body.recording.output_file import RESCUE, DiskQueue, OutputFile, reason, remedy
-from lie_rigid_body.recording.records import record_bytes
+from lie_rigid_body.recording.records import RESCUE, record_bytes
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 
 POSE_TOPIC: Final = "/pose"

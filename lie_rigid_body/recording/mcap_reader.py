@@ -32,7 +32,6 @@ from lie_rigid_body.recording.mcap_contents import (
     RawTrack,
     TrackKey,
 )
-from lie_rigid_body.recording.output_file import RESCUE
 from lie_rigid_body.recording.records import (
     CHANGED,
     HEAD,
@@ -40,6 +39,7 @@ from lie_rigid_body.recording.records import (
     MAGIC,
     NO_HINTS,
     RECORD_HEAD,
+    RESCUE,
     ContradictionError,
     ExcessError,
     FileBytes,

@@ -42,10 +42,12 @@ from lie_rigid_body.bounded_input import (
     open_file,
 )
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.recording.output_file import reason
+from lie_rigid_body.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""
+RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
+"""The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 CHANGED: Final = "changed while it was read: try again when nobody writes it"
 """What is said of a file behind its path."""
 RECORD_HEAD: Final = struct.Struct("<BQ")

@@ -22,11 +22,11 @@ from mcap.records import Chunk, Header, Metadata
 
 from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.output_file import reason, require_other, written
 from lie_rigid_body.recording.bag_files import BagFiles, left_out
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
-from lie_rigid_body.recording.output_file import reason, require_other, written
 from lie_rigid_body.recording.records import (
     LARGEST_RECORD,
     LAST_TIME,

@@ -18,7 +18,7 @@ import numpy as np
 from lie_rigid_body import console
 from lie_rigid_body.command_line import require_suffix
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.recording.output_file import require_other, require_room, write_file
+from lie_rigid_body.output_file import require_other, require_room, write_file
 from lie_rigid_body.wording import printable
 
 if TYPE_CHECKING:

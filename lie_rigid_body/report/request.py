@@ -220,7 +220,7 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     InputError, BagError
         If it is no score, the title no text, the name ends otherwise, or the file exists or cannot be written.
     """
-    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.output_file import write_file
     from lie_rigid_body.report import drawing, scores
 
     _require_score(score, title)
@@ -233,7 +233,7 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
 
     Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
     """
-    from lie_rigid_body.recording.output_file import write_file
+    from lie_rigid_body.output_file import write_file
     from lie_rigid_body.report import scores
 
     _require_score(score, title)

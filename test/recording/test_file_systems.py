@@ -17,9 +17,9 @@ from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.output_file import OutputFile
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.output_file import OutputFile
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 _UNFINISHED: Final = (".lie_rigid_body-", ".part")
 """Beginning and end of the name of an unfinished file, which replaces an older one when it is whole."""
-RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
-"""The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Numbers of errors by which a write fails for want of room."""
 _PERMISSIONS: Final = 0o777
