@@ -63,6 +63,10 @@ _PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
 """Bytes of the footer, and of what follows it."""
+_DATA_END_SIZE: Final = 4
+"""Bytes of the checksum that ends the data."""
+_PRIVATE: Final = 0x80
+"""Least opcode of records that others define."""
 _DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -158,7 +162,7 @@ class _Salvage:
     def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
         self._given, self._begin, self._file = given, begin, file
         self._records_left = most_records(len(given))
-        self._loose, self._whole = bytearray(), 0
+        self._loose, self._whole, self._has_chunks = bytearray(), 0, False
         self._damaged, self._rewritten = list[int](), list[int]()
 
     def run(self) -> Recovery:
@@ -213,8 +217,8 @@ class _Salvage:
         """
         yield (at := before.end)
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
-        if self._indexed:
-            yield from self._indexed[bisect_right(self._indexed, at) :]
+        if self._chunks:
+            yield from self._chunks[bisect_right(self._chunks, at) :]
         elif given[at : at + 1] != bytes([Opcode.ATTACHMENT]) and not self._says_twice(at, Opcode.CHUNK):
             is_loose = bytes([Opcode.MESSAGE]) in (bytes([before.opcode]), given[at : at + 1])
             yield from self._looked_for(at + 1, is_loose=is_loose)
@@ -230,14 +234,19 @@ class _Salvage:
                     yield begin + match.start()
 
     @cached_property
-    def _indexed(self) -> list[int]:
-        """Bytes where the chunks begin, by their indexes in the summary; none if that is not read to its end."""
-        given, starts, opcode = self._given, list[int](), 0
+    def _said_chunks(self) -> set[int]:
+        """Bytes where chunks begin, as their indexes in the summary say; none if that is not read to its end."""
+        given, starts, opcode = self._given, set[int](), 0
         summary = int.from_bytes(given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little")
         for opcode, _, begin, _ in records(given, summary):
             if opcode == Opcode.CHUNK_INDEX:
-                starts.append(int.from_bytes(given[begin + 16 : begin + 24], "little"))
-        return sorted(s for s in starts if opcode == Opcode.FOOTER and self._says_twice(s, Opcode.CHUNK))
+                starts.add(int.from_bytes(given[begin + 16 : begin + 24], "little"))
+        return starts if opcode == Opcode.FOOTER else set()
+
+    @cached_property
+    def _chunks(self) -> list[int]:
+        """Those of them where one does begin, in their order."""
+        return sorted(start for start in self._said_chunks if self._says_twice(start, Opcode.CHUNK))
 
     def _sound(self, at: int) -> Place | None:
         """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
@@ -245,6 +254,8 @@ class _Salvage:
         is_right = place and (
             self._given[place.end : place.end + len(MAGIC) + 1] == MAGIC
             if place.opcode == Opcode.FOOTER
+            else place.end - place.begin == _DATA_END_SIZE
+            if place.opcode == Opcode.DATA_END
             else self._says_twice(at, place.opcode)
             if place.opcode in _HEADS
             else _goes_on(self._given, place.end)
@@ -278,13 +289,19 @@ class _Salvage:
         if place.opcode == Opcode.MESSAGE:
             channel, _, *times = _MESSAGE.unpack_from(content)
             self._whole += 1
+            require(not self._has_chunks, "a message stands outside of the chunks")
             require(channel in self._file.summary.channels, "a message is on no channel")
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
+            self._has_chunks = True
             self._take_chunk(parsed(place.opcode, content), place.start)
         elif place.opcode in _OUTSIDE:
             self._file.add(parsed(place.opcode, content))
+        else:
+            is_private = place.opcode >= _PRIVATE and place.start not in self._said_chunks
+            is_of_no_use = place.opcode in (Opcode.HEADER, Opcode.MESSAGE_INDEX)
+            require(is_of_no_use or is_private, "a record of a kind that has no place there")
 
     def _close_loose(self) -> None:
         """Write the messages that are in no chunk in one."""
