@@ -29,6 +29,8 @@ STARTING_S: Final = 20.0
 _SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
 """Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
 _SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.interpreters import serve; serve()"
+_GUARD: Final = 'read -r _; kill -9 "-$1"'
+"""Command of a shell that kills a group of processes as soon as nobody can write to it."""
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 """Folder of the standard library, in which installed packages have one of their own."""
 
@@ -181,6 +183,32 @@ class Interpreters:
         self._threads.shutdown()
         for each in self._all:
             each.end()
+
+
+@contextmanager
+def guarded(process: subprocess.Popen[Any]) -> Iterator[None]:
+    """Context at whose end a process that leads a session is killed, with what it started.
+
+    Should this process itself be killed meanwhile, a shell that waits for that ends them.
+    """
+    guard = None
+    try:
+        if hasattr(os, "killpg"):
+            with suppress(OSError):
+                guard = subprocess.Popen(
+                    ["/bin/sh", "-c", _GUARD, "sh", str(process.pid)],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                    start_new_session=True,
+                )
+        yield
+    finally:
+        kill_all(process)
+        if guard is not None:  # before the number of the process is free for others
+            guard.kill()
+            guard.communicate()
+        process.wait()
 
 
 def kill_all(process: subprocess.Popen[Any]) -> None:

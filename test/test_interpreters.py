@@ -30,6 +30,14 @@ other = Interpreter()
 print(other.ask(os.getpid, 60.0), flush=True)
 other.ask(partial(time.sleep, 600.0), 600.0)
 """
+GUARDING = """
+import subprocess, time
+from lie_rigid_body.interpreters import guarded
+
+program = subprocess.Popen(["/bin/sh", "-c", "sleep 600 & echo begun; sleep 600"], start_new_session=True)
+with guarded(program):
+    time.sleep(600.0)
+"""
 
 
 def test_reply_is_what_the_function_returns_or_raises():
@@ -111,6 +119,16 @@ def test_process_that_hangs_ends_with_the_one_that_asked():
     asking.kill()
     asking.communicate()
     _wait_for_end(status)
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="there are no groups of processes")
+def test_a_program_ends_with_what_it_started_where_its_process_is_killed(tmp_path):
+    """All hold one end of a pipe, which is read to its end."""
+    asking = subprocess.Popen([sys.executable, "-c", GUARDING], stdout=subprocess.PIPE)
+    assert asking.stdout is not None
+    assert asking.stdout.readline() == b"begun\n"
+    asking.kill()
+    assert asking.communicate()[0] == b""
 
 
 def _wait_for_end(status):

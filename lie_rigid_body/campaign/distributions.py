@@ -125,6 +125,8 @@ def _edges(what: str, value: object) -> list[Draw]:
 def _scalar(what: str, value: object) -> Draw:
     """A number, a range [low, high] or a distribution."""
     if isinstance(value, Mapping):
+        if (name := value.get("distribution")) in _OF_SEVERAL:
+            raise InputError(f"{what}: {name} draws several numbers: give a distribution of one")
         return distribution(what, value)
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) != 2:
@@ -228,6 +230,8 @@ def _mass(u: Uniforms, volume: float, heavy: Mapping[str, Draw]) -> float:
     return float(draw(u)) * (1.0 if key == "mass" else volume)
 
 
+_OF_SEVERAL: Final = ("uniform_rotation", "direction", "box", "cylinder")
+"""Distributions that draw several numbers at once."""
 _LIMITS: Final = {("low",): _number, ("high",): _number}
 _MASS: Final = {("density", "mass"): _above_0}
 DISTRIBUTIONS: Final[Mapping[str, tuple[Any, ...]]] = {

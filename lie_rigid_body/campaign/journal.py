@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body import __version__
+from lie_rigid_body.arrays import NOT_NUMBERS
 from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, BagFolder, Judgement, Row, bag_name
@@ -119,7 +120,7 @@ class Journal(AbstractContextManager["Journal"]):
         return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _row(self, line: bytes, place: int) -> Row:
-        with suppress(TypeError, ValueError):
+        with suppress(*NOT_NUMBERS):
             row = Row(**load_json(line, JOURNAL))
             if self._is_own(row):
                 return row

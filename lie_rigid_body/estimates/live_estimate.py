@@ -20,6 +20,7 @@ from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.simulation import Segment
@@ -52,12 +53,14 @@ class HeardTruth:
         By their starts, ns.
     contradictions : int
         Number of scenarios that were left out, as another one had begun at the same stamp.
+    beyond : int
+        Number of scenarios that were left out, as there were `MOST_SEGMENTS` before.
     gyro_bias : KeptBiases
         Of the gyro's readings.
     """
 
     def __init__(self, most: int) -> None:
-        self.poses, self.contradictions = KeptAttitudes(most), 0
+        self.poses, self.contradictions, self.beyond = KeptAttitudes(most), 0, 0
         self.gyro_bias = KeptBiases(most)
         self.recent = deque[AttitudeTrack](maxlen=RECENT)
         self.segments: dict[int, Segment] = {}
@@ -71,7 +74,10 @@ class HeardTruth:
             If a text is no scenario: then none is taken.
         """
         for segment in [Segment.from_json(decode_string(payload)) for payload in payloads]:
-            self.contradictions += self.segments.setdefault(segment.start_ns, segment) != segment
+            if segment.start_ns not in self.segments and len(self.segments) == MOST_SEGMENTS:
+                self.beyond += 1
+            else:
+                self.contradictions += self.segments.setdefault(segment.start_ns, segment) != segment
 
     def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
         """Take messages of poses.
@@ -268,6 +274,11 @@ class LiveEstimate:
             found["contradiction"] = (
                 f"{self.truth.contradictions} scenarios begin when another one does that came before, and are left "
                 "out: let one node tell the truth"
+            )
+        if self.truth.beyond:
+            found["beyond"] = (
+                f"{self.truth.beyond} scenarios came after {MOST_SEGMENTS} others, and are left out: let one node tell "
+                "the truth"
             )
         return found
 

@@ -23,9 +23,10 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.bounded_input import real
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation.arguments import quantity
-from lie_rigid_body.interpreters import Interpreter, kill_all
+from lie_rigid_body.interpreters import Interpreter, guarded
 from lie_rigid_body.messages.encoding import ReadingEncoder
 from lie_rigid_body.messages.framed import Frames
+from lie_rigid_body.output_file import reason
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run
@@ -158,15 +159,12 @@ class CommandEstimator:
                     stderr=errors,
                     start_new_session=True,  # so that it can be ended with what it starts
                 )
-            except OSError as error:
+            except (OSError, ValueError) as error:  # the second of a text that no program can be given
                 raise InputError(
-                    f"{self._name} cannot be started: {error.strerror}: give the path of a program"
+                    f"{self._name} cannot be started: {reason(error)}: give the path of a program"
                 ) from None
-            try:
+            with guarded(process):
                 self._wait(process, _FEWEST_BYTES + _BYTES_OF_A_LINE * readings.count("\n"), output, errors)
-            finally:
-                kill_all(process)
-                process.wait()
             if process.returncode:
                 raise InputError(f"{self._name} ended with status {process.returncode}: mend it")
             output.seek(0)

@@ -147,6 +147,7 @@ def test_a_damaged_row_is_told(out: Path, tmp_path: Path, line: str, capsys: pyt
     assert f"byte {place} " in capsys.readouterr().err
 
 
+OVERFLOWING = [{"scores": {"total_rms_deg": 1.0}, "reading_s": 1e-6, "curve_deg": [10**400]}]
 TAMPERED: dict[str, list[object]] = {
     "parameters": [[], None, {}, {"rate": 5.0}],
     "attitude_accuracy_rad": ["x", None, float("nan"), -1.0],
@@ -154,7 +155,7 @@ TAMPERED: dict[str, list[object]] = {
     "bag": ["../../secret.mcap", "bags/000005.mcap", 5],
     "run": [0.5, True, -1, 10**30],
     "residuals": [5, *({"frames": value} for value in ({"a": 1}, "xy", True, [1.0], [0, [1.0]]))],
-    "judgements": [5, [], [5], [{}], [{"scores": {}}], [{"scores": None}], [{"scores": 5}]],
+    "judgements": [5, [], [5], [{}], [{"scores": {}}], [{"scores": None}], [{"scores": 5}], OVERFLOWING],
     "other": [1],
 }
 

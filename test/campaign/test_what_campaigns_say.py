@@ -252,6 +252,10 @@ NO_DISTRIBUTIONS: list[tuple[object, str]] = [
     ({"distribution": "box", "mass": 1, "edges": [1, 1]}, "three lengths"),
     ({"distribution": "direction", "norm": [1, 2, 3]}, "no range"),
     ({"distribution": "direction", "norm": {"distribution": "none"}}, "there is no distribution"),
+    (
+        {"distribution": "direction", "norm": {"distribution": "uniform_rotation"}},
+        "uniform_rotation draws several numbers: give a distribution of one",
+    ),
 ]
 DRAWN: list[tuple[dict[str, Any], str]] = [
     ({"distribution": "box", "mass": 1.0, "edges": [[-1.0, -0.5], 1.0, 1.0]}, "finite number above 0: draw"),

@@ -131,7 +131,10 @@ def test_a_program_that_hangs_is_ended_with_what_it_started(run, tmp_path):
             time.sleep(0.01)
 
 
-@pytest.mark.parametrize("command", [b"true", 5, None, "", "/no/such/program", "true \0", 5000 * "a", "/" + 5000 * "a"])
+@pytest.mark.parametrize(
+    "command",
+    [b"true", 5, None, "", "/no/such/program", "true \0", "true \ud800", "\ud800", 5000 * "a", "/" + 5000 * "a"],
+)
 def test_what_is_no_program_is_refused(run, command):
     with pytest.raises(InputError):
         CommandEstimator(command)(run)

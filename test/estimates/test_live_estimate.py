@@ -15,6 +15,7 @@ from mcap.reader import make_reader
 from refused_runs import refused
 
 from lie_rigid_body import Estimate, Run, Scenario, simulate
+from lie_rigid_body.estimates import live_estimate
 from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.estimates.live_estimate import LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
@@ -207,6 +208,16 @@ def test_of_a_long_run_little_is_kept_and_limits_hold_for_all(own, stamps, noisy
     assert score.total_deg.median == pytest.approx(expected.total_deg.median, rel=0.3)
     assert [numbers(note)[:2] for note in read.notes[1:]] == [[4, len(stamps)]]
     assert [finding.code for finding in score.findings] == []
+
+
+def test_scenarios_without_end_are_counted_and_not_kept(own, monkeypatch):
+    monkeypatch.setattr(live_estimate, "MOST_SEGMENTS", 1)
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
+    first, second = (payload for topic, payload in of(own) if topic.endswith("/scenario"))
+    live.truth.hear_scenarios([first, second, first, second])
+    assert len(live.truth.segments) == 1
+    assert (live.truth.beyond, live.truth.contradictions) == (2, 0)
+    assert [numbers(told)[:1] for told in live.left_out().values()] == [[2]]
 
 
 def test_kept_rows_are_even_and_bounded():
