@@ -105,6 +105,8 @@ REFUSED = {
     **{f"record out.mcap --duration 10 -p {shlex.quote(given)}": said for given, said in PARAMETERS.items()},
     **{f"record {given}": said for given, said in RECORD.items()},
     "check": "the following arguments are required: BAG",
+    "check ''": "BAG: '' names no file",
+    "check -": "BAG: '-' stands for no stream here: give a name, ./-",
     "check absent.mcap": "absent.mcap does not exist",
     "check empty.mcap": "empty.mcap is empty",
     "check text.mcap": "MCAP",
