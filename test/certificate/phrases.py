@@ -22,6 +22,7 @@ PHRASES = {
     "faults again": "messages about faults that come again: {count}",
     "too many faults": "{topic}: too many readings to compute the faults of all",
     "too many readings": "{topic}: too many readings are missing to compute the others",
+    "not to the bit": "It is not equal to the bit to what is computed here",
     # notes
     "coarse": "rad between samples: neighbours are not held against each other",
     "silent": "no reading on {topic}: ",
