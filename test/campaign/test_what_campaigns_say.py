@@ -43,6 +43,8 @@ refused = refusals(
     }
 )
 """Errors that other tests name."""
+WITHOUT_A_WORKER = "no worker at {address}: waiting for one; Ctrl-C ends it"
+"""What is said while a scheduler has none."""
 Scene = Callable[[Path], object]
 """Is called in an empty folder, and raises an error."""
 

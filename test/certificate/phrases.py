@@ -15,6 +15,7 @@ PHRASES = {
     "recorder's log times": "log times: a recorder's",
     "no checksum": "parts without a checksum: {count}",
     "attachments": "{count} attachments",
+    "beside the messages": "what stands beside the messages: attachments, sequence numbers, ",
     "stray": "topic {topic} ({count} messages), which no scenario determines",
     "another version": "the scenario is of '{software}'",
     "scenarios again": "scenario messages that repeat another one: {count}",
@@ -33,6 +34,7 @@ PHRASES = {
     "motion errs": "the declared motion errs by up to ",
     "ends": "readings on {topic} end with ",
     # what is wrong
+    "lost": ", which the scenario loses",
     "late beginning": "begins with sample {sample}: those before it are not in the bag",
     "another clock": "does not follow the clock of the one before it",
     "contradiction": "contradicts the one whose samples came before it",

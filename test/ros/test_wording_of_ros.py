@@ -45,6 +45,8 @@ PHRASES = {
     "depth": "depth {depth} is outside [1, 2147483647]: give for example 10",
     "for every node": "every ROS 2 node has it, and no scenario: give it to sim after --ros-args",
     "refused by ROS": "ROS refuses --ros-args {given}: ",
+    "paused": "as it is how the node starts: call ~/pause or ~/resume",
+    "made at the start": "as publishers are made at the start: start the node anew",
     # its environment
     "domain": "ROS_DOMAIN_ID {given} is above 232",
     "middleware": "RMW_IMPLEMENTATION '{given}' is not installed",

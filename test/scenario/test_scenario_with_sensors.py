@@ -98,7 +98,8 @@ def test_no_shipped_scenario_asks_it(name: str) -> None:
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:
     given = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
-    with pytest.raises(ParameterError, match=r"^imu_rate: ") as refusal:
+    with pytest.raises(ParameterError) as refusal:
         Scenario.from_parameters(given)
+    assert refusal.value.name == "imu_rate"
     Scenario.from_parameters({**given, "imu_rate": numbers(str(refusal.value))[-1]})
     Scenario.from_parameters({**given, "gyro_rate": "instantaneous"})
