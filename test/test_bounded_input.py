@@ -33,6 +33,7 @@ refused = refusals(
         }
     }
 )
+WAITING = "waiting for whoever writes into the pipe {path}, {seconds} s at most\n"
 PARAMETERS = b"/**: {ros__parameters: {rate: 10.0}}"
 
 
@@ -118,7 +119,7 @@ def test_a_wait_for_a_pipe_is_told_and_only_if_there_is_one(
         read_text(f"/dev/fd/{reader}", 100)
     os.close(reader)
     os.close(writer)
-    assert capsys.readouterr().err == f"waiting for whoever writes into the pipe /dev/fd/{reader}, 0.05 s at most\n"
+    assert capsys.readouterr().err == WAITING.format(path=f"/dev/fd/{reader}", seconds=0.05)
 
 
 def test_nobody_waits_for_ever_for_a_writer(

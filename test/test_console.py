@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -59,23 +60,9 @@ def test_too_little_memory_is_told_in_one_line(command: str, kilobytes: int, bag
     done = subprocess.run(line, shell=True, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
     [complaint] = done.stderr.splitlines()
-    assert "memory is limited to" in complaint
+    assert console.size(1024 * kilobytes) in complaint
+    assert "ulimit -v" in complaint
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    "error",
-    [
-        ImportError("libx.so: failed to map segment from shared object"),
-        OSError(12, "Cannot allocate memory"),
-        RuntimeError("can't start new thread"),
-        RuntimeError("cannot join thread before it is started"),
-        SystemError("error return without exception set"),
-        MemoryError(),
-    ],
-)
-def test_whatever_tells_of_lacking_memory_is_no_bug(error: Exception) -> None:
-    assert "not enough memory" in console.explanation(error)
 
 
 @pytest.mark.parametrize("command", [*ANSWERS, *WRITERS])
@@ -83,9 +70,10 @@ def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path
     done = run(command, bag, tmp_path, ">/dev/full")
     assert done.returncode == 2
     [line] = done.stderr.splitlines()
-    assert "stdout cannot be written: No space left on device" in line
+    assert "stdout" in line
+    assert os.strerror(errno.ENOSPC) in line
     for written in tmp_path.iterdir():
-        assert f"{written.name} is written" in line
+        assert written.name in line
 
 
 # with an end of stdout that is no error: all answer by the one function that the test above finds in each
@@ -189,33 +177,32 @@ def test_an_error_line_is_short_and_keeps_its_ends(message: str, capsys: pytest.
     assert line.strip()[-4:] == message.strip()[-4:]
 
 
+LONG_FOLDERS = ["measurements_of_the_tumbling_satellite_in_november"] * 4
+
+
 def test_a_sentence_survives_the_names_of_long_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = tmp_path / "/".join(["measurements_of_the_tumbling_satellite_in_november"] * 4) / "flight"
-    folder.mkdir(parents=True)
-    for name in ("flight_0.mcap", "flight_1.mcap"):
-        with (folder / name).open("wb") as stream:
-            writer = Writer(stream)
-            writer.start("ros2", "a recorder")
-            writer.finish()
-    campaign = folder / "campaign.yaml"
-    campaign.write_text("{runs: 2, seed: 7, duration: 1.0, parameters: {inertia: [1.0, 1.0, 5.0]}, vary: {}}")
-    for arguments, said in (
-        (
+    said = []
+    for folder in (tmp_path / "flight", tmp_path / "/".join([*LONG_FOLDERS, "flight"])):
+        folder.mkdir(parents=True)
+        for name in ("flight_0.mcap", "flight_1.mcap"):
+            with (folder / name).open("wb") as stream:
+                writer = Writer(stream)
+                writer.start("ros2", "a recorder")
+                writer.finish()
+        campaign = folder / "campaign.yaml"
+        campaign.write_text("{runs: 2, seed: 7, duration: 1.0, parameters: {inertia: [1.0, 1.0, 5.0]}, vary: {}}")
+        for arguments in (
             ["check", folder / "flight_1.mcap"],
-            "has no topic .../pose (PoseStamped): it is one file of a bag that was split: give the folder ",
-        ),
-        (["record", folder / "no" / "a.mcap", "--duration", "1"], " cannot be created, because the folder "),
-        (
+            ["record", folder / "no" / "a.mcap", "--duration", "1"],
             ["campaign", campaign, "--out", folder / "out"],
-            "1.0, 1.0, 5.0",
-        ),
-    ):
-        assert main([str(argument) for argument in arguments]) == 2
-        [line] = capsys.readouterr().err.splitlines()
-        assert len(line) <= LONGEST_LINE
-        assert said in line
-        assert re.search(r"\w/(flight|no)\b|campaign\.yaml", line)
-        assert " ... " not in line
+        ):
+            assert main([str(argument) for argument in arguments]) == 2
+            [line] = capsys.readouterr().err.splitlines()
+            assert len(line) <= LONGEST_LINE
+            assert re.search(r"\w/(flight|no)\b|campaign\.yaml", line)
+            assert " ... " not in line
+            said.append([word for word in line.split() if "/" not in word])
+    assert said[:3] == said[3:]
 
 
 @pytest.mark.parametrize("name", ["", "-"])
@@ -250,9 +237,12 @@ def test_what_is_no_name_is_refused_by_every_verb(
     monkeypatch.chdir(tmp_path)
     assert main([argument.format(name) for argument in arguments]) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert re.search(f": '{name}' (names no file|stands for no stream here: give a name, ./-)", line)
+    assert f": '{name}' " in line
     assert len(line) <= LONGEST_LINE
     assert not list(tmp_path.iterdir())
+
+
+LACKING = "not enough memory"
 
 
 @pytest.mark.parametrize(
@@ -261,7 +251,12 @@ def test_what_is_no_name_is_refused_by_every_verb(
         (ZeroDivisionError("division by zero"), "this is a bug, .*ZeroDivisionError: division by zero.*DEBUG=1"),
         (UnicodeEncodeError("ascii", "²" * 999, 0, 1, "no"), "this is a bug, .*UnicodeEncodeError.*DEBUG=1"),
         (RecursionError(), "this is a bug, .*RecursionError.*DEBUG=1"),
-        (MemoryError(), "not enough memory"),
+        (MemoryError(), LACKING),
+        (ImportError("libx.so: failed to map segment from shared object"), LACKING),
+        (OSError(12, "Cannot allocate memory"), LACKING),
+        (RuntimeError("can't start new thread"), LACKING),
+        (RuntimeError("cannot join thread before it is started"), LACKING),
+        (SystemError("error return without exception set"), LACKING),
         (PermissionError(13, "Permission denied", "a/file"), "Permission denied .a/file."),
         (ImportError("No module named 'numpy'"), "No module named 'numpy'"),
         (BagError("no bag"), "no bag"),
@@ -284,7 +279,8 @@ def test_a_library_that_fails_as_it_is_imported_is_no_bug(
     monkeypatch.syspath_prepend(str(tmp_path))
     assert console.status_of("verb", lambda: bool(import_module("odd_library"))) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert "odd_library.py cannot be imported" in line
+    assert "odd_library.py " in line
+    assert console.DEBUG not in line
 
 
 def fail(error: BaseException) -> NoReturn:

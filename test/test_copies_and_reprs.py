@@ -294,8 +294,9 @@ def test_motions_results_and_refusals_pass_through_a_pool_of_spawned_processes()
         assert same(
             pool.apply_async(energies, (ClosedForm(BODY, START),)).get(timeout=60), energies(ClosedForm(BODY, START))
         )
-        with pytest.raises(ParameterError, match=r"^inertia: "):
+        with pytest.raises(ParameterError) as refusal:
             pool.apply_async(refused, ([1.0, 1.0, 3.0],)).get(timeout=60)
+        assert refusal.value.name == "inertia"
 
 
 def test_a_repr_is_one_short_line_whatever_the_size(objects):

@@ -17,8 +17,14 @@ import pytest
 from lie_rigid_body.errors import FilterError, InputError
 from lie_rigid_body.interpreters import Interpreter, told
 from lie_rigid_body.runs import Estimate
-from said import numbers
+from said import refusals
 
+refused = refusals(
+    {
+        EOFError: {"ended": "^ended its process, status {status}$"},
+        TimeoutError: {"late": "^did not return within {seconds} s$"},
+    }
+)
 LIMIT_S = 60.0
 WITH_PROC = pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /proc")
 HANGING = """
@@ -48,19 +54,18 @@ def test_reply_is_what_the_function_returns_or_raises():
         assert first == other.ask(os.getpid, LIMIT_S) != os.getpid()
         with pytest.raises(FilterError, match="ValueError"):
             other.ask(partial(int, "three"), LIMIT_S)
-        with pytest.raises(FilterError, match="local object"):
+        with pytest.raises(FilterError, match=_made_here.__name__):
             other.ask(_made_here, LIMIT_S)
         assert first == other.ask(os.getpid, LIMIT_S)
         with pytest.raises(FilterError, match="SystemExit: enough"):
             other.ask(partial(sys.exit, "enough"), LIMIT_S)
         assert other.ask(partial(print, "nowhere"), LIMIT_S) is None
-        with pytest.raises(EOFError, match="status 3"):
+        with refused("ended", status=3):
             other.ask(partial(os._exit, 3), LIMIT_S)
         assert not other.is_running
         assert other.ask(os.getpid, LIMIT_S) != first
-        with pytest.raises(TimeoutError) as late:
+        with refused("late", seconds=0.5):
             other.ask(partial(time.sleep, 600.0), 0.5)
-        assert numbers(str(late.value)) == [0.5]
         with pytest.raises(InputError, match="of the package"):
             other.ask(partial(_raise, "of the package"), LIMIT_S)
     finally:
@@ -83,7 +88,7 @@ def test_place_of_an_error_is_a_line_of_the_user_or_none():
     assert told(FilterError("of the package")) == "of the package"
     with pytest.raises(ValueError) as caught:
         shlex.split('"')
-    assert "line" not in told(caught.value.with_traceback(caught.tb.tb_next))
+    assert ".py" not in told(caught.value.with_traceback(caught.tb.tb_next))
 
 
 def test_place_of_an_error_in_an_installed_filter_is_its_first_line(tmp_path, monkeypatch):
@@ -94,9 +99,7 @@ def test_place_of_an_error_in_an_installed_filter_is_its_first_line(tmp_path, mo
     estimate = importlib.import_module("installed_filter").estimate
     with pytest.raises(ValueError) as caught:
         estimate("no JSON")
-    assert told(caught.value.with_traceback(caught.tb.tb_next)).startswith(
-        "the filter failed, installed_filter.py line 4"
-    )
+    assert " installed_filter.py line 4" in told(caught.value.with_traceback(caught.tb.tb_next))
 
 
 def _raise(words):

@@ -17,6 +17,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.run import LONGEST_S, SCORES, judged, judgements
 from lie_rigid_body.interpreters import STARTING_S, Interpreter
 from lie_rigid_body.runs import simulate
+from said import numbers
 
 MODULE = """
 import os
@@ -171,30 +172,30 @@ def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("function", "words"),
+    ("function", "told"),
     [
         ("rates", "(100, 3)"),
-        ("few", "7 rows goes neither with"),
-        ("nothing", "not numbers"),
-        ("three", "shape (3,) is not (N, 4)"),
-        ("lost", "finite"),
-        ("writes_in_its_readings", "read-only"),
+        ("few", "7 rows"),
+        ("nothing", "(N, 4)"),
+        ("three", "(3,)"),
+        ("lost", "100 of 100 rows"),
+        ("writes_in_its_readings", "ValueError: "),
         ("leaves", "SystemExit: 3"),
         ("interrupts", "KeyboardInterrupt: enough"),
         ("halves", "RuntimeError: half a character: \\ud800"),
-        ("missing", "no function 'missing'"),
+        ("missing", "'missing'"),
     ],
 )
-def test_what_is_no_estimate_costs_the_score(function: str, words: str, scored: Any) -> None:
+def test_what_is_no_estimate_costs_the_score(function: str, told: str, scored: Any) -> None:
     found = scored(function)
     assert [found[name] for name in SCORES] == [None] * 4
-    assert words in found["estimator_error"]
+    assert told in found["estimator_error"]
     assert 0 < len(found["estimator_error"]) <= 200
 
 
 def test_an_estimator_that_exits_costs_the_score_of_its_run_only(asked: Any) -> None:
     found = asked("exits_in_the_second", runs=3)
-    assert [each["estimator_error"] for each in found] == [None, "it ended its process, status 3", None]
+    assert [numbers(each["estimator_error"] or "") for each in found] == [[], [3], []]
     assert found[0]["total_rms_deg"] == found[2]["total_rms_deg"] < 1e-9
 
 
@@ -208,7 +209,7 @@ def test_an_estimator_that_hangs_costs_the_score_of_its_run_only(asked: Any, mon
 
     monkeypatch.setattr(Interpreter, "ask", sooner)
     found = asked("hangs_in_the_second", runs=3)
-    assert [each["estimator_error"] for each in found] == [None, "it did not return within 0.5 s", None]
+    assert [numbers(each["estimator_error"] or "") for each in found] == [[], [0.5], []]
     assert limits == [STARTING_S + LONGEST_S] * 3
 
 

@@ -55,7 +55,8 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
         with pytest.raises(BagError) as failed:
             carry_out(campaign, 2, journal.bags)
         line = str(campaign_runs._failure(campaign, journal, {2: failed.value}))
-    assert "000002.mcap is a folder" in line
+    assert "000002.mcap" in line
+    assert str(failed.value).rpartition("000002.mcap")[2].partition(":")[0] in line
     assert line.endswith(RESUMED)
     assert len(line) <= LONGEST_LINE
 
@@ -110,7 +111,7 @@ def test_no_bag_is_replaced_in_a_folder_that_took_the_place_of_the_own(tmp_path:
     with Journal(campaign, out) as journal:
         out.rename(tmp_path / "moved")
         out.symlink_to(others)
-        with pytest.raises(BagError, match="deleted or moved"):
+        with refused("moved"):
             carry_out(campaign, 0, journal.bags)
     assert (precious.read_bytes(), os.listdir(precious.parent)) == (b"precious", ["000000.mcap"])
 
@@ -121,7 +122,7 @@ def test_rows_that_another_user_wrote_are_not_believed(tmp_path: Path) -> None:
     with Journal(campaign, tmp_path / "out") as journal:
         journal.add(Row(0, certified=True))
     os.chown(journal.path, 65534, 65534)
-    with pytest.raises(BagError, match="another user's"), Journal(campaign, tmp_path / "out"):
+    with refused("another user"), Journal(campaign, tmp_path / "out"):
         pass
     os.chown(journal.path, 0, 0)
     with Journal(campaign, tmp_path / "out") as journal:
@@ -144,7 +145,7 @@ def test_an_estimator_without_any_score_is_an_error(
     said = capsys.readouterr()
     assert said_there in said.out
     [line] = said.err.splitlines()
-    assert line.count("mend it") == 1
+    assert line.count(said_there.partition(": mend")[0]) == 1
     assert table_of(copy)["estimator_error"].to_pylist() == [said_there] * 6
 
 
@@ -158,7 +159,8 @@ def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     path = written(tmp_path, "runs: 99\nseed: 1\nduration: 0.02\nestimator: always_lost:estimate")
     assert main([str(path), "--out", "out", "--no-bags", "--scheduler", scheduler]) == 2
     [_, line] = capsys.readouterr().err.splitlines()
-    assert f"{MOST_FAILURES} runs: RuntimeError: it is lost" in line
+    assert f" {MOST_FAILURES} " in line
+    assert "RuntimeError: it is lost" in line
     assert len(finished(tmp_path / "out")) == MOST_FAILURES
 
 

@@ -55,7 +55,7 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     assert complained.count("\n") == 1, complained
     [line] = complained.splitlines()
     done = finished(out)
-    assert f"{len(done)} of {MANY} runs" in line
+    assert f" {len(done)} of {MANY} " in line
     assert len(done) == len({*done}) >= 1
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
     assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--scheduler", scheduler]) == 0
@@ -92,7 +92,7 @@ def test_an_interruption_while_the_cluster_starts_lets_it_start_and_closes_it(
     said = capsys.readouterr()
     assert said.out == ""
     [line] = said.err.splitlines()
-    assert "0 of 6 runs" in line
+    assert " 0 of 6 " in line
     assert [cluster.status for cluster in started] == [distributed.Status.closed]
 
 
@@ -122,7 +122,7 @@ def test_a_worker_that_dies_costs_nothing_but_its_run(slow: tuple[subprocess.Pop
     os.kill(workers[0], signal.SIGKILL)
     said, complained = process.communicate(timeout=DEADLINE)
     assert (process.returncode, complained) == (0, "")
-    assert f"{MANY} runs, {MANY} certified" in said
+    assert said.count(f"{MANY} ") == 2
     assert sorted(finished(out)) == list(range(MANY))
     assert {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done} == before
     assert list(bytes_of(out)) == [f"{run:06d}.mcap" for run in range(MANY)]

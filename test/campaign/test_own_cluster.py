@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 from campaigns import NEEDS_DASK
 
+from lie_rigid_body import console
 from lie_rigid_body.campaign.cluster import client_of
 from lie_rigid_body.errors import BagError
 
@@ -185,7 +186,7 @@ def test_a_limit_that_keeps_workers_from_starting_is_one_line(tmp_path: Path) ->
     )
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
-    assert "bug" not in line
+    assert console.DEBUG not in line
 
 
 def test_a_client_that_failed_is_gone_at_once() -> None:

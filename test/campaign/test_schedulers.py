@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table_of, written
+from test_what_campaigns_say import WITHOUT_A_WORKER
 
 from lie_rigid_body import console
 from lie_rigid_body.campaign.journal import RESUMED, Journal
@@ -150,7 +151,7 @@ def test_a_cluster_without_a_worker_is_told_once_whenever_it_has_none(
 
     def told(*given: str) -> None:
         complain(*given)
-        if "no worker" in given[1]:
+        if given[1] == WITHOUT_A_WORKER.format(address=cluster.address):
             workers.append(cluster.worker(threads=1))
 
     def kept(journal: Journal, row: Any) -> None:

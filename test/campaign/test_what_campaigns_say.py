@@ -7,18 +7,22 @@ import os
 import socket
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from campaigns import CAMPAIGN, NEEDS_DASK, written
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.cluster import client_of
+from lie_rigid_body.campaign.definition import Contender
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign, campaign_runs
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.report import campaign_scores
 from lie_rigid_body.wording import LONGEST_LINE
 from said import refusals
 
@@ -30,6 +34,8 @@ refused = refusals(
             "not read": "runs.jsonl cannot be read: {why}",
             "not used": "runs.jsonl cannot be used: {why}",
             "no file": "runs.jsonl is no regular file: move it away, or give another folder",
+            "moved": "was deleted or moved meanwhile",
+            "another user": "another user's",
             "no row": "byte [0-9]+ begins no row of this campaign",
             "changed bags": rf"{{count}} of {{of}} bags were deleted or changed meanwhile \({{which}}\): .*{RESUMED}",
         },
@@ -37,6 +43,8 @@ refused = refusals(
     }
 )
 """Errors that other tests name."""
+WITHOUT_A_WORKER = "no worker at {address}: waiting for one; Ctrl-C ends it"
+"""What is said while a scheduler has none."""
 Scene = Callable[[Path], object]
 """Is called in an empty folder, and raises an error."""
 
@@ -99,9 +107,8 @@ def failed(folder: Path) -> None:
             raise campaign_runs._failure(campaign, journal, {2: error}) from None
 
 
-def without_a_score(folder: Path) -> None:
-    campaign = Campaign(1, 1, 1.0, estimator="a:b")
-    campaign_runs._require_scores(campaign, [["a:b is lost: mend it"]], "any run")
+def without_a_score(reason: str) -> Scene:
+    return lambda folder: campaign_runs._require_scores(Campaign(1, 1, 1.0, estimator="a:b"), [[reason]], "any run")
 
 
 def table_of_another(folder: Path) -> None:
@@ -142,7 +149,10 @@ SAID: list[tuple[Scene, str]] = [
     (taken_away, "runs.jsonl was deleted or moved meanwhile: keep others away, and begin anew"),
     (failed, "1 of 40 runs failed (2), first: "),
     (failed, "000002.mcap is a folder; 0 are kept: mend that, and the same command does the rest"),
-    (without_a_score, "estimator a:b gave no score in any run: a:b is lost: mend it, and give a new folder"),
+    *(
+        (without_a_score(reason), "estimator a:b gave no score in any run: a:b is lost: mend it, and give a new folder")
+        for reason in ("a:b is lost", "a:b is lost: mend it")
+    ),
     (table_of_another, "runs.parquet is no table of a campaign: give its runs.parquet"),
     (no_table, "is a pipe: give a regular file"),
     (lambda folder: Campaign.from_table("\ud800"), r"\ud800 is no table of a campaign"),
@@ -286,3 +296,46 @@ def test_what_is_said(
         line = str(error)
     assert words in line
     assert len(line) <= LONGEST_LINE
+
+
+def standing(**given: Any) -> Any:
+    """An estimator that is compared, of which nothing is told but what is given."""
+    entry = Contender("tuned", "a:b", parameters={"gain": 1.0}, grid={"gain": [0.1, 1.0]})
+    nothing: dict[str, Any] = {"points": (), "reason": "", "covariance": None, "gyro_bias": None}
+    return SimpleNamespace(name="tuned", entry=entry, runs=np.arange(4), **{**nothing, **given})
+
+
+def sentences(**given: Any) -> list[str]:
+    """What is told below the table of estimators that are compared."""
+    nothing = {"differences": (), "standings": (), "best": None, "has_covariances": False, "independent": True}
+    compared: Any = SimpleNamespace(**{**nothing, **given})
+    return [*campaign_scores._sentences(compared)]
+
+
+HONEST: Any = SimpleNamespace(message="it is honest", covered="95 % are below it")
+POINTS: Any = [
+    SimpleNamespace(mean_deg=1.0, failures=0, reason=""),
+    SimpleNamespace(mean_deg=2.0, failures=2, reason="x"),
+]
+SENTENCES: dict[str, Callable[[], list[str]]] = {
+    "tuned: gain is best at the end of its grid: try larger ones than 1.": lambda: sentences(
+        standings=[standing(points=POINTS)]
+    ),
+    "tuned: 1 of 2 points failed in runs of even number, first: x": lambda: sentences(
+        standings=[standing(points=POINTS)]
+    ),
+    "The sensors of run 3 leave a filter 0.5° at best, over many such runs. In that run the errors are so many times "
+    "as large: tuned 4.": lambda: sentences(
+        best=SimpleNamespace(run=3, rms_deg=0.5), standings=[standing(scores={"total_rms_deg": np.full(4, 2.0)})]
+    ),
+    "The verdicts on covariances hold for these very sensors: gyro_scale_factor is the same in every run; vary what a "
+    "filter counts as unknown.": lambda: sentences(
+        has_covariances=True, standings=[standing(covariance=HONEST)], fixed_constants=["gyro_scale_factor"]
+    ),
+}
+"""What is told of estimators that are compared, beside their differences."""
+
+
+@pytest.mark.parametrize("said", SENTENCES)
+def test_what_is_told_of_estimators(said: str) -> None:
+    assert said in SENTENCES[said]()

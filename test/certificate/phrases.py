@@ -15,6 +15,7 @@ PHRASES = {
     "recorder's log times": "log times: a recorder's",
     "no checksum": "parts without a checksum: {count}",
     "attachments": "{count} attachments",
+    "beside the messages": "what stands beside the messages: attachments, sequence numbers, ",
     "stray": "topic {topic} ({count} messages), which no scenario determines",
     "another version": "the scenario is of '{software}'",
     "scenarios again": "scenario messages that repeat another one: {count}",
@@ -22,6 +23,7 @@ PHRASES = {
     "faults again": "messages about faults that come again: {count}",
     "too many faults": "{topic}: too many readings to compute the faults of all",
     "too many readings": "{topic}: too many readings are missing to compute the others",
+    "not to the bit": "It is not equal to the bit to what is computed here",
     # notes
     "coarse": "rad between samples: neighbours are not held against each other",
     "silent": "no reading on {topic}: ",
@@ -32,6 +34,7 @@ PHRASES = {
     "motion errs": "the declared motion errs by up to ",
     "ends": "readings on {topic} end with ",
     # what is wrong
+    "lost": ", which the scenario loses",
     "late beginning": "begins with sample {sample}: those before it are not in the bag",
     "another clock": "does not follow the clock of the one before it",
     "contradiction": "contradicts the one whose samples came before it",

@@ -205,8 +205,9 @@ def test_inertia_given_by_hand(bag):
 
 @pytest.mark.parametrize("inertia", [5, "1,2,3", [1.0, 2.0], [1.0, 1.0, 5.0], [1.0, np.nan, 1.0], np.eye(3), {}])
 def test_no_bag_is_accused_of_an_inertia_given_by_hand_that_no_body_has(bag, inertia):
-    with pytest.raises(ParameterError, match="inertia"):
+    with pytest.raises(ParameterError) as caught:
         certify(read_bag(bag), inertia)
+    assert caught.value.name == "inertia"
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phrases import PHRASES
 
 from lie_rigid_body.arrays import runs_of
 from lie_rigid_body.certificate.stamps import DUPLICATE, GAP, PAGE, Lost, NumberRuns, RunList, StampTally
@@ -56,7 +57,7 @@ def test_lost_samples_are_no_gap_and_must_not_be_there(numbers, lost, batch):
     which = Lost(0, PAGE + 2, lambda first, count: np.isin(np.arange(first, first + count), [*lost]))
     away = {k for k in lost if 0 <= k < PAGE + 2}
     assert which.count(0, last) == len(away)
-    found = {(fault.kind, "loses" in fault.text): fault for fault in tally.faults("imu", 0, last, which)}
+    found = {(fault.kind, PHRASES["lost"] in fault.text): fault for fault in tally.faults("imu", 0, last, which)}
     due = set(range(last + 1)) - away - set(numbers)
     doubled = sorted(k for k in set(numbers) if numbers.count(k) > 1)
     for key, expected in (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -105,7 +106,7 @@ def test_a_link_to_itself_stops_no_other_bag(runs, capsys):
     circle.symlink_to(circle.name)
     status, out, [line] = answer(capsys, circle, runs / "9.mcap")
     assert [row.split()[0] for row in out[1:3]] == ["unusable", "certified"]
-    assert (status, line.partition("circle.mcap ")[2][:14]) == (2, "cannot be read")
+    assert (status, os.strerror(errno.ELOOP) in line, "circle.mcap" in line) == (2, True, True)
 
 
 @pytest.mark.usefixtures("asked_here")
@@ -198,7 +199,7 @@ def test_a_table_tells_what_of_its_bags_is_not_certified(tmp_path, capsys):
     assert re.search(rf"/b/imu/raw .*\({two}\).* imu/data_raw.*\({two} /b\)", said)
     assert re.search(rf"<li>.*/b/imu/raw .*\({two}\)</li><li>imu/data_raw", page.read_text(encoding="utf-8"))
     said = " ".join(" ".join(answer(capsys, two, other, good)[1]).split())
-    assert re.search(r"/b/imu/raw [^)]+\)[^)]+\(2 of 3 bags\)", said)
+    assert re.search(r"/b/imu/raw [^)]+\)[^)]+\(2 of 3 ", said)
     assert (said.count("/imu/raw"), said.count("imu/data_raw")) == (1, 1)
     assert "imu" not in " ".join(answer(capsys, good, with_imu)[1]).replace(str(with_imu), "")
 

@@ -56,11 +56,11 @@ def test_a_bag_that_ends_between_records_breaks_off_in_none(tmp_path: Path, caps
     while data[first] != Opcode.CHUNK:
         first += 9 + int.from_bytes(data[first + 1 : first + 9], "little")
     end = first + 9 + int.from_bytes(data[first + 1 : first + 9], "little")
-    for cut, place, counted in ((end, "", "201"), (end - 200, f"byte {first}", "")):
+    for cut, place, counted in ((end, [], "201"), (end - 200, [first], "")):
         bag.write_bytes(data[:cut])
         assert recover([str(bag), "-o", str(fixed), "--force"]) == 0
         broken = next(line for line in capsys.readouterr().out.splitlines() if line.startswith(f"{bag} "))
-        assert (place in broken, "byte" in broken) == (True, bool(place))
+        assert numbers(broken.removeprefix(f"{bag} "))[:1] == place
         assert check([str(bag)]) == 2
         assert ("201" in capsys.readouterr().err) == bool(counted)
 

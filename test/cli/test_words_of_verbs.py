@@ -105,6 +105,8 @@ REFUSED = {
     **{f"record out.mcap --duration 10 -p {shlex.quote(given)}": said for given, said in PARAMETERS.items()},
     **{f"record {given}": said for given, said in RECORD.items()},
     "check": "the following arguments are required: BAG",
+    "check ''": "BAG: '' names no file",
+    "check -": "BAG: '-' stands for no stream here: give a name, ./-",
     "check absent.mcap": "absent.mcap does not exist",
     "check empty.mcap": "empty.mcap is empty",
     "check text.mcap": "MCAP",
@@ -217,7 +219,15 @@ SAID = {
         ["no findings", "the truth (poses and scenario)"],
     ),
     "evaluate poor.mcap --estimate /pose --truth other.mcap --max-rms 1deg": (1, ["BROKEN: the error is "]),
-    "explain": (0, ["inertia [1, 2, 3] kg m², initial body rate [0.01, 1, 0.01] rad/s Body, "]),
+    "explain": (
+        0,
+        [
+            "inertia [1, 2, 3] kg m², initial body rate [0.01, 1, 0.01] rad/s Body, with its principal axes",
+            "Motion In the body, the body rate and the momentum circle axis 3",
+            "Spinning about each principal axis with this angular momentum",
+            "Conserved kinetic energy: 1.0002 J",
+        ],
+    ),
     "explain --scenario dzhanibekov": (
         0,
         ["asymmetric top", "It is flat", "every 19.5529 s, the first 10.9169 s after the start", "as exp(0.577422 t)"],

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import textbook
 from scipy.spatial.transform import Rotation
+from test_wording_of_diagnosis import PHRASES
 
 import lie_rigid_body
 from lie_rigid_body import InputError
@@ -21,10 +22,12 @@ from lie_rigid_body.cli.league import main as league
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.diagnosis import FilterDiagnosis, diagnose
 from lie_rigid_body.diagnosis.course import courses_of
+from lie_rigid_body.diagnosis.probes import WRONG_SIGN
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import QUICK, Search, Trial
 from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.lie import quaternion
+from said import numbers
 from sampled import sampled
 
 HERE = Path(__file__).parent
@@ -164,26 +167,24 @@ def test_nan_fails_the_probe_with_the_first_sample() -> None:
     found = diagnose(lambda run: textbook.not_a_number(run), max_runs=1)
     finite = next(probe for probe in found.probes if probe.code == "finite")
     assert (finite.passed, finite.value) == (False, 1293.0)
-    assert "sample 7" in finite.message
+    assert numbers(finite.message)[-1] == 7
 
 
 @pytest.mark.parametrize(
-    ("estimate", "passed", "said"),
+    ("estimate", "said"),
     [
-        (textbook.triad_with_covariance, True, "honest"),
-        (textbook.triad_with_deviations, False, "give variances, no standard deviations"),
-        (textbook.triad_for_the_body, False, "give covariance_axes"),
+        (textbook.triad_with_covariance, "honest"),
+        (textbook.triad_with_deviations, "deviations"),
+        (textbook.triad_for_the_body, "other axes"),
     ],
 )
-def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(
-    estimate: Callable[[Any], Any], passed: bool, said: str
-) -> None:
+def test_covariance_is_judged_and_what_is_wrong_with_it_is_told(estimate: Callable[[Any], Any], said: str) -> None:
     found = diagnose(lambda run: estimate(run))
     (probe,) = (probe for probe in found.probes if probe.code == "covariance")
-    assert probe.passed == passed == found.passed
-    assert said in probe.message
+    assert probe.passed == (said == "honest") == found.passed
+    assert PHRASES[said] in probe.message
     assert probe.value is not None
-    assert (abs(probe.value - 3.0) < 0.5) == passed
+    assert (abs(probe.value - 3.0) < 0.5) == probe.passed
 
 
 def test_covariance_that_is_none_fails_in_one_line() -> None:
@@ -215,41 +216,6 @@ def test_stuck_estimate_is_told_with_a_command_that_makes_the_run(tmp_path: Path
     assert (program, words[0]) == ("lie-rigid-body", "record")
     words[1] = str(tmp_path / "errs.mcap")
     assert record([*words[1:], "--quiet"]) == 0
-
-
-@pytest.mark.parametrize(
-    ("estimate", "said"),
-    [
-        (textbook.raises, ["textbook.py line ", "ZeroDivisionError: of the filter"]),
-        (textbook.of_wrong_shape, ["(1300, 3)"]),
-        (textbook.changes_its_run, ["(10, 4) for 1300 stamps"]),
-        (textbook.changes_its_estimate, ["estimate: not numbers"]),
-        (textbook.unreadable, ["textbook.py line ", "LookupError: where it is read"]),
-        (textbook.first_reading, ["no attitude after 4.33 s"]),
-        (textbook.peeks, ["textbook.py line ", "run.attitude() would tell the truth"]),
-    ],
-)
-def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any], said: list[str]) -> None:
-    with pytest.raises(InputError) as caught:
-        diagnose(lambda run: estimate(run))
-    assert [word for word in said if word not in str(caught.value)] == []
-
-
-@pytest.mark.parametrize(
-    ("estimate", "said"),
-    [
-        (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
-        pytest.param(textbook.stops, ["textbook.py line ", ": BaseException: mend"], marks=pytest.mark.slow),
-        (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
-        (textbook.endless, ["the filter failed, MemoryError: mend"]),
-    ],
-)
-def test_filter_that_fails_in_a_process_of_its_own_is_refused_in_one_line(
-    estimate: Callable[[Any], Any], said: list[str]
-) -> None:
-    with pytest.raises(InputError) as caught:
-        diagnose(estimate, workers=1)
-    assert [word for word in said if word not in str(caught.value)] == []
 
 
 @pytest.mark.parametrize(
@@ -413,7 +379,7 @@ def test_filter_that_makes_round_off_large_is_told_to_be_unstable() -> None:
     found = diagnose(textbook.corrects_the_wrong_way, max_runs=1, workers=2)
     assert found.mistakes == ()
     assert failed(found)[0] == "follows"
-    assert "unstable" in found.probes[0].message
+    assert PHRASES["unstable"] in found.probes[0].message
     assert found.probes[0].message in str(found)
 
 
@@ -429,7 +395,7 @@ def test_filter_whose_equal_runs_differ_is_told_so_at_once() -> None:
     assert found.mistakes == ()
     assert {"follows", "repeatable"} <= {*failed(found)}
     assert str(found).splitlines()[1].startswith("repeatable: ")
-    assert "unstable" not in found.probes[0].message
+    assert PHRASES["unstable"] not in found.probes[0].message
     assert [note.code for note in found.notes if note.code == "causal"] == []
     assert found.filter_runs < 200
 
@@ -440,7 +406,7 @@ def test_right_filter_that_begins_at_the_identity_and_comes_slowly_has_no_mistak
     found = diagnose(textbook.from_afar, workers=2)
     assert found.mistakes == ()
     assert failed(found) == ["half_turn", "converges"]
-    assert "begins with one attitude" in found.probes[0].message
+    assert PHRASES["one attitude"] in found.probes[0].message
     assert found.filter_runs < 200
 
 
@@ -460,21 +426,21 @@ def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> N
         lambda run: textbook.without_a_magnetometer(run), max_runs=1, imu_rate=25.0, magnetometer_rate=25.0
     )
     assert found.mistakes == ()
-    assert "heading alone" in found.probes[0].message
+    assert PHRASES["heading"] in found.probes[0].message
 
 
 @pytest.mark.slow
 def test_correction_of_the_wrong_sign_is_no_lead_of_a_sample() -> None:
     found = diagnose(textbook.corrects_before_the_step, workers=2)
     (note,) = (note for note in found.notes if note.code == "ahead_by_a_sample")
-    assert "wrong sign" in note.message
+    assert WRONG_SIGN in note.message
 
 
 @pytest.mark.slow
 def test_bias_of_the_wrong_sign_is_told_beside_the_probe() -> None:
     found = diagnose(textbook.bias_of_wrong_sign, max_runs=1, workers=2)
     assert found.mistakes == ()
-    assert "wrong sign" in next(probe.message for probe in found.probes if probe.code == "gyro_bias")
+    assert WRONG_SIGN in next(probe.message for probe in found.probes if probe.code == "gyro_bias")
 
 
 @pytest.mark.parametrize(
@@ -497,4 +463,4 @@ def test_whether_a_bias_is_removed_agrees_with_its_probe() -> None:
     found = diagnose(textbook.stuck, max_runs=1)
     (probe,) = (probe for probe in found.probes if probe.code == "gyro_bias")
     assert not probe.passed
-    assert "removes" not in probe.message
+    assert PHRASES["bias removed"] not in probe.message

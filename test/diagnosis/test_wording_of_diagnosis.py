@@ -1,10 +1,26 @@
-"""The sentences with which a diagnosis begins."""
+"""What a diagnosis says: its first sentences, why a filter cannot be diagnosed, and phrases that other tests name."""
 
 from __future__ import annotations
 
-import pytest
+from collections.abc import Callable
+from typing import Any
 
-from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
+import pytest
+import textbook
+
+from lie_rigid_body import InputError
+from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe, diagnose
+
+PHRASES = {
+    "honest": " runs where 3 is honest",
+    "deviations": "it is honest when it is squared: give variances, no standard deviations",
+    "other axes": "it is honest about the other axes, of world and body: give covariance_axes",
+    "unstable": "it is unstable: sensors off by ",
+    "one attitude": "it begins with one attitude whatever it reads, and so do the bodies here",
+    "heading": "its vertical is right, and its heading alone is wrong: see whether it uses the magnetometer",
+    "bias removed": "it removes the bias",
+}
+"""Parts of what is told of probes."""
 
 RIGHT = Probe("follows", True, "it errs by 0°", 0.0)
 NOISE = Probe("noise", False, "it errs by 9°", 9.0)
@@ -32,3 +48,38 @@ SAID: dict[str, FilterDiagnosis] = {
 @pytest.mark.parametrize("said", SAID)
 def test_what_a_person_needs_to_know_is_said_first(said: str) -> None:
     assert str(SAID[said]) == said
+
+
+@pytest.mark.parametrize(
+    ("estimate", "said"),
+    [
+        (textbook.raises, ["textbook.py line ", "ZeroDivisionError: of the filter"]),
+        (textbook.of_wrong_shape, ["(1300, 3)"]),
+        (textbook.changes_its_run, ["(10, 4) for 1300 stamps"]),
+        (textbook.changes_its_estimate, ["estimate: not numbers"]),
+        (textbook.unreadable, ["textbook.py line ", "LookupError: where it is read"]),
+        (textbook.first_reading, ["no attitude after 4.33 s"]),
+        (textbook.peeks, ["textbook.py line ", "run.attitude() would tell the truth"]),
+    ],
+)
+def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any], said: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        diagnose(lambda run: estimate(run))
+    assert [word for word in said if word not in str(caught.value)] == []
+
+
+@pytest.mark.parametrize(
+    ("estimate", "said"),
+    [
+        (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
+        pytest.param(textbook.stops, ["textbook.py line ", ": BaseException: mend"], marks=pytest.mark.slow),
+        (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
+        (textbook.endless, ["the filter failed, MemoryError: mend"]),
+    ],
+)
+def test_filter_that_fails_in_a_process_of_its_own_is_refused_in_one_line(
+    estimate: Callable[[Any], Any], said: list[str]
+) -> None:
+    with pytest.raises(InputError) as caught:
+        diagnose(estimate, workers=1)
+    assert [word for word in said if word not in str(caught.value)] == []

@@ -21,6 +21,8 @@ STAMPS = np.arange(1501) * PERIOD_NS
 
 UNTOLD = "this motion does not tell it from "
 """Words of a finding beside which another cause is as likely."""
+CLOCK = r"runs (\S+) times as (fast|slow) as"
+"""Words of a finding about the rate of a clock."""
 PLACES = "its x, y, z are "
 """Words of a mounting that only changes places and signs of the axes."""
 

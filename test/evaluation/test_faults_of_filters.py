@@ -145,7 +145,7 @@ def test_a_fault_beside_the_errors_of_tactical_sensors_has_its_name_alone(scenar
     [finding] = told(run, estimate)
     assert finding.code in names
     if finding.code == "ned_world":
-        assert ("forward-right-down" in finding.message) == (fault == "NED and FRD")
+        assert ("(1, 0, 0, 0)" in finding.message) == (fault == "NED and FRD")
 
 
 TWO_CONVENTIONS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], list[str]]] = {

@@ -40,6 +40,7 @@ ONE, ZERO = [0.0, 0.0, 0.0, 1.0], [0.0] * 4
 Q = np.tile(ONE, (3, 1))
 P = np.array([[4.0, 1.0, -0.5], [1.0, 3.0, 0.2], [-0.5, 0.2, 0.5]]) * 1e-6
 GIVEN: dict[str, Any] = {"stamps_ns": [0, 1], "truth_xyzw": [ONE] * 2, "gyro_noise": 0.1}
+UP, ASLANT = VectorReadings([0, 1], [0.0, 0.0, 9.81], 0.3), VectorReadings([0, 1], [0.6, 0.0, 0.8], 0.3)
 TRUE = attitude("slow_tumble")
 MASK = np.ma.masked_array([0, 1, 2], mask=[False, True, False])
 NO_NUMBERS: list[Any] = [
@@ -250,9 +251,12 @@ SAID: dict[str, Callable[[], str]] = {
     "a and b: too few common runs (3) to tell a difference": lambda: Difference(0.0, -np.inf, np.inf, 1, 3).sentence(
         "a", "b"
     ),
+    "the attitude": lambda: unavoidable_error(**GIVEN).unobserved,
+    "a turn about the vertical": lambda: unavoidable_error(**GIVEN, vectors=[UP]).unobserved,
+    "a turn about (0.6, 0, 0.8) of the world": lambda: unavoidable_error(**GIVEN, vectors=[ASLANT]).unobserved,
     "if the covariance is about them, give covariance_axes world": lambda: about_other_axes().partition(": ")[2],
 }
-"""Sentences about limits, differences and covariances, each with what says it."""
+"""Sentences about limits, differences, covariances and what no sensor tells, each with what says it."""
 
 
 @pytest.mark.parametrize("sentence", SAID)

@@ -10,9 +10,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from motions import PLACES, STAMPS, UNTOLD, about_up, attitude, truth_of
+from test_turning import CYCLED, SWAPPED, UNCHANGED, remarks_on
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, Truth, evaluate
+from lie_rigid_body.evaluation.remarks import DEGREE
 from lie_rigid_body.lie import quaternion
 
 Given = tuple[np.ndarray, np.ndarray, Truth]
@@ -131,3 +133,30 @@ def test_a_finding_says_what_is_wrong_and_what_to_do(case: str) -> None:
     finding = evaluate(*given()).findings[0]
     assert finding.code == code
     assert [part for part in words if part not in finding.message] == []
+
+
+TURNS = {
+    "The estimate turns 57.3 times as fast as the body: its gyro is in deg/s where the filter wants rad/s; ": (
+        DEGREE * UNCHANGED
+    ),
+    "The estimate turns 57.3 times as slow as the body: its gyro is in rad/s where the filter wants deg/s; ": (
+        UNCHANGED / DEGREE
+    ),
+    "The estimate turns 2 times as fast as the body: the rate of a quaternion is ½ q ω, or ": 2.0 * UNCHANGED,
+    "The estimate turns 10 times as fast as the body: see the time step of the filter, and the unit ": 10.0 * UNCHANGED,
+    "The estimate turns 3.33 times as slow as the body: see the time step ": 0.3 * UNCHANGED,
+    "The estimate turns about x, y, z as the body does about y, x, z: give the filter its gyro on the axes of the "
+    "body, which are right-handed; these are not; a mistake in its readings does the same, which ": SWAPPED,
+    "The estimate turns about x, y, z as the body does about z, x, y: give the filter its gyro on the axes of the "
+    "body; ": CYCLED,
+    "The estimate turns about x, y, z as the body does about y, x, z, 57.3 times as fast as the body: give ": (
+        DEGREE * SWAPPED
+    ),
+}
+"""Beginnings of remarks, each with the matrix by which a gyro reads the turns of a body."""
+
+
+@pytest.mark.parametrize("said", TURNS)
+def test_a_remark_on_turns_says_what_is_wrong_with_the_gyro(said: str) -> None:
+    [remark] = remarks_on(TURNS[said])
+    assert remark.message.startswith(said)

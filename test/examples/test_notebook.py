@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from lie_rigid_body.diagnosis import FilterDiagnosis, Probe
+
 ROOT = Path(__file__).parents[2]
 NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
@@ -35,6 +37,7 @@ def test_the_notebook_shows_what_it_did(tmp_path: Path) -> None:
     shown = [*told(ROOT / "examples" / "first_filter.ipynb")]
     assert [*told(new)] == shown, "run it anew: python docs/run_notebook.py"
     texts = [text for _, text in shown]
-    assert any("magnetic declination" in text for text in texts)
-    assert any(text.startswith("No mistake") for text in texts)
+    assert any("heading_offset" in text for text in texts)
+    right = FilterDiagnosis((), (Probe("follows", True, "it errs by 0°", 0.0),), (), 1, 0.0, 0.1)
+    assert any(text.strip() == NUMBER.sub("0", str(right)) for text in texts)
     assert "image/png" in new.read_text(encoding="utf-8")

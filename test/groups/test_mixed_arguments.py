@@ -100,13 +100,13 @@ def test_generators_of_exp_with_an_i_are_told_as_such():
     """Open sets only: a closed one, as of a dilation, generates a group as it stands."""
     pauli, boost, turn = 2j * SU(2).generators, np.array([[0.0, 1.0], [1.0, 0.0]]), np.diag([1.0, -1.0])
     for generators in (pauli, 1j * np.stack([boost, turn, boost @ turn])):  # the second are not all Hermitian
-        with pytest.raises(InputError, match="−i times"):
+        with pytest.raises(InputError, match="−i "):
             MatrixLieGroup.from_generators(generators)
     assert np.allclose(MatrixLieGroup.from_generators(-0.5j * pauli).structure_constants, GROUP.structure_constants)
     assert MatrixLieGroup.from_generators([np.eye(2)]).dimension == 1
     with pytest.raises(InputError) as caught:
         MatrixLieGroup.from_generators(1j * pauli[:2])
-    assert "−i times" not in str(caught.value)
+    assert "−i " not in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["SE", "SE3", "E", "U", "U2", "SU2", "SO3", "O", "SL", "GL", "Sp", "Spin"])

@@ -21,7 +21,9 @@ from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult, rows_of
 from lie_rigid_body.runs import Estimate
 from lie_rigid_body.runs.ensemble import BlindRun
+from said import refusals
 
+refused = refusals({InputError: {"kind": r"^no row of the league \(a value is unknown, or of another kind\): give "}})
 FILTERS = '''
 """Attitudes of gravity and field alone, in few lines of NumPy, and filters that fail."""
 import numpy as np
@@ -149,7 +151,7 @@ def test_a_filter_of_ones_own_has_the_row_of_its_like(folder, tmp_path, monkeypa
     assert main(["--with", str(rows), "--report", str(report)]) == 0
     out = capsys.readouterr().out
     assert "> league_filters:triad" in out
-    assert f"number {reference().with_rows([mine]).rank(mine)} of" in " ".join(out.split())
+    assert f" {reference().with_rows([mine]).rank(mine)} of " in " ".join(out.split())
     assert "league_filters:triad" in report.read_text(encoding="utf-8")
 
 
@@ -249,7 +251,7 @@ def changed(name: str, value: object) -> dict[str, object]:
 )
 def test_row_with_a_value_of_another_kind_is_refused(name, value):
     assert FilterRow.from_json(changed("version", "2.0")).version == "2.0"
-    with pytest.raises(InputError, match="of another kind"):
+    with refused("kind"):
         FilterRow.from_json(changed(name, value))
 
 

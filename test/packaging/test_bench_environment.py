@@ -33,7 +33,7 @@ def test_without_any_python_it_is_one_clear_line() -> None:
     assert done.returncode != 0
     ours = [line for line in done.stderr.splitlines() if not line.startswith("make: ***")]
     assert len(ours) == 1
-    assert "no Python 3.10 or newer" in ours[0]
+    assert "3.10" in ours[0]
 
 
 def test_help_and_clean_know_it() -> None:
@@ -48,5 +48,5 @@ def test_its_help_builds_nothing_and_a_mistyped_argument_neither() -> None:
     assert "--save" in told.stdout
     mistyped = make("bench", "PYTHON=/bin/false", "ARGS=--sav")
     assert mistyped.returncode != 0
-    assert "unknown argument '--sav'" in mistyped.stderr
-    assert "no Python" not in mistyped.stderr
+    assert "'--sav'" in mistyped.stderr
+    assert "3.10" not in mistyped.stderr

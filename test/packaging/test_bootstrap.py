@@ -101,13 +101,13 @@ def test_make_without_any_python_is_one_clear_line(target: str) -> None:
     assert done.returncode != 0
     ours = [line for line in done.stderr.splitlines() if not line.startswith("make: ***")]
     assert len(ours) == 1
-    assert "no Python 3.10 or newer" in ours[0]
+    assert "3.10" in ours[0]
 
 
 def test_oldest_without_python_312_is_left_out_and_says_so() -> None:
     done = make("test-oldest", "PYTHON_ROS=none")
     assert done.returncode == 0
-    assert "left out" in done.stderr
+    assert "3.12" in done.stderr
 
 
 # A Python that is found, makes an environment of itself alone, and has a pip that ends with 3 when told to.

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from said import numbers
+
 CONFTEST = Path(__file__).resolve().parents[1] / "conftest.py"
 TESTS = """
 import pytest
@@ -60,14 +62,14 @@ def test_tests_left_out_are_counted(project: Path) -> None:
     assert done.returncode == 0
     assert "1 passed, 5 skipped, 1 deselected" in done.stdout
     library, ros = done.stdout.splitlines()[-2:]
-    assert library == "left out: 2 files or tests (allantools is not installed)"
-    assert ros.startswith("ROS part left out: 3 tests")
+    assert (numbers(library), "allantools" in library) == ([2], True)
+    assert (numbers(ros)[:1], "ROS" in ros) == ([3], True)
 
 
 def test_ros_that_should_be_there_is_missed(project: Path) -> None:
     done = run_without_ros(project, LIE_RIGID_BODY_TEST_ROS="required")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR
-    assert "should have rclpy" in done.stderr
+    assert "rclpy" in done.stderr
 
 
 @pytest.mark.parametrize("options", [("--run-slow",), ("-m", "slow or not ros")])

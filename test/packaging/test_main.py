@@ -31,10 +31,10 @@ def test_version_and_extras(capsys: pytest.CaptureFixture[str], monkeypatch: pyt
     told = {line.split()[0]: line for line in extras}
     declared = {*metadata.metadata("lie_rigid_body").get_all("Provides-Extra", [])}
     assert {*told} == {*EXTRAS} == declared - {"bench", "docs", "league", "lint", "test"}
-    assert told["campaign"].endswith(": pip install 'lie-rigid-body[campaign]'")
+    assert told["campaign"].endswith(" pip install 'lie-rigid-body[campaign]'")
     for name, modules in EXTRAS.items():
         there = all(find_spec(module) for module in modules)
-        assert told[name].endswith(" installed") == there
+        assert ("pip install" not in told[name]) == there
 
 
 def test_no_verb_is_one_line_that_names_them(capsys: pytest.CaptureFixture[str]) -> None:

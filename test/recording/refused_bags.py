@@ -6,6 +6,14 @@ from lie_rigid_body.errors import BagError, InputError
 from said import refusals
 
 NOT_OURS = "is not the JSON that lie_rigid_body writes: "
+NESTED = f"{NOT_OURS}it is nested too deeply"
+FAULTS = {
+    "no topic": "x.mcap has {scenario} and no topic {topic}: record it as well",
+    "no message": "x.mcap has no message on {topic}: record it while the body is published",
+    "several topics": "x.mcap has several topics {kind}: ",
+}
+"""What one of several bodies lacks, and how that is said."""
+KEPT = "; the older file of that name is kept: "
 
 refused = refusals(
     {
@@ -89,7 +97,7 @@ refused = refusals(
             "key twice": f"{NOT_OURS}it gives '{{key}}' twice$",
             "no object": f"{NOT_OURS}it is no object$",
             "no key": f"{NOT_OURS}it has no {{key}}$",
-            "nested": f"{NOT_OURS}it is nested too deeply",
+            "nested": NESTED,
             "long integer": f"{NOT_OURS}it has a number of {{length}} characters, where {{most}} are read$",
         },
     }

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 from bags import MakeBag
-from refused_bags import refused
+from refused_bags import FAULTS, refused
 from test_bag_reader import rewrite
 
 from lie_rigid_body.messages import encode_string
@@ -139,14 +139,14 @@ def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
     two, rest = {**inside("/a"), **inside("/b")}, {"/b/imu/data_raw": IMU}
     without_twist = {topic: kind for topic, kind in two.items() if topic != "/b/twist"} | rest
     mute, doubled = contents(two, counts={"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
-    for held, fault in (
-        (contents(without_twist), "x.mcap has /b/lie_rigid_body/scenario and no topic /b/twist: record it as well"),
-        (mute, "x.mcap has no message on /b/pose: record it while the body is published"),
-        (doubled, "x.mcap has several topics .../scenario: "),
+    for held, fault, named in (
+        (contents(without_twist), "no topic", {"scenario": "/b/lie_rigid_body/scenario", "topic": "/b/twist"}),
+        (mute, "no message", {"topic": "/b/pose"}),
+        (doubled, "several topics", {"kind": ".../scenario"}),
     ):
         whole, faulty = bodies(HERE, held, {})
         assert (whole.name, whole.fault, faulty.name) == ("/a", "", "/b")
-        assert faulty.fault.startswith(fault)
+        assert faulty.fault.startswith(FAULTS[fault].format_map(named))
         assert [body.name for body in bodies(HERE, held, {"pose": "/a/pose"})] == ["/a"]
     without_pose = contents({topic: kind for topic, kind in two.items() if topic != "/a/pose"})
     with refused("bodies", pose="/b/pose"):

@@ -17,8 +17,10 @@ import zstandard
 from bags import write_bag
 from forged import chunk, framed, record, text
 from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
+from refused_bags import NESTED
 from test_bag_reader import rewrite
 
+from lie_rigid_body import console
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.messages import encode_string
@@ -85,7 +87,7 @@ def with_value(folder: Path, name: str, value: object) -> bytes:
 BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
     "zstd of 10 GiB": (
         lambda d, n: framed(chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))),
-        "a chunk of 1073741824",
+        " 10737418240 ",
     ),
     "zstd of 10 GiB that claims less": (
         lambda d, n: framed(chunk("zstd", n, zstd_zeros(10 * GIB))),
@@ -97,7 +99,7 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
     ),
     "a message that is large": (
         lambda d, n: framed(full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
-        "more than is read|has no topic",
+        r" \.\.\./pose ",
     ),
     "messages without end": (lambda d, n: framed(full_of(EMPTY_MESSAGE, n - 1000)), " byte 37"),
     "channels without end": (lambda d, n: framed(full_of(CHANNEL, n - 1000)), " byte 37"),
@@ -115,7 +117,7 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
         lambda d, n: framed(record(9, struct.pack("<QQ", 0, 0) + text("x") + text("y") + struct.pack("<Q", 2**63))),
         " byte 37",
     ),
-    "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), "nested too deeply"),
+    "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), NESTED),
     "a long JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 70_000), "70000 characters"),
     "an integer of 60 000 digits": (
         lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
@@ -147,7 +149,7 @@ def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pyt
         status, printed = check([str(path)]), capsys.readouterr()
         assert re.search(said, printed.err or printed.out), printed
         assert (status, printed.err.count("\n")) in ((2, 1), (1, 0)), printed
-        assert "bug" not in printed.err
+        assert console.DEBUG not in printed.err
         assert len(printed.err) <= LONGEST_LINE + 1
 
 
@@ -176,5 +178,6 @@ def test_none_takes_more_than_the_bound(
     assert process.returncode == 0
     assert len(statuses) == len(complaints) == len(paths)
     assert {*statuses} == {"check": {1, 2}, "plot": {2}, "recover": {0, 2}}[verb]
-    assert [said for said in complaints if said.count("\n") > 1 or "bug" in said or "memory" in said] == []
+    failures = (console.DEBUG, console.explanation(MemoryError()))
+    assert [said for said in complaints if said.count("\n") > 1 or any(each in said for each in failures)] == []
     assert used.ru_maxrss * 1024 < MEMORY

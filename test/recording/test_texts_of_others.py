@@ -60,7 +60,7 @@ def test_a_log_beside_a_body_is_only_counted(make_bag: MakeBag, tmp_path: Path, 
     certificate = certify(Bag(path))
     assert certificate.passed
     count = PER_MESSAGE * (2 * SAMPLES + 1)
-    [said] = [each for each in certificate.not_certified if f"topic {topic} ({count} messages)" in each]
+    [said] = [each for each in certificate.not_certified if f" {topic} ({count} " in each]
     assert said
 
 

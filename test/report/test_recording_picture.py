@@ -23,6 +23,7 @@ from lie_rigid_body.report.thinned import thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 from lie_rigid_body.simulation import Simulation, Taken
+from said import numbers
 
 
 @pytest.fixture
@@ -75,7 +76,7 @@ def test_degenerate_motions_are_drawn(parameters, tmp_path):
 def test_a_single_sample_is_seen(tmp_path):
     figure = draw(thinned_segments(read_bag(write_bag(tmp_path / "bag.mcap", 1))))
     figure.canvas.draw()
-    assert "1 sample at" in title(figure)
+    assert numbers(title(figure))[-2:] == [1, 100]
     for axes in figure.axes[:3]:
         assert [line.get_marker() for line in axes.get_lines()].count("o") == (1 if axes is figure.axes[1] else 3)
 
@@ -120,8 +121,8 @@ def test_an_envelope_holds_every_value_between_its_edges():
     assert np.array_equal(few[1], few[2])
 
 
-@pytest.mark.parametrize(("resets", "said"), [(2, "2 resets (dashed)"), (40, "40 resets (marks above)")])
-def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets, said):
+@pytest.mark.parametrize("resets", [2, 40])
+def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets):
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation = Simulation(scenario)
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
@@ -132,7 +133,7 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets, said):
         bag.begin_segment(simulation.segment)
         bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
     figure = draw(thinned_segments(read_bag(tmp_path / "bag.mcap")))
-    assert said in title(figure)
+    assert numbers(title(figure))[-1] == resets
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
     heights = [np.ptp(path[:, 1]) for path in marks.get_segments()]
     assert len(heights) == resets
@@ -157,17 +158,21 @@ def test_segments_without_samples_are_left_out(tmp_path):
     without, with_samples = segments(tmp_path, 0, 50)
     figure = draw([without, with_samples])
     figure.canvas.draw()
-    assert "inertia [1, 2, 3]" in title(figure)
-    assert "reset" not in title(figure)
-    with pytest.raises(BagError, match="both a pose and a twist"):
+    assert "[1, 2, 3]" in title(figure)
+    assert numbers(title(figure))[-2:] == [50, 100]
+    with pytest.raises(BagError):
         draw([without])
 
 
 def test_of_several_segments_the_first_is_named(tmp_path):
-    figure = draw(segments(tmp_path, 50, 50))
-    assert "first segment: inertia [1, 2, 2.5]" in title(figure)
-    assert "100 samples at 100 Hz, 1 reset" in title(figure)
-    assert figure.subfigs[1].texts[0].get_text().startswith("first segment: polhode")
+    pieces = segments(tmp_path, 50, 50)
+    label, alone = (draw(some).subfigs[1].texts[0].get_text() for some in (pieces, pieces[:1]))
+    assert label != alone
+    assert label.endswith(alone)
+    figure = draw(pieces)
+    assert label.removesuffix(alone) in title(figure)
+    assert "[1, 2, 2.5]" in title(figure)
+    assert numbers(title(figure))[-3:] == [100, 100, 1]
 
 
 def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import PROGRAM, Browser
+from test_wording_of_report import FAR
 
 from lie_rigid_body import Estimate, InputError, Limits, Run, simulate
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Probe
@@ -133,7 +134,8 @@ except LieRigidBodyError as error:
     print(error)
 """
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert said == "to_dataframe needs pandas, which is not installed: pip install pandas\n"
+    assert said.startswith("to_dataframe ")
+    assert said.endswith(": pip install pandas\n")
 
 
 def test_a_score_is_told_where_reports_are_made(run: Any, tmp_path: Path) -> None:
@@ -146,7 +148,8 @@ def test_a_score_is_told_where_reports_are_made(run: Any, tmp_path: Path) -> Non
     write_plot(score, tmp_path / "e.png")
     write_report(score, tmp_path / "e.html")
     page = (tmp_path / "e.html").read_text("utf-8")
-    order = [page.index(text) for text in ("<h1>", "The attitude error is", "<svg", "Findings", "<table")]
+    parts = ("<h1>", f" {score.total_deg.rms:.3g}° ", "<svg", score.findings[0].code, "<table")
+    order = [page.index(text) for text in parts]
     assert order == sorted(order)
 
 
@@ -200,9 +203,9 @@ def test_no_bound_and_no_limit_flattens_the_errors(run: Any, degrees: float, lim
     assert decades < own + 3.5  # a limit makes room for itself only where it is near
     names = [text.get_text() for text in total.get_legend().get_texts()]
     told: Any = [] if limits is None else [limits.max_rms_deg, *(limit for _, limit in limits.max_after)]
-    assert all(any(f"limit {limit:g}°" in name for name in names) for limit in told)
+    assert all(any(f" {limit:g}°" in name for name in names) for limit in told)
     assert all(
-        ("far" in name) == (not low <= limit <= high) for limit in told for name in names if f" {limit:g}°" in name
+        (FAR in name) == (not low <= limit <= high) for limit in told for name in names if f" {limit:g}°" in name
     )
 
 

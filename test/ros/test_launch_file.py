@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 import yaml
+from test_wording_of_ros import phrase
 
 from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.report import request
@@ -220,24 +221,32 @@ def test_rviz_shows_every_body(launch: Launch) -> None:
 @pytest.mark.parametrize(
     ("file", "given", "said"),
     [
-        ("bodies.launch.py", {"bodies": "a:dzhanibekov,a:symmetric_top"}, "bodies: 'a:symmetric_top' .* give NAME"),
-        ("bodies.launch.py", {"bodies": ":top"}, "bodies: ':top' .* give NAME"),
-        ("bodies.launch.py", {"bodies": "a/b:top"}, "bodies: 'a/b:top' .* give NAME"),
+        (
+            "bodies.launch.py",
+            {"bodies": "a:dzhanibekov,a:symmetric_top"},
+            f"bodies: 'a:symmetric_top' .* {phrase('no body')}",
+        ),
+        ("bodies.launch.py", {"bodies": ":top"}, f"bodies: ':top' .* {phrase('no body')}"),
+        ("bodies.launch.py", {"bodies": "a/b:top"}, f"bodies: 'a/b:top' .* {phrase('no body')}"),
         ("bodies.launch.py", {"bodies": "a:dzanibekov"}, "'dzanibekov'"),
-        ("bodies.launch.py", {"spacing": "wide"}, "spacing: 'wide' .* give metres"),
+        ("bodies.launch.py", {"spacing": "wide"}, f"spacing: 'wide' {phrase('no metres')}"),
         ("bodies.launch.py", {"params_file": "/nowhere.yaml"}, "/nowhere.yaml "),
-        ("bodies.launch.py", {"record_path": "a.mcap"}, "bodies.launch.py has no argument 'record_path'"),
+        (
+            "bodies.launch.py",
+            {"record_path": "a.mcap"},
+            phrase("no argument", file="bodies.launch.py", name="record_path"),
+        ),
         ("sim.launch.py", {"scenario": "dzanibekov"}, "'dzanibekov'"),
         ("sim.launch.py", {"rate": "-1.0"}, "^rate: "),
         ("sim.launch.py", {"rte": "1.0"}, "rte:=1.0: "),
-        (ESTIMATOR, {"package": "mine"}, "executable: that of mine is not known: give executable:=NAME"),
+        (ESTIMATOR, {"package": "mine"}, phrase("no executable", package="mine")),
         (ESTIMATOR, {"max_rms": "1"}, "'1'"),
         (ESTIMATOR, {"covariance_axes": "map"}, "'map'"),
         (ESTIMATOR, {"max_after": "10s"}, "'10s'"),
         (ESTIMATOR, {"parameters": "gain=1"}, "gain=1"),
-        (ESTIMATOR, {"remappings": "imu=data"}, "remappings: 'imu=data' is not FROM:=TO"),
+        (ESTIMATOR, {"remappings": "imu=data"}, f"remappings: 'imu=data' {phrase('no remapping')}"),
         (ESTIMATOR, {"imu_rate": "-1.0"}, "^imu_rate: "),
-        (ESTIMATOR, {"rviz": "true"}, "estimator.launch.py has no argument 'rviz'"),
+        (ESTIMATOR, {"rviz": "true"}, phrase("no argument", file=ESTIMATOR, name="rviz")),
     ],
 )
 def test_unusable_input_is_told_in_one_line(launch: Launch, file: str, given: dict[str, str], said: str) -> None:

@@ -12,6 +12,7 @@ from functools import partial
 
 import pytest
 from simulator_process import DEADLINE, SimulatorProcess
+from test_wording_of_ros import phrase
 
 from lie_rigid_body.ros.listen import main
 from said import numbers
@@ -56,7 +57,7 @@ def test_silence_is_told_once() -> None:
         finally:
             patience.cancel()
             process.kill()
-    assert f"nothing yet on /no in domain {os.environ['ROS_DOMAIN_ID']}" in line
+    assert line == f"{phrase('silence', topic='/no', domain=os.environ['ROS_DOMAIN_ID'])}\n"
     assert (process.returncode, rest) == (0, "")
 
 

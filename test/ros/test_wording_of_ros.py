@@ -17,7 +17,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.ros.listen import main as listen
-from lie_rigid_body.ros.publishing.announcement import farewell
+from lie_rigid_body.ros.publishing.announcement import announcement, farewell
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.requests import Mailbox, StepRequest
@@ -31,6 +31,60 @@ if find_spec("rclpy"):
     from lie_rigid_body.ros.control.services import StandardServices, offer_triggers
     from lie_rigid_body.ros.node import SimulatorNode
 
+PHRASES = {
+    # launch files
+    "no body": "does not begin with a name of its own: give NAME:SCENARIO",
+    "no metres": "is not a number: give metres",
+    "no argument": "{file} has no argument '{name}'",
+    "no executable": "executable: that of {package} is not known: give executable:=NAME",
+    "no remapping": "is not FROM:=TO: give for example imu:=imu/data_raw",
+    # arguments of the simulator
+    "one name": "{first} and {second} would both be {name}: give each a name of its own",
+    "long name": "this node would have a name of {count} characters: at most 200 leave room for those of its services",
+    "kept": "exists and is kept: give another name, or move it away",
+    "depth": "depth {depth} is outside [1, 2147483647]: give for example 10",
+    "for every node": "every ROS 2 node has it, and no scenario: give it to sim after --ros-args",
+    "refused by ROS": "ROS refuses --ros-args {given}: ",
+    "paused": "as it is how the node starts: call ~/pause or ~/resume",
+    "made at the start": "as publishers are made at the start: start the node anew",
+    # its environment
+    "domain": "ROS_DOMAIN_ID {given} is above 232",
+    "middleware": "RMW_IMPLEMENTATION '{given}' is not installed",
+    "log folder": ": name a folder that can be written as ROS_LOG_DIR",
+    "peers": ": name machines that are known as ROS_STATIC_PEERS",
+    "no keys": "ROS_SECURITY_KEYSTORE is empty",
+    "bad keys": ": mend the keys in ROS_SECURITY_KEYSTORE",
+    # lock-step
+    "without an IMU": "lockstep_topic: {topic} can answer no reading without an IMU: give imu_rate",
+    "own topic": "lockstep_topic: {topic} is a topic of this node itself: give that of a filter",
+    "one filter": "waits for one node that publishes {topic} and hears {readings}, of which there are {count}",
+    "subscriptions": "subscriptions of {node}",
+    "lock-step": "lock-step with {filter}, which hears {sensors} and answers on {topic}",
+    # a filter
+    "no filter": "is not there after {seconds} s: missing: one node that publishes {topic} ",
+    "ended": "ended with status {status}",
+    "no answer": "no answer to {stamp} ns in {seconds} s",
+    "other frames": "not of world to base_link",
+    "no orientation": "has no orientation",
+    # an evaluation
+    "only with a bag": "--{option} goes only with a bag: remap the topic",
+    "unknown parameter": "parameter {name} is unknown: did you mean {like}",
+    "no topic": "there is no topic {topic}: topics of types with attitudes are ",
+    "not finite": "are not finite",
+    "silence": "nothing yet on {topic} in domain {domain}: is the node running?",
+}
+"""What refusals and lines on the terminal have in them, where other tests run a node or a launch file for it."""
+NAMES = {
+    "~": "/a/top",
+    "pose": "/a/truth",
+    "twist": "/a/twist",
+    "~/scenario": "/a/top/scenario",
+    "~/reset": "/a/top/reset",
+    "imu/data_raw": "/a/imu",
+    "imu/bias": "/a/bias",
+    "~/faults": "/a/top/faults",
+}
+"""Full names of topics and services of a node, by their relative names."""
 NS = 10**9
 SCENARIO = Scenario.from_parameters({"motion": "closed_form"})
 ENDED = SimpleNamespace(process_name="it-3", returncode=-6)
@@ -41,6 +95,11 @@ class DirectMailbox(Mailbox):
 
     def request(self, function: Any, *args: Any, **kwargs: Any) -> Any:
         return function(*args, **kwargs)
+
+
+def phrase(name: str, /, **values: object) -> str:
+    """A phrase of the table with its values."""
+    return PHRASES[name].format_map(values)
 
 
 def live(*, paused: bool = False, mailbox: Mailbox | None = None) -> LiveRun:
@@ -342,3 +401,27 @@ def test_whom_nobody_answers_is_told_in_one_line(
     [line] = capfd.readouterr().err.splitlines()
     assert said in line
     assert line.endswith(": is the node running?")
+
+
+ANNOUNCED = [
+    "/a/top simulates a torque-free rigid body",
+    "  body      asymmetric top, inertia 1 2 2.5 kg m²",
+    "  start     body rate 0.01 1 0.01 rad/s, attitude 0 0 0 1 (x y z w)",
+    "  motion    closed_form, the exact solution",
+    "publishes 250 times a second, in ROS domain 42",
+    "  /a/truth  PoseStamped in map",
+    "  /a/twist  Twist in base_link",
+    "  /a/top/scenario  the whole scenario, latched",
+    "  /a/imu /a/bias  of the sensors",
+    "records /tmp/a.mcap",
+    "listen and reset from another terminal",
+]
+"""What a node says at its start, before the commands."""
+
+
+def test_what_is_done_is_said_at_the_start() -> None:
+    frame = {"stamped_twist": False, "world_frame": "map"}
+    scenario = Scenario(inertia=[1, 2, 2.5], rate=250.0, motion="closed_form", imu_rate=10.0, **frame)
+    said = announcement(scenario, NAMES, 42, "/tmp/a.mcap").splitlines()
+    assert said[: len(ANNOUNCED)] == ANNOUNCED
+    assert said[-1] == "Ctrl-C ends it."

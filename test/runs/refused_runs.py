@@ -1,10 +1,18 @@
-"""Wording of what is refused of runs, estimates and filters, one line an error: other tests give its name."""
+"""Wording of what is refused of runs, estimates and filters, and said of scores: other tests give its name."""
 
 from __future__ import annotations
 
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
 from said import refusals
 
+PHRASES = {
+    "gyro at its limit": "at the limit of its range in 100 % of the readings: the body turns faster",
+    "of the sensors": "a constant turn is about what these sensors leave to a right filter, ",
+    "nearer than noise": "nearer than noise allows: it has seen the truth, or the noise is not as declared",
+    "no best filter": "best filter   not known: no sensor tells a turn about the vertical",
+    "drawn bound": "best by noise",
+}
+"""Parts of what is said of a score."""
 refused = refusals(
     {
         InputError: {
@@ -56,6 +64,7 @@ refused = refusals(
             "no scenario": "not the JSON",
             "live duration": "is not a time from 1e-9 to 1e10 seconds: give for example 60",
             # programs
+            "no attitude": "prints no attitude: print ",
             "prints": "prints more than {most} bytes",
             "not started": "cannot be started: it is {fault}: give the path",
             "hangs": "within {seconds} s",

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refused_runs import PHRASES
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.lie import quaternion
@@ -127,6 +128,6 @@ def test_what_declared_hard_iron_turns_is_said_to_be_of_the_sensors():
     score = run.score(turned)
     assert score.findings == ()
     assert score.of_sensors_deg == pytest.approx(np.degrees(left_by_errors_of(run.segments)))
-    assert "about what these sensors leave" in str(score)
+    assert PHRASES["of the sensors"] in str(score)
     larger = quaternion.multiply(quaternion.exp(np.radians(20.0) * UP), true(run))
     assert [finding.code for finding in run.score(larger).findings] == ["heading_offset"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from lie_rigid_body.errors import ParameterError
@@ -47,43 +49,45 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "named"),
     [
-        ({"gyro_spike_probability": 0.1}, "gyro_spike_probability has no effect, as imu_rate is 0: give"),
+        ({"gyro_spike_probability": 0.1}, ["gyro_spike_probability", "imu_rate"]),
         (
             {"imu_rate": 9.0, "magnetometer_hard_iron": [1e-6, 0.0, 0.0], "magnetic_disturbance_interval": 5.0},
-            "magnetometer_hard_iron, magnetic_disturbance_interval have no effect, as magnetometer_rate is 0: give",
+            ["magnetometer_hard_iron", "magnetic_disturbance_interval", "magnetometer_rate"],
         ),
         (
             {"imu_latency": 0.1, "sun_sensor_noise": 0.1, "attitude_sensor_rate": 1.0},
-            "imu_latency has no effect, as imu_rate is 0; sun_sensor_noise has no effect, as sun_sensor_rate is 0",
+            ["imu_latency", "imu_rate", "sun_sensor_noise", "sun_sensor_rate"],
         ),
-        ({"sensor_grade": "mems", "gyro_range": 1.0}, "gyro_range has no effect, as imu_rate is 0: give"),
-        ({"sensor_grade": "mems"}, ""),
-        ({"gyro_spike_probability": 0.0, "imu_frame": "sensor", "gravity": 9.7, "sensor_seed": 3}, ""),
-        ({"imu_rate": 9.0, "gyro_spike_probability": 0.1, "sensor_grade": "mems"}, ""),
-        ({"imu_rate": 9.0, "gyro_spike_size": 2.0}, "gyro_spike_size has no effect, as gyro_spike_probability is 0"),
+        ({"sensor_grade": "mems", "gyro_range": 1.0}, ["gyro_range", "imu_rate"]),
+        ({"sensor_grade": "mems"}, []),
+        ({"gyro_spike_probability": 0.0, "imu_frame": "sensor", "gravity": 9.7, "sensor_seed": 3}, []),
+        ({"imu_rate": 9.0, "gyro_spike_probability": 0.1, "sensor_grade": "mems"}, []),
+        ({"imu_rate": 9.0, "gyro_spike_size": 2.0}, ["gyro_spike_size", "gyro_spike_probability"]),
         (
             {"magnetometer_rate": 9.0, "magnetic_disturbance_size": 1e-4, "magnetic_disturbance_duration": 2.0},
-            "magnetic_disturbance_duration, magnetic_disturbance_size have no effect, as magnetic_disturbance_interval",
+            ["magnetic_disturbance_duration", "magnetic_disturbance_size", "magnetic_disturbance_interval"],
         ),
         (
             {"imu_rate": 9.0, "accelerometer_temperature_drift_duration": 9.0, "imu_heading_noise": 0.1},
-            "imu_heading_noise has no effect, as imu_orientation is false; accelerometer_temperature_drift_duration",
+            [
+                "imu_heading_noise",
+                "imu_orientation",
+                "accelerometer_temperature_drift_duration",
+                "accelerometer_temperature_drift",
+            ],
         ),
-        ({"imu_rate": 9.0, "fault_end": 5.0}, "fault_end has no effect, as no fault that comes and goes is on: give"),
-        ({"imu_rate": 9.0, "fault_end": 5.0, "gyro_stuck_interval": 3.0, "gyro_stuck_duration": 2.0}, ""),
-        ({"imu_rate": 9.0, "imu_latency_jitter": 0.1, "gyro_temperature_drift": 0.1}, ""),
-        (
-            {"gyro_spike_size": 2.0},
-            "gyro_spike_size has no effect, as imu_rate is 0: give what switches them on",
-        ),
+        ({"imu_rate": 9.0, "fault_end": 5.0}, ["fault_end"]),
+        ({"imu_rate": 9.0, "fault_end": 5.0, "gyro_stuck_interval": 3.0, "gyro_stuck_duration": 2.0}, []),
+        ({"imu_rate": 9.0, "imu_latency_jitter": 0.1, "gyro_temperature_drift": 0.1}, []),
+        ({"gyro_spike_size": 2.0}, ["gyro_spike_size", "imu_rate"]),
     ],
 )
-def test_what_is_asked_of_sensors_and_faults_that_are_off_is_told(given: dict[str, object], said: str) -> None:
+def test_what_is_asked_of_sensors_and_faults_that_are_off_is_told(given: dict[str, object], named: list[str]) -> None:
     told = Scenario.from_parameters(given).without_effect
-    assert told.startswith(said)
-    assert bool(told) == bool(said)
+    assert [word for word in re.findall(r"\w+", told) if word in SENSORS.parameters] == named
+    assert bool(told) == bool(named)
 
 
 @pytest.mark.parametrize("name", scenario_files())
@@ -94,7 +98,8 @@ def test_no_shipped_scenario_asks_it(name: str) -> None:
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:
     given = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
-    with pytest.raises(ParameterError, match=r"^imu_rate: ") as refusal:
+    with pytest.raises(ParameterError) as refusal:
         Scenario.from_parameters(given)
+    assert refusal.value.name == "imu_rate"
     Scenario.from_parameters({**given, "imu_rate": numbers(str(refusal.value))[-1]})
     Scenario.from_parameters({**given, "gyro_rate": "instantaneous"})

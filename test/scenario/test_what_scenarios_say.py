@@ -94,3 +94,29 @@ def test_what_is_said(scene: Scene, words: str, tmp_path: Path) -> None:
         scene(tmp_path)
     assert re.search(words, str(caught.value))
     assert "\n" not in str(caught.value)
+
+
+WITHOUT_EFFECT: list[tuple[dict[str, object], str]] = [
+    (
+        {"gyro_spike_probability": 0.1},
+        "gyro_spike_probability has no effect, as imu_rate is 0: give what switches them on",
+    ),
+    (
+        {"magnetometer_hard_iron": [1e-6, 0.0, 0.0], "magnetic_disturbance_interval": 5.0, "sun_sensor_noise": 0.1},
+        "magnetometer_hard_iron, magnetic_disturbance_interval have no effect, as magnetometer_rate is 0; "
+        "sun_sensor_noise has no effect, as sun_sensor_rate is 0: give ",
+    ),
+    (
+        {"imu_rate": 9.0, "imu_heading_noise": 0.1, "accelerometer_temperature_drift_duration": 9.0},
+        "imu_heading_noise has no effect, as imu_orientation is false; accelerometer_temperature_drift_duration has ",
+    ),
+    (
+        {"imu_rate": 9.0, "fault_end": 5.0},
+        "fault_end has no effect, as no fault that comes and goes is on: give ",
+    ),
+]
+
+
+@pytest.mark.parametrize(("given", "said"), WITHOUT_EFFECT, ids=[words[:40] for _, words in WITHOUT_EFFECT])
+def test_what_has_no_effect_is_said(given: dict[str, object], said: str) -> None:
+    assert Scenario.from_parameters(given).without_effect.startswith(said)
