@@ -100,6 +100,7 @@ class Interpreter:
         FilterError
             If anything but an InputError is raised in it: an estimator may have left anything in its process.
         """
+        asked = pickle.dumps(question)
         process = self._process = self._process or subprocess.Popen(
             [sys.executable, "-c", _SERVE.format(repr(sys.path))],
             stdin=subprocess.PIPE,
@@ -114,9 +115,9 @@ class Interpreter:
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
         timer.start()
         try:
-            _send(process.stdin, pickle.dumps(question))
+            _send(process.stdin, asked)
             reply = pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
-        except (EOFError, OSError, pickle.UnpicklingError):
+        except Exception:  # what else came through the pipe fails in many ways
             is_late = time.monotonic() >= end
             self.end()
             if is_late:

@@ -23,6 +23,8 @@ from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.simulation.segment import Arrivals
 
+_PER_LOST: Final = 8
+"""Cost of a reading that may be lost, in deviates, which are drawn in an eighth of the time."""
 MOST_LOST: Final = 100
 """Largest number of lost readings for each recorded one, where the recorder has no truth beside them."""
 
@@ -215,10 +217,13 @@ class SegmentSensor:
             return NONE_LOST
         # a forged stamp may lie years ahead
         truth_ns = self._last_ns + round(2 * NS / segment.scenario.rate) + NS
-        most = max(clock.count_until(truth_ns), first + MOST_LOST * tally.count)
+        most = first + MOST_LOST * tally.count
+        if (end := min(last + 1, max(clock.count_until(truth_ns), most))) > most:
+            self.is_too_far |= not self._replays.allow(_PER_LOST * (end - most))
+            end = most if self.is_too_far else end
         return Lost(
             first,
-            min(last + 1, most),
+            end,
             lambda k, n: delivery.lost(np.arange(k, k + n) - first, clock.stamps_ns(k, n) - segment.start_ns),
         )
 

@@ -229,7 +229,7 @@ class SensorLaws:
             whole = own or relative in begun
             end = sensor.last_due(tally.high, self._end_ns, is_last=is_last, is_whole=own)
             last, lost = tally.high if has_ended else end, sensor.lost(tally, end)
-            wrong = []
+            last, wrong = min(last, lost.end - 1) if sensor.is_too_far else last, []
             if tally.count or (whole and not has_ended):
                 first = sensor.first if whole or not tally.count else tally.low
                 wrong = tally.faults(topic.topic, first, last, lost)
@@ -243,7 +243,8 @@ class SensorLaws:
                     why = f"a reset takes the sensor away, before which up to {more} more may have been sent"
                     notes.append(f"readings on {topic.topic} end with {last}: {why}")
             elif not wrong:
-                notes.append(f"no reading on {topic.topic}: {self._why_silent(lost.count(sensor.first, end))}")
+                count = lost.count(sensor.first, end) if own else 0
+                notes.append(f"no reading on {topic.topic}: {self._why_silent(count)}")
         if checked or faults:
             yield stamp_result(f"{SENSORS[name].title} stamps", sensor.clock, faults, checked)
         for topic in sensor.topics.values():

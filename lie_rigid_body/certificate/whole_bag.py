@@ -120,9 +120,11 @@ def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -
     """
     unused = len(surveyed.declared) - len({found.segment.start_ns for found in surveyed.segments})
     repeated = len(bag.scenario_texts) - len(surveyed.declared)
+    alone = sum(surveyed.counts.messages) - 2 * sum(found.count for found in surveyed.segments)
     return (
         *([f"scenarios without a sample: {unused}"] if unused else []),
         *([f"scenario messages that repeat another one: {repeated}"] if repeated else []),
+        *([f"poses and twists without the other of their stamp: {alone}"] if alone else []),
         *sensors.not_certified,
         *bag.others,
     )

@@ -35,7 +35,8 @@ if TYPE_CHECKING:
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    from lie_rigid_body.recording.recovery import Recovery, recover, recover_folder
+    from lie_rigid_body.recording.recovered_folder import recover_folder
+    from lie_rigid_body.recording.recovery import Recovery, recover
 
     broken, out = Path(given.broken), Path(given.out)
     is_folder = broken.is_dir()
@@ -68,7 +69,9 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
         gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
         found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
     if damaged:
-        found.append(f"has {counted(len(damaged), 'damaged record')}, left out, the first at byte {damaged[0]}")
+        found.append(
+            f"has {counted(len(damaged), 'damaged or foreign record')}, left out, the first at byte {damaged[0]}"
+        )
     if rewritten:
         chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
         found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")

@@ -205,20 +205,28 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
     yield from _differs("compression_mode", str(said.get("compression_mode") or "NONE").upper(), "NONE")
     yield from _span_misfits("", said, whole)
     if "topics_with_message_count" in said:
-        topics = {
-            tuple(topic["topic_metadata"][name] for name in ("name", "type", "serialization_format")): topic[
-                "message_count"
-            ]
+        topics = _each_once(
+            (tuple(topic["topic_metadata"][name] for name in ("name", "type", "serialization_format")), topic)
             for topic in said["topics_with_message_count"]
-        }
+        )
         found = {(track.topic, track.message_type, track.encoding): track.count for track in contents.tracks.values()}
         for key in {**topics, **found}:
-            yield from _differs(f"messages on topic {key[0]}", topics.get(key, 0), found.get(key, 0))
+            count = topics[key]["message_count"] if key in topics else 0
+            yield from _differs(f"messages on topic {key[0]}", count, found.get(key, 0))
     if said.get("files"):
-        by_name = {Path(file["path"]).name: file for file in said["files"]}
+        by_name = _each_once((Path(file["path"]).name, file) for file in said["files"])
         yield from _differs("files", sorted(by_name), sorted(span.name for span in spans))
         for span in spans:
             yield from _span_misfits(f"{span.name}: ", by_name[span.name], span)
+
+
+def _each_once(said: Iterable[tuple[Any, Any]]) -> dict[Any, Any]:
+    """What is said of each name; a ValueError if one comes twice."""
+    found: dict[Any, Any] = {}
+    for name, what in said:
+        if found.setdefault(name, what) is not what:
+            raise ValueError("twice")
+    return found
 
 
 def _span_misfits(whose: str, said: Mapping[str, Any], found: FileSpan) -> Iterator[str]:

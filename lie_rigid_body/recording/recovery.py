@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import struct
 from bisect import bisect_right
 from collections.abc import Iterator
@@ -11,8 +10,9 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from functools import cached_property
 from io import BytesIO
+from itertools import chain, islice
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, BinaryIO, Final
 
 import zstandard
 from mcap.data_stream import ReadDataStream
@@ -22,8 +22,7 @@ from mcap.records import Chunk, Header, Metadata
 
 from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.output_file import reason, require_other, written
-from lie_rigid_body.recording.bag_files import BagFiles, left_out
+from lie_rigid_body.output_file import require_other, written
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
@@ -33,6 +32,7 @@ from lie_rigid_body.recording.records import (
     MAGIC,
     NO_HINTS,
     RECORD_HEAD,
+    ContradictionError,
     FileBytes,
     MessageTable,
     Place,
@@ -43,7 +43,6 @@ from lie_rigid_body.recording.records import (
     require,
 )
 from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.system import real_path
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
@@ -65,8 +64,6 @@ _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
 """Bytes of the footer, and of what follows it."""
 _DATA_END_SIZE: Final = 4
 """Bytes of the checksum that ends the data."""
-_PRIVATE: Final = 0x80
-"""Least opcode of records that others define."""
 _DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -142,28 +139,37 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
         header, begin = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:
-            return _Salvage(file, begin, McapFile(out, header)).run()
+            return _Salvage(file, header, begin, out).run()
 
 
-def _header(file: FileBytes) -> tuple[Header, int]:
-    """Header of a file, and where the records begin: behind its fields, or at the header itself if none is there."""
-    begin = len(MAGIC) + RECORD_HEAD.size
+def _header(file: FileBytes) -> tuple[Header | None, int]:
+    """Header of a file, None if it is damaged, and where the records behind it begin.
+
+    The header's fields and the length of its record say where; where they differ, the one behind which a record begins.
+    """
+    header, begin = None, len(MAGIC) + RECORD_HEAD.size
+    ends = [begin + int.from_bytes(file[begin - 8 : begin], "little")]
     if file[: len(MAGIC) + 1] == MAGIC + bytes([Opcode.HEADER]):
         with suppress(*_DAMAGE):
             header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
-            end = len(MAGIC + record_bytes(header))
-            return header, end if _goes_on(file, end) else len(MAGIC)
-    raise NothingWholeError(f"{file.path} does not begin as an MCAP file: it holds nothing that can be recovered")
+            ends.append(len(MAGIC + record_bytes(header)))
+    if ends[0] == ends[-1] and header:
+        return header, ends[0]
+    if _begins(file, ends[0]):
+        return None, ends[0]
+    return header, ends[-1] if header and _begins(file, ends[-1]) else len(MAGIC)
 
 
 class _Salvage:
     """One file, read from its start to where it breaks off, and written anew."""
 
-    def __init__(self, given: FileBytes, begin: int, file: McapFile) -> None:
-        self._given, self._begin, self._file = given, begin, file
+    def __init__(self, given: FileBytes, header: Header | None, begin: int, out: BinaryIO) -> None:
+        self._given, self._begin = given, begin
+        self._file = McapFile(out, header or Header(profile="ros2", library=""))
         self._records_left = most_records(len(given))
         self._loose, self._whole, self._has_chunks = bytearray(), 0, False
-        self._damaged, self._rewritten = list[int](), list[int]()
+        self._damaged, self._rewritten = [0] if header is None else [], list[int]()
+        self._knows_summary = False
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -175,6 +181,7 @@ class _Salvage:
             self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         if not found.counts:
             lost = "is damaged in the definitions of its topics" if self._whole else "holds no whole message"
+            lost = lost if self._given[: len(MAGIC)] == MAGIC else "does not begin as an MCAP file, nor holds a message"
             raise NothingWholeError(f"{self._given.path} {lost}: record it again")
         self._file.finish()
         return Recovery(
@@ -219,34 +226,34 @@ class _Salvage:
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
         if self._chunks:
             yield from self._chunks[bisect_right(self._chunks, at) :]
-        elif given[at : at + 1] != bytes([Opcode.ATTACHMENT]) and not self._says_twice(at, Opcode.CHUNK):
-            is_loose = bytes([Opcode.MESSAGE]) in (bytes([before.opcode]), given[at : at + 1])
-            yield from self._looked_for(at + 1, is_loose=is_loose)
+        elif given[at : at + 1] != bytes([Opcode.ATTACHMENT]) and not _says_twice(self._given, at, Opcode.CHUNK):
+            if bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
+                yield from self._looked_for(_HEADS[Opcode.CHUNK], at + 1)
+            if not self._has_chunks:
+                self._declare()
+                yield from self._looked_for(_LOOSE_HEAD, at + 1)
         if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
             yield footer
 
-    def _looked_for(self, at: int, *, is_loose: bool) -> Iterator[int]:
+    def _looked_for(self, head: re.Pattern[bytes], at: int) -> Iterator[int]:
         """Bytes from a place on where what looks like a chunk begins, or like a message of a channel that is known."""
-        head = _LOOSE_HEAD if is_loose else _HEADS[Opcode.CHUNK]
         for begin in range(at, min(at + LARGEST_RECORD, len(self._given)), _PIECE):
             for match in head.finditer(self._given[begin : begin + _PIECE + _HEAD_SIZE]):
-                if not is_loose or int.from_bytes(match[1], "little") in self._file.summary.channels:
+                if head is not _LOOSE_HEAD or int.from_bytes(match[1], "little") in self._file.summary.channels:
                     yield begin + match.start()
 
     @cached_property
-    def _said_chunks(self) -> set[int]:
-        """Bytes where chunks begin, as their indexes in the summary say; none if that is not read to its end."""
-        given, starts, opcode = self._given, set[int](), 0
-        summary = int.from_bytes(given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little")
-        for opcode, _, begin, _ in records(given, summary):
-            if opcode == Opcode.CHUNK_INDEX:
-                starts.add(int.from_bytes(given[begin + 16 : begin + 24], "little"))
-        return starts if opcode == Opcode.FOOTER else set()
+    def _summary(self) -> list[Place]:
+        """Records of the summary; none if it is not read to its end."""
+        found = [*records(self._given, int.from_bytes(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little"))]
+        return found if found and found[-1].opcode == Opcode.FOOTER else []
 
     @cached_property
     def _chunks(self) -> list[int]:
-        """Those of them where one does begin, in their order."""
-        return sorted(start for start in self._said_chunks if self._says_twice(start, Opcode.CHUNK))
+        """Bytes where the chunks begin, by their indexes in the summary."""
+        indexes = (place.begin for place in self._summary if place.opcode == Opcode.CHUNK_INDEX)
+        starts = (int.from_bytes(self._given[begin + 16 : begin + 24], "little") for begin in indexes)
+        return sorted(start for start in starts if _says_twice(self._given, start, Opcode.CHUNK))
 
     def _sound(self, at: int) -> Place | None:
         """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
@@ -256,7 +263,7 @@ class _Salvage:
             if place.opcode == Opcode.FOOTER
             else place.end - place.begin == _DATA_END_SIZE
             if place.opcode == Opcode.DATA_END
-            else self._says_twice(at, place.opcode)
+            else _says_twice(self._given, at, place.opcode)
             if place.opcode in _HEADS
             else _goes_on(self._given, place.end)
             or next(records(self._given, place.end), None)
@@ -264,22 +271,21 @@ class _Salvage:
         )
         return place if is_right else None
 
-    def _says_twice(self, at: int, opcode: int) -> bool:
-        """Whether a record of some kind begins at a byte, and says the same length twice."""
-        found = _HEADS[Opcode(opcode)].match(self._given[at : at + _HEAD_SIZE])
-        length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
-        return found is not None and found.end(2) + size == RECORD_HEAD.size + length
-
     def _leave_out(self, at: int) -> None:
         """Leave out a damaged record; what the first may have declared is declared as in the summary."""
+        self._declare()
+        self._damaged.append(at)
+
+    def _declare(self) -> None:
+        """Declare what the summary declares, once."""
         known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
-        for place in () if self._damaged else self._places():
+        places, self._knows_summary = () if self._knows_summary else chain(self._summary, self._places()), True
+        for place in places:
             if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
                 with suppress(*_DAMAGE):
                     record = parsed(place.opcode, self._given[place.begin : place.end])
                     if record.id not in known[place.opcode]:
                         self._file.add(record)
-        self._damaged.append(at)
 
     def _take(self, place: Place) -> None:
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
@@ -299,9 +305,8 @@ class _Salvage:
         elif place.opcode in _OUTSIDE:
             self._file.add(parsed(place.opcode, content))
         else:
-            is_private = place.opcode >= _PRIVATE and place.start not in self._said_chunks
             is_of_no_use = place.opcode in (Opcode.HEADER, Opcode.MESSAGE_INDEX)
-            require(is_of_no_use or is_private, "a record of a kind that has no place there")
+            require(is_of_no_use, "a record of a kind that is unknown, or has no place there")
 
     def _close_loose(self) -> None:
         """Write the messages that are in no chunk in one."""
@@ -317,10 +322,20 @@ class _Salvage:
             self._take_chunk(replace(chunk, compression="", data=salvaged(chunk)), at)
             self._rewritten.append(at)
             return
+        except ContradictionError:
+            self._take_before_zeros(chunk)
+            raise
         table = self._whole_messages(data)
         require(len(table.data) == len(data), "a record in it is not whole")
         first_ns, last_ns = table.span_ns
         self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
+
+    def _take_before_zeros(self, chunk: Chunk) -> None:
+        """Take the whole messages of a chunk without compression that ends in zeros, as after a loss of power."""
+        found = find_messages(chunk.data, NO_HINTS, self._records_left)
+        if not (chunk.compression or chunk.data[len(found.data) :].strip(b"\0")) and len(found.data) < len(chunk.data):
+            table = self._whole_messages(chunk.data[: found.starts[-1]])  # the last may be of zeros in part
+            self._file.add_chunk(compressed(table, ""), table)
 
     def _take_part(self, begin: int) -> None:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
@@ -343,65 +358,26 @@ class _Salvage:
         return table
 
 
+def _says_twice(given: FileBytes, at: int, opcode: int) -> bool:
+    """Whether a record of some kind begins at a byte, and says the same length twice."""
+    found = _HEADS[Opcode(opcode)].match(given[at : at + _HEAD_SIZE])
+    length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
+    return found is not None and found.end(2) + size == RECORD_HEAD.size + length
+
+
+def _begins(given: FileBytes, at: int) -> bool:
+    """Whether a record that can be read begins at a byte."""
+    for place in islice(records(given, at), 1):
+        with suppress(*_DAMAGE):
+            content = given[place.begin : min(place.end, place.begin + LARGEST_RECORD)]
+            is_chunk = place.opcode == Opcode.CHUNK
+            return _says_twice(given, at, place.opcode) if is_chunk else parsed(place.opcode, content) is not None
+    return False
+
+
 def _goes_on(data: bytes | FileBytes, end: int) -> bool:
     """Whether some data end, or another record begins, where a record ends, which then is whole.
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """
     return end >= len(data) or 0 < data[end : end + 1][0] <= Opcode.DATA_END
-
-
-def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:
-    """Write every whole message of the files of a bag in a folder into those of a new one, file by file.
-
-    They are named after the new folder, as those of rosbag2 are; metadata.yaml is left to ``ros2 bag reindex``.
-
-    Parameters
-    ----------
-    broken : Path
-        It is only read. Where it has a metadata.yaml, that says which files are the bag's.
-    fixed : Path
-        Must not exist.
-
-    Returns
-    -------
-    dict of Path to Recovery or NothingWholeError
-        What was recovered of each file, in their order, or why nothing was, as of one that was just begun, or is gone.
-
-    Raises
-    ------
-    BagError
-        If the folder is none of one bag, its metadata name files outside of it, nothing is whole, or the new one cannot
-        be written.
-    """
-    files = BagFiles(broken).files
-    _make(broken, fixed)
-    found, whole = dict[Path, Recovery | NothingWholeError](), 0
-    try:
-        for file in files:
-            try:
-                found[file] = recover(file, fixed / f"{real_path(fixed).name}_{whole}.mcap", overwrite=False)
-                whole += 1
-            except NothingWholeError as error:
-                found[file] = error
-        if not whole:
-            raise BagError(f"{broken} holds nothing that can be recovered: 'lie-rigid-body check' says why")
-    except BaseException:
-        shutil.rmtree(fixed, ignore_errors=True)
-        raise
-    for name in left_out(broken, [file.name for file in files]):
-        found[broken / name] = NothingWholeError(f"{broken / name} is none of the bag's files: recover it by itself")
-    return found
-
-
-def _make(broken: Path, fixed: Path) -> None:
-    if fixed.suffix.lower() == ".mcap":
-        raise BagError(f"{broken} is a folder, and {fixed} is to be one: give a name that does not end in .mcap")
-    if real_path(broken) in real_path(fixed).parents:
-        raise BagError(f"{fixed} is in the broken folder itself, which is never touched: give another place")
-    try:
-        fixed.mkdir()
-    except FileExistsError:
-        raise BagError(f"{fixed} exists and is kept: give the name of a new folder") from None
-    except OSError as error:
-        raise BagError(f"{fixed} cannot be created: {reason(error)}: give a place where you may write") from None

@@ -254,12 +254,16 @@ class SummaryCheck:
         self._hold_places(footer)
 
     def _hold_repeats(self) -> None:
-        """Require that a reader which seeks by the indexes of the chunks is told of every topic that has messages."""
-        used = {*self._found.counts} if self._said[Opcode.CHUNK_INDEX] else set()
-        schemas = {self._found.channels[channel].schema_id for channel in used} - {0}
-        for opcode, what, numbers in ((Opcode.CHANNEL, "channel", used), (Opcode.SCHEMA, "schema", schemas)):
-            missing = numbers - {record.id for record in self._said[opcode]}
-            require(not missing, f"its summary has indexes of chunks, and no {what} {min(missing, default=0)}")
+        """Require that a reader which believes the summary is told of every topic that has messages."""
+        schemas = {self._found.channels[channel].schema_id for channel in self._found.counts} - {0}
+        if not any(self._said[opcode] for opcode in (Opcode.CHUNK_INDEX, Opcode.CHANNEL, Opcode.SCHEMA)):
+            return  # it reads all
+        for opcode, what, used in (
+            (Opcode.CHANNEL, "channel", {*self._found.counts}),
+            (Opcode.SCHEMA, "schema", schemas),
+        ):
+            missing = used - {record.id for record in self._said[opcode]}
+            require(not missing, f"its summary lacks the {what} {min(missing, default=0)} of its messages")
 
     def _hold_statistics(self, found: Any) -> None:
         require(len(self._said[Opcode.STATISTICS]) <= 1, "it has two records of statistics")
@@ -284,6 +288,8 @@ class SummaryCheck:
         told = {
             offset.group_opcode: (offset.group_start, offset.group_length) for offset in said if offset.group_length
         }
+        behind = [begin for begin, _ in groups.values() if said and begin > offsets]
+        require(not behind, "a group of its summary stands behind the offsets")
         require(not said or told == groups, "the offsets of its summary are not those of its groups")
         for what, place, begin, is_there in (
             ("summary begins", footer.summary_start, self._begin, end != self._begin),

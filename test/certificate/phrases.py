@@ -19,6 +19,7 @@ PHRASES = {
     "stray": "topic {topic} ({count} messages), which no scenario determines",
     "another version": "the scenario is of '{software}'",
     "scenarios again": "scenario messages that repeat another one: {count}",
+    "samples in half": "poses and twists without the other of their stamp: {count}",
     "scenarios without a sample": "scenarios without a sample: {count}",
     "faults again": "messages about faults that come again: {count}",
     "too many faults": "{topic}: too many readings to compute the faults of all",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import pytest
 from phrases import telling
 from sensor_bags import BIAS, IMU, MAG, NOISY, broken, certificate, laws, recorded, write
@@ -10,6 +12,7 @@ from tampering import Change, on
 from lie_rigid_body.certificate import certify, readings
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.recovery import recover
+from lie_rigid_body.sensors import Delivery
 
 
 def without(*topics: str) -> Change:
@@ -53,6 +56,42 @@ def test_what_walks_cost_counts_each_deviate_of_each_walk(tmp_path, monkeypatch)
         found = certificate(path, tmp_path, recorded(0.3))
         assert found.passed, found.messages
         assert found.sensors == expected
+
+
+def test_poses_that_a_recorder_has_no_twist_of_are_told(bag, tmp_path):
+    late, few, poses = recorded(0.1), on("/twist", lambda ms: ms[:20]), list[int]()
+
+    def change(ms):
+        left = few(late(ms))
+        poses.append(sum(m.topic == "/pose" for m in left))
+        return left
+
+    found = certificate(bag, tmp_path, change)
+    assert found.passed, found.messages
+    assert telling(found, "samples in half", count=poses[0] - 20)
+
+
+def test_a_forged_stamp_years_ahead_is_not_searched_for_lost_readings(tmp_path, monkeypatch):
+    searched, lost = list[int](), Delivery.lost
+
+    def counted(self, numbers, times_ns):
+        searched.append(len(numbers))
+        return lost(self, numbers, times_ns)
+
+    def ahead(ms):
+        *before, last = ms
+        stamp = last.log_time + 10**13
+        data = last.data[:4] + struct.pack("<iI", *divmod(stamp, 10**9)) + last.data[12:]
+        return [*before, last._replace(log_time=stamp, data=data)]
+
+    path = write(tmp_path / "lossy.mcap", ({"imu_rate": 1000.0, "imu_dropout_probability": 0.9}, 0.5))
+    monkeypatch.setattr(readings, "MOST_DRAWN", 100_000)
+    monkeypatch.setattr(Delivery, "lost", counted)
+    both = [on(topic, ahead) for topic in ("/pose", "/twist")]
+    found = certificate(path, tmp_path, lambda ms: both[1](both[0](ms)))
+    assert "stamps" in broken(found)
+    assert telling(found, "too many readings", topic=IMU)
+    assert sum(searched) < 1_000_000
 
 
 @pytest.mark.parametrize("cut", [0.3, 0.55, 0.8, 0.95])

@@ -38,7 +38,7 @@ refused = refusals(
             "killed": "it holds at least {count} whole messages: .*lie-rigid-body recover",
             "nothing whole": "holds no whole message",
             "no definitions": "is damaged in the definitions of its topics",
-            "no repeat": r"its summary has indexes of chunks, and no {what} \d+: ",
+            "no repeat": r"its summary lacks the {what} \d+ of its messages: ",
             "checksum": "damaged at byte .*crc",
             "length": "damaged at byte {at}: .* (beyond its end|longer than its record)",
             "too much": r"messages of \d+ bytes in a file of \d+, more than is read",

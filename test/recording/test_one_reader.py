@@ -133,12 +133,13 @@ def test_the_second_reading_gives_what_the_library_reads(
 
 @pytest.mark.parametrize("left_out", ["repeat_channels", "repeat_schemas"])
 def test_what_a_seeking_reader_is_not_told_of_is_no_whole_bag(make_bag: MakeBag, tmp_path: Path, left_out: str) -> None:
-    """With indexes of chunks it seeks; without, it reads all."""
+    """With indexes of chunks, or some of the definitions, it seeks; without, it reads all."""
     source, options = make_bag(count=30), dict[str, Any](**{left_out: False})
-    with refused("no repeat", what=left_out.removeprefix("repeat_").removesuffix("s")):
-        Bag(rewrite(source, tmp_path / "seek.mcap", **options))
-    scanned = rewrite(source, tmp_path / "scan.mcap", **options, index_types=IndexType.NONE)
-    assert Bag(scanned).pose_count == 30
+    for index_types in (IndexType.ALL, IndexType.NONE):
+        with refused("no repeat", what=left_out.removeprefix("repeat_").removesuffix("s")):
+            Bag(rewrite(source, tmp_path / "seek.mcap", **options, index_types=index_types))
+    neither: dict[str, Any] = {"repeat_channels": False, "repeat_schemas": False, "index_types": IndexType.NONE}
+    assert Bag(rewrite(source, tmp_path / "scan.mcap", **neither)).pose_count == 30
 
 
 def test_messages_of_two_publishers_are_read_again_in_the_order_of_the_file(tmp_path: Path) -> None:

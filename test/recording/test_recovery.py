@@ -399,8 +399,38 @@ def test_a_flipped_bit_of_an_opcode_costs_the_messages_of_that_record_alone(
         assert messages(fixed) == everything[:before] + everything[behind:], (opcode, begin)
         if opcode == Opcode.DATA_END:
             break
-        is_private = bit == 7 and opcode != Opcode.CHUNK  # as of another's record, which is left to others
-        assert is_private or begin in recovery.damaged, (opcode, begin)
+        assert begin in recovery.damaged, (opcode, begin)
+
+
+def test_a_flipped_bit_of_the_magic_or_the_header_costs_no_message(whole: dict[str, Path], tmp_path: Path) -> None:
+    content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
+    [(_, begin, end), *_] = records(content)
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    for at in range(end):
+        broken.write_bytes(flipped(content, at, at % 8))
+        recovery = recover(broken, fixed, overwrite=True)
+        assert messages(fixed) == everything, at
+        assert recovery.damaged in (((0,),) if at <= begin else ((), (0,))), at
+
+
+def test_what_stands_before_zeros_in_a_chunk_without_compression_is_kept(
+    whole: dict[str, Path], tmp_path: Path
+) -> None:
+    """Where a disk lost power the file may be as long as it was to be."""
+    content, everything = whole[""].read_bytes(), messages(whole[""])
+    chunks = [(begin, end) for opcode, begin, end in records(content) if opcode == Opcode.CHUNK]
+    begin, end = chunks[1]
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    before = whole_in(content, begin, "")
+    for cut in ((begin + end) // 2, end - 1000, end - 990):
+        for behind in (b"", content[end:]):
+            broken.write_bytes(content[:cut] + bytes(end - cut) + (behind or bytes(5000)))
+            recovery = recover(broken, fixed, overwrite=True)
+            kept = whole_in(content[:cut], cut, "")
+            left = everything[whole_in(content, chunks[2][0], "") :] if behind else []
+            assert kept > before + 5
+            assert messages(fixed) in (everything[: kept - 1] + left, everything[:kept] + left)
+            assert begin in recovery.damaged
 
 
 def loose(path: Path, count: int, payload: bytes) -> bytes:
@@ -426,6 +456,19 @@ def test_a_flipped_bit_of_the_length_of_a_message_in_no_chunk_costs_that_message
             left = everything[:-1] if is_cut else everything
             assert messages(tmp_path / "fixed.mcap") == [one for one in left if one[2] != k]
             assert begins[k] in (*recovery.damaged, recovery.broken_at)
+
+
+def test_a_flipped_bit_in_a_definition_costs_nothing_where_the_summary_repeats_it(tmp_path: Path) -> None:
+    """In a file whose messages are in no chunk, of which none can be told from other bytes without it."""
+    content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
+    everything = messages(tmp_path / "whole.mcap")
+    begins = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHANNEL][:2]
+    for at in [at for begin in begins for at in range(begin, begin + 9)]:
+        for bit in range(8):
+            (tmp_path / "broken.mcap").write_bytes(flipped(content, at, bit))
+            recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+            # some are lost where the length leads to the end of one
+            assert len({*everything} - {*messages(tmp_path / "fixed.mcap")}) <= 3, (at, bit)
 
 
 @pytest.mark.parametrize("is_cut", [False, True], ids=["whole", "without a summary"])

@@ -205,6 +205,11 @@ RECORDS: dict[str, tuple[Change, int, str]] = {
         Opcode.FOOTER,
         "the offsets of its summary are not those of its groups",
     ),
+    "a group behind the offsets": (
+        lambda records: records.insert(-1, records.pop(place(records, Opcode.STATISTICS))),
+        Opcode.FOOTER,
+        "a group of its summary stands behind the offsets",
+    ),
     "the footer, size": (  # of which readers take the last 29 bytes, and this one took the first
         lambda records: records.append((Opcode.FOOTER, records.pop()[1] + record(Opcode.FOOTER, bytes(20)))),
         Opcode.FOOTER,
