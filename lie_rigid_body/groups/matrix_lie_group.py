@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, as_numbers
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
@@ -23,7 +23,7 @@ from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
 from lie_rigid_body.groups.elements import Elements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.generated import GeneratedElements
-from lie_rigid_body.mechanics.array_input import as_numbers, real_array, require_finite
+from lie_rigid_body.mechanics.array_input import real_array, require_finite
 from lie_rigid_body.wording import shortened, shown
 
 ELEMENT_TOLERANCE: Final = 1e-9
