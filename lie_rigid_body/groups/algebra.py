@@ -187,10 +187,12 @@ class MatrixLieAlgebra:
         """Matrices, shape (..., n, n), in the number type of the generators; a group also checks them."""
         return np.asarray(X, self.generators.dtype)
 
+    @within_doubles
     def coordinates(self, X: Any) -> Array:
         """Coordinates of the nearest matrix of the algebra, shape (..., d); X has shape (..., n, n)."""
         return np.asarray(flattened(self.as_matrices(X)) @ self._dual.T)
 
+    @within_doubles
     def off_span(self, X: Any) -> Array:
         """Frobenius distance of matrices from the span, shape (...)."""
         X = self.as_matrices(X)
