@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import sys
 from numbers import Real
 from typing import Any, Final, TypeAlias
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.wording import shown
 
 Array: TypeAlias = NDArray[np.float64]
 """Real numbers in double precision."""
@@ -56,6 +58,54 @@ def require_unmasked(name: str, value: ArrayLike) -> None:
         count = np.ma.count_masked(value)
         remedy = "fill them in, or leave their rows out, with their stamps"
         raise ParameterError(name, f"{count} of its numbers are masked: {remedy}")
+
+
+def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
+    """An argument as an array of real or complex numbers, not copied where it is one already.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in the error and its message.
+    value : array_like
+        Numbers, or objects that convert to them, as fractions do.
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    ParameterError
+        If the argument is text, another object, rows of unequal length, or in part masked.
+    """
+    require_unmasked(name, value)
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind == "O":
+            array = array.astype(np.float64)
+        if array.dtype.kind not in "biufc":
+            raise TypeError
+    except NOT_NUMBERS:
+        raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
+    return array
+
+
+def whole_number(name: str, value: object, least: int, most: float = np.inf) -> int:
+    """An argument as a whole number within limits; a truth value is none.
+
+    Raises
+    ------
+    ParameterError
+    """
+    try:
+        number = operator.index(None if isinstance(value, bool) else value)  # type: ignore[arg-type]
+    except TypeError:
+        number = None
+    if number is None or not least <= number <= most:
+        limits = f"from {least} on" if most == np.inf else f"from {least} to {most:g}"
+        raise ParameterError(name, f"{shown(value)} is no whole number {limits}: give one")
+    return number
 
 
 def same_bits(one: Array, other: Array) -> bool:

@@ -11,7 +11,7 @@ from typing import Any, Final, cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
@@ -19,7 +19,6 @@ from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.track import error_of
-from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import recording

@@ -143,6 +143,13 @@ def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     return stamps.astype(np.int64)
 
 
+def as_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
+    """Read stamps as `integer_stamps`, but for int64, which is not checked again: a fit may try a lag of any size."""
+    if type(stamps_ns) is np.ndarray and stamps_ns.dtype == np.int64:
+        return stamps_ns
+    return integer_stamps(name, stamps_ns)
+
+
 def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     """Read stamps as int64, never decreasing, at least one.
 

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import FARTHEST_NS, integer_stamps, read_series, unit
+from lie_rigid_body.evaluation.arguments import FARTHEST_NS, as_stamps, integer_stamps, read_series, unit
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_repr
 from lie_rigid_body.wording import components, shown
@@ -221,14 +221,15 @@ class Truth(ABC):
 
     def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether the truth is known at each stamp."""
-        return np.asarray((stamps_ns >= self.first_ns) & (stamps_ns <= self.last_ns))
+        stamps = as_stamps("truth", stamps_ns)
+        return np.asarray((stamps >= self.first_ns) & (stamps <= self.last_ns))
 
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms.
 
         Stamps outside of the truth's times, which a fit of a lag may try, have the state of the first or the last time.
         """
-        stamps = np.clip(stamps_ns, self.first_ns, self.last_ns)
+        stamps = np.clip(as_stamps("truth", stamps_ns), self.first_ns, self.last_ns)
         before = np.maximum(stamps - DIFFERENCE_NS, self.first_ns)
         after = np.minimum(stamps + DIFFERENCE_NS, self.last_ns)
         earlier, now, later = self.at(np.stack([before, stamps, after]))
@@ -301,13 +302,14 @@ class SampledTruth(Truth):
 
     def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether a stamp is a sample's own, or between two that are joined."""
-        i = self._interval(stamps_ns)
+        stamps = as_stamps("truth", stamps_ns)
+        i = self._interval(stamps)
         joined = self._stamps[i + 1] - self._stamps[i] <= self._longest_gap
-        return np.asarray(super().covers(stamps_ns) & (joined | np.isin(stamps_ns, self._stamps)))
+        return np.asarray(super().covers(stamps) & (joined | np.isin(stamps, self._stamps)))
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """Bound `uncertainty`, or 0 if every stamp is a sample's own."""
-        return 0.0 if np.isin(stamps_ns, self._stamps).all() else self.uncertainty
+        return 0.0 if np.isin(as_stamps("truth", stamps_ns), self._stamps).all() else self.uncertainty
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes at the samples, and on the geodesics between them."""

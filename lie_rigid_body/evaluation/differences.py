@@ -13,7 +13,7 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, real_numbers
 from lie_rigid_body.evaluation.statistics import rms
@@ -98,9 +98,9 @@ def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     Raises
     ------
     InputError
-        If they are not two flat lists of as many finite numbers.
+        If they are not two flat lists of as many finite numbers, or the seed is no whole number from 0 on.
     """
-    both = _both(first, second)
+    both, seed = _both(first, second), whole_number("seed", seed, 0)
     errors = numbers("errors", both.T, 2).T if both.size else both
     value, squares, given = rms(errors[0]) - rms(errors[1]), errors**2, errors.shape[1]
     if given > MOST_SAMPLES:
@@ -135,9 +135,9 @@ def of_runs(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     Raises
     ------
     InputError
-        If they are not two flat lists of as many numbers.
+        If they are not two flat lists of as many numbers, or the seed is no whole number from 0 on.
     """
-    errors = _both(first, second)
+    errors, seed = _both(first, second), whole_number("seed", seed, 0)
     both = np.isfinite(errors).all(axis=0)
     differences, left_out = (errors[0] - errors[1])[both], int(np.sum(~both))
     runs, better = len(differences), int(np.sum(differences < 0.0))

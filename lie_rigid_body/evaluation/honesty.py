@@ -19,7 +19,7 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers
 from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
@@ -166,10 +166,11 @@ def honesty(
     Raises
     ------
     InputError
-        If a shape is wrong, a number not finite, or there are too few runs. Also if a covariance is not symmetric and
-        positive definite, or errors are so large beside it that the NEES overflows.
+        If a shape is wrong, a number not finite, the seed no whole number from 0 on, or there are too few runs. Also if
+        a covariance is not symmetric and positive definite, or errors are so large beside it that the NEES overflows.
     """
     require_axes(axes)
+    seed = whole_number("seed", seed, 0)
     e, P = errors_and_covariances(errors, covariance, "R", "T", "d")
     runs, count, dimension = e.shape
     if runs < FEWEST_RUNS:

@@ -12,7 +12,7 @@ from typing import Any, Final, Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
+from lie_rigid_body.arrays import Array, Booleans, Integers, as_double, whole_number
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
@@ -108,7 +108,8 @@ def evaluate(
     Raises
     ------
     InputError
-        If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth.
+        If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth. Also if
+        another argument is no such number.
     """
     if longest_lag_s is not None:
         longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
@@ -133,6 +134,12 @@ def evaluate(
         )
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
+    if not (isinstance(bound, UnavoidableError | None) and as_double(sensors) >= 0.0):
+        raise InputError(
+            f"bound {shown(bound)}, sensors {shown(sensors)}: give what unavoidable_error() returns, and rad from 0 on"
+        )
+    left_out = whole_number("left_out", left_out, 0)
+    due_ns = None if due_ns is None else whole_number("due_ns", due_ns, -(2**63), 2**63 - 1)
     (stamps, attitude), limits = (
         read_series("estimate", stamps_ns, cast("ArrayLike", attitude_xyzw)),
         limits or Limits(),

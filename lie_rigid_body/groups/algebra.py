@@ -12,12 +12,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, as_numbers
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.arguments import within_doubles
 from lie_rigid_body.groups.exponential import Matrix
-from lie_rigid_body.mechanics.array_input import as_numbers, real_array, require_finite
+from lie_rigid_body.mechanics.array_input import real_array, require_finite
 from lie_rigid_body.short_dataclass import short_dataclass
 
 SPAN_TOLERANCE: Final = 1e-9
@@ -187,10 +187,12 @@ class MatrixLieAlgebra:
         """Matrices, shape (..., n, n), in the number type of the generators; a group also checks them."""
         return np.asarray(X, self.generators.dtype)
 
+    @within_doubles
     def coordinates(self, X: Any) -> Array:
         """Coordinates of the nearest matrix of the algebra, shape (..., d); X has shape (..., n, n)."""
         return np.asarray(flattened(self.as_matrices(X)) @ self._dual.T)
 
+    @within_doubles
     def off_span(self, X: Any) -> Array:
         """Frobenius distance of matrices from the span, shape (...)."""
         X = self.as_matrices(X)

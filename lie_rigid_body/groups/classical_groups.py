@@ -12,13 +12,12 @@ from typing import Final
 import numpy as np
 from scipy.linalg import schur
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
 from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.mechanics.array_input import whole_number
 
 UNIQUE_LIMIT: Final = 1e-12
 """Singular values, relative to the largest, and angles, rad, below which a nearest element is not unique."""

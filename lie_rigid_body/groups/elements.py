@@ -89,4 +89,5 @@ def measured(A: Matrix, distance: Callable[[Matrix], Array]) -> Array:
         `Elements.distance` or `Elements.certain_distance`.
     """
     finite = np.isfinite(A).all(axis=(-2, -1))
-    return np.where(finite, distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no element
+        return np.where(finite, distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)

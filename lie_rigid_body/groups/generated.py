@@ -160,7 +160,7 @@ def _principal_or_nan(A: Matrix) -> Matrix:
         try:
             L = exponential.principal_log(A)
             back = exponential.exp(L)
-        except np.linalg.LinAlgError:
+        except ValueError:  # NumPy's LinAlgError, or SciPy's where powers of the matrix overflow
             return nothing
     # far from normal matrices can lose all digits on the way
     return L if np.abs(back - A).max() <= SPAN_TOLERANCE * max(1.0, float(np.abs(A).max())) else nothing

@@ -13,14 +13,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, as_numbers
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.symmetries import canonical_basis
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, as_numbers, real_array
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 _CASIMIR_TOLERANCE: Final = 1e-10

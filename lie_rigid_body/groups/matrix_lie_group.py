@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, as_numbers, whole_number
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
@@ -23,7 +23,7 @@ from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
 from lie_rigid_body.groups.elements import Elements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.generated import GeneratedElements
-from lie_rigid_body.mechanics.array_input import as_numbers, real_array, require_finite
+from lie_rigid_body.mechanics.array_input import real_array, require_finite
 from lie_rigid_body.wording import shortened, shown
 
 ELEMENT_TOLERANCE: Final = 1e-9
@@ -208,6 +208,7 @@ class MatrixLieGroup(MatrixLieAlgebra):
         """Elements that round-off has carried a little off the group, projected back if possible, shape (..., n, n)."""
         return self.elements.restored(self._finite_matrices(A))
 
+    @within_doubles
     def project(self, A: ArrayLike) -> Matrix:
         """The nearest elements in the Frobenius norm; for a group from generators, of those near the matrices.
 
@@ -237,4 +238,5 @@ class MatrixLieGroup(MatrixLieAlgebra):
         They are distributed by the Haar measure for SO(n), SU(n), U(1) and their products. For a group from generators
         they are exponentials of standard normal coordinates.
         """
-        return self.elements.random(of_kind(rng, np.random.Generator), shape)
+        sizes = (whole_number("shape", size, 0) for size in (shape if np.iterable(shape) else (shape,)))
+        return self.elements.random(of_kind(rng, np.random.Generator), tuple(sizes))

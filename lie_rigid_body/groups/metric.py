@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, as_numbers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.groups.arguments import of_kind, refuse_whole, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, as_numbers, real_array, symmetric_matrix, symmetrised
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array, symmetric_matrix, symmetrised
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
 
 _GENERATOR_ROUND_OFF: Final = 1e-12

@@ -7,13 +7,12 @@ from itertools import accumulate
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.algebra import MOST_GENERATORS, frobenius
 from lie_rigid_body.groups.elements import Elements
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.mechanics.array_input import whole_number
 from lie_rigid_body.wording import shown
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import operator
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import NOT_NUMBERS, TRANSPOSED, Array, Booleans, Integers, require_unmasked
+from lie_rigid_body.arrays import TRANSPOSED, Array, Booleans, Integers, as_numbers
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -22,43 +20,13 @@ ORTHOGONAL_TOLERANCE: Final = 1e-9
 """Largest entry of AᵀA − 1 with which a matrix A still counts as a rotation."""
 
 
-def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
-    """An argument as an array of real or complex numbers, not copied where it is one already.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in the error and its message; so in all functions of this module.
-    value : array_like
-        Numbers, or objects that convert to them, as fractions do.
-
-    Returns
-    -------
-    ndarray
-
-    Raises
-    ------
-    ParameterError
-        If the argument is text, another object, rows of unequal length, or in part masked.
-    """
-    require_unmasked(name, value)
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind == "O":
-            array = array.astype(np.float64)
-        if array.dtype.kind not in "biufc":
-            raise TypeError
-    except NOT_NUMBERS:
-        raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
-    return array
-
-
 def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -> Array:
     """An argument as finite real numbers of some shape.
 
     Parameters
     ----------
     name : str
+        Name of the argument in the error and its message; so in all functions of this module.
     value : array_like
     form : str
         Shape: the length of each axis as a number or, for any length, as a letter, as ``"(N, 3)"``; the same letter
@@ -143,23 +111,6 @@ def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
     if not array.min() > 0.0:
         raise ParameterError(name, f"{array.min():.9g} {unit} is not positive: give more than 0 {unit}")
     return array
-
-
-def whole_number(name: str, value: object, least: int, most: float = np.inf) -> int:
-    """An argument as a whole number within limits; a truth value is none.
-
-    Raises
-    ------
-    ParameterError
-    """
-    try:
-        number = operator.index(None if isinstance(value, bool) else value)  # type: ignore[arg-type]
-    except TypeError:
-        number = None
-    if number is None or not least <= number <= most:
-        limits = f"from {least} on" if most == np.inf else f"from {least} to {most:g}"
-        raise ParameterError(name, f"{shown(value)} is no whole number {limits}: give one")
-    return number
 
 
 def symmetric_matrix(name: str, value: ArrayLike) -> Array:

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import combinations
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics.array_input import real_array, require_share, symmetrised
 from lie_rigid_body.mechanics.mass_moments import MassMoments
+from lie_rigid_body.wording import shown
 
 Limits: TypeAlias = "tuple[float, float] | Callable[[Array], tuple[ArrayLike, ArrayLike]]"
 """Lower and upper end of one coordinate: numbers, or a function of the coordinates before it, (N, k) ↦ (N,), (N,)."""
@@ -115,18 +116,20 @@ def moments_of_density(
     Raises
     ------
     ParameterError
-        If the two results disagree, a density is negative or not finite, or limits are not finite or out of order.
+        If the two results disagree, or a density is negative or not finite. Also if limits are no pairs, not finite or
+        out of order, or nodes or tolerance no such number.
     """
-    n = len(limits)
-    _require_affordable(nodes, n)
+    limits = [*limits] if np.iterable(limits) else []
+    nodes = _affordable(nodes, len(limits))
+    allowed = float(real_array("tolerance", tolerance, "()"))
     coarse = _weighed(*_masses_at_nodes(density, limits, nodes - 2))
     fine = _weighed(*_masses_at_nodes(density, limits, nodes))
     error = _disagreement(coarse, fine)
-    if not error <= tolerance:
+    if not error <= allowed:
         raise ParameterError(
             "density",
             f"quadrature with {nodes - 2} and {nodes} nodes a coordinate differs by {error:.3g}, "
-            f"more than the tolerance {tolerance:g}: raise nodes, or split the region where the density jumps",
+            f"more than the tolerance {allowed:g}: raise nodes, or split the region where the density jumps",
         )
     return fine
 
@@ -155,18 +158,18 @@ def _sum_over_others(cells: Array, *kept: int) -> Array:
     return np.asarray(cells.sum(axis=tuple(k for k in range(cells.ndim) if k not in kept)))
 
 
-def _require_affordable(nodes: int, n: int) -> None:
-    if n == 0 or nodes < 4:
-        raise ParameterError(
-            "nodes", f"{nodes} along each of {n} coordinates: give at least 4, and limits of each coordinate"
-        )
+def _affordable(nodes: int, n: int) -> int:
+    nodes = whole_number("nodes", nodes, 4)
+    if n == 0:
+        raise ParameterError("limits", "of no coordinate: give two numbers, or a function, for each")
     if nodes**n > MOST_EVALUATIONS:
         most = int(MOST_EVALUATIONS ** (1.0 / n) + 1e-9)
         raise ParameterError(
             "nodes",
-            f"{nodes} along each of {n} coordinates are {nodes**n} points, more than {MOST_EVALUATIONS}: "
+            f"{shown(nodes)} along each of {n} coordinates are {shown(nodes**n)} points, more than {MOST_EVALUATIONS}: "
             f"give at most {most} nodes, or split the region and add the parts",
         )
+    return nodes
 
 
 def _masses_at_nodes(
@@ -201,9 +204,9 @@ def _rule(nodes: int, *, curved: bool) -> tuple[Array, Array]:
 
 
 def _ends(limits: Limits, points: Array) -> tuple[Array, Array]:
-    given = limits(points) if callable(limits) else limits
-    low, high = (real_array("limits", end, f"({len(points)},)" if callable(limits) else "()") for end in given)
-    low, high = np.broadcast_to(low, len(points)), np.broadcast_to(high, len(points))
+    given = cast("ArrayLike", limits(points) if callable(limits) else limits)
+    ends = real_array("limits", given, f"(2, {len(points)})" if callable(limits) else "(2,)")
+    low, high = (np.broadcast_to(end, len(points)) for end in ends)
     narrowest = int(np.argmin(high - low))
     _require_order(float(low[narrowest]), float(high[narrowest]))
     return low, high

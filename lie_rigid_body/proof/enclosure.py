@@ -11,7 +11,8 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.arrays import as_double, as_numbers, whole_number
+from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.proof.balls import (
     Balls,
     Integers,
@@ -29,6 +30,7 @@ from lie_rigid_body.proof.exact_solution import exact_state
 from lie_rigid_body.proof.start import Start
 from lie_rigid_body.proof.taylor import taylor_state
 from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown
 
 WIDTH: Final = 2.0**-80
 """Default of the largest width of an `Enclosure`, 8e-25."""
@@ -81,7 +83,7 @@ class Enclosure:
             rad, rounded outward; infinite where the quaternion is zero or not finite.
         """
         with ctx.workprec(self.bits):
-            given = _balls(attitude_xyzw, 4)
+            given = _balls("attitude_xyzw", attitude_xyzw, 4)
             between = product(conjugate(self.attitude_xyzw), given)
             # one of the half angle's sine and cosine may be 0; of a zero quaternion both are
             sine, cosine = norm(between[:3]), abs(between[3])
@@ -102,7 +104,7 @@ class Enclosure:
             rad/s, rounded outward; infinite where the rate is not finite.
         """
         with ctx.workprec(self.bits):
-            given = _balls(body_rate, 3)
+            given = _balls("body_rate", body_rate, 3)
             return _bounds(norm(tuple(x - y for x, y in zip(given, self.body_rate, strict=True))))
 
     def overlaps(self, other: Enclosure) -> bool:
@@ -140,11 +142,12 @@ def enclose(
     Raises
     ------
     InputError
-        If the start is not that of a rigid body.
+        If the start is not that of a rigid body, or the time or the width is no such number.
     LieRigidBodyError
         If 65 536 bits are too few.
     """
     start = Start.of(inertia, attitude_xyzw, body_rate)
+    t_ns = whole_number("t_ns", t_ns, -(2**63), 2**63 - 1)
     return _thin(lambda bits: exact_state(start, t_ns), width)
 
 
@@ -156,13 +159,14 @@ def enclose_by_taylor(
     It takes some 30 ms for each radian of p t/I₁, with p the norm of the momentum and I₁ the smallest moment.
     """
     start = Start.of(inertia, attitude_xyzw, body_rate)
+    t_ns = whole_number("t_ns", t_ns, -(2**63), 2**63 - 1)
     return _thin(lambda bits: taylor_state(start, t_ns, bits), width)
 
 
 def _thin(state: Callable[[int], tuple[Balls, Balls]], width: float) -> Enclosure:
     """The first enclosure that is thin enough, with twice the bits each time."""
-    if not 0.0 < width < 1.0:
-        raise InputError(f"width: {width!r} is not between 0 and 1: give for example 1e-20")
+    if not 0.0 < as_double(width) < 1.0:
+        raise InputError(f"width: {shown(width)} is not between 0 and 1: give for example 1e-20")
     bits = _FIRST_BITS
     while bits <= _MOST_BITS:
         with ctx.workprec(bits), suppress(UndecidedError):
@@ -178,11 +182,11 @@ def _relative_width(rate: Balls) -> float:
     return 0.0 if width == 0 else at_most(width / norm(rate))
 
 
-def _balls(values: ArrayLike, size: int) -> Balls:
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape != (size,):
-        raise InputError(f"shape {array.shape} is not ({size},): give {size} numbers")
-    return tuple(arb(x) for x in array.tolist())
+def _balls(name: str, values: ArrayLike, size: int) -> Balls:
+    array = as_numbers(name, values)
+    if array.shape != (size,) or np.iscomplexobj(array):
+        raise ParameterError(name, f"shape {array.shape} of {array.dtype} is not ({size},): give {size} real numbers")
+    return tuple(arb(x) for x in array.astype(np.float64).tolist())
 
 
 def _bounds(distance: arb) -> tuple[float, float]:

@@ -24,6 +24,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpz
 from numpy.typing import ArrayLike
 
+from lie_rigid_body.arrays import as_numbers
 from lie_rigid_body.errors import InputError
 
 Rationals = tuple[fmpq, ...]
@@ -142,8 +143,7 @@ def _dot(a: Rationals, b: Rationals) -> fmpq:
 
 
 def _tensor(inertia: ArrayLike) -> fmpq_mat:
-    shape = np.shape(inertia)
-    entries = _rationals("inertia", inertia, *(allowed for allowed in ((3,), (6,), (3, 3)) if allowed == shape))
+    entries = _rationals("inertia", inertia, (3,), (6,), (3, 3))
     if len(entries) == 3:
         xx, yy, zz = entries
         entries = (xx, fmpq(0), fmpq(0), fmpq(0), yy, fmpq(0), fmpq(0), fmpq(0), zz)
@@ -160,8 +160,9 @@ def _tensor(inertia: ArrayLike) -> fmpq_mat:
 
 
 def _rationals(name: str, value: ArrayLike, *shapes: tuple[int, ...]) -> Rationals:
-    array = np.asarray(value, dtype=np.float64)
-    if array.shape not in shapes or not np.isfinite(array).all():
+    array = as_numbers(name, value)
+    is_real = array.shape in shapes and not np.iscomplexobj(array)
+    if not (is_real and np.isfinite(array := array.astype(np.float64)).all()):
         raise InputError(f"{name}: {array.tolist()!s:.80} is not finite numbers of the right shape")
     return tuple(_rational(number) for number in array.ravel().tolist())
 

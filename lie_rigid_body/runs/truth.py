@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation import (
     VectorReadings,
     unavoidable_error,
 )
-from lie_rigid_body.evaluation.arguments import integer_stamps, read_stamps, unit
+from lie_rigid_body.evaluation.arguments import as_stamps, integer_stamps, read_stamps, unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.definitions import IMU
@@ -110,8 +110,9 @@ class ScenarioTruth(Truth):
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """Largest error of the interpolation between samples, rad."""
-        pieces = ((i, inside) for i, inside in self._segments_of(stamps_ns) if i in self._corrections)
-        return max((self._corrections[i].uncertainty_at(stamps_ns[inside]) for i, inside in pieces), default=0.0)
+        stamps = as_stamps("truth", stamps_ns)
+        pieces = ((i, inside) for i, inside in self._segments_of(stamps) if i in self._corrections)
+        return max((self._corrections[i].uncertainty_at(stamps[inside]) for i, inside in pieces), default=0.0)
 
     def _exact(self, stamps_ns: Integers) -> Array:
         attitude = np.empty((*np.shape(stamps_ns), 4))

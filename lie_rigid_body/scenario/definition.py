@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, plain
+from lie_rigid_body.arrays import Array, plain, whole_number
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
@@ -21,7 +21,7 @@ from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_bet
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
-from lie_rigid_body.wording import call_repr, shown
+from lie_rigid_body.wording import call_repr, shown, suggestion
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The
@@ -97,9 +97,12 @@ class Scenario:
         return cls(**{str(name): value for name, value in (given or {}).items()})
 
     def resampled(self, *, rate: float | None = None, epoch_ns: int | None = None) -> Scenario:
-        """Sample the same motion and sensors at another rate, Hz, or from another stamp, ns; nothing is validated."""
-        new = copy.copy(self)
-        vars(new).update(rate=rate or self.rate, epoch_ns=self.epoch_ns if epoch_ns is None else epoch_ns)
+        """Sample the same motion and sensors at another rate, Hz, or from another stamp, ns.
+
+        Each is read as the parameter of its name; whether the motion can take the steps is not validated.
+        """
+        new, given = copy.copy(self), {"rate": rate, "epoch_ns": epoch_ns}
+        vars(new).update({name: _read(name, value) for name, value in given.items() if value is not None})
         return new
 
     def __repr__(self) -> str:
@@ -120,6 +123,9 @@ class Scenario:
 
     def frame(self, parameter: str) -> str:
         """Value of a frame parameter: the name of a frame."""
+        names = sorted({"world_frame", "body_frame", *frame_parameters()})
+        if str(parameter) not in names:
+            raise ParameterError(parameter, f"no such parameter: {suggestion(str(parameter), names, 'parameters')}")
         return str(dict(self.sensor_parameters).get(parameter) or getattr(self, parameter))
 
     @property
@@ -208,9 +214,10 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth.
         """
+        rate = self.rate if rate is None else _read("rate", rate)
         if self.motion == "closed_form":
             return 1
-        return steps_between(1.0 / (rate or self.rate), self._longest_step(self.rate_bound()))
+        return steps_between(1.0 / rate, self._longest_step(self.rate_bound()))
 
     def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
         """Number of samples to compute at once, at least 1.
@@ -224,6 +231,7 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth.
         """
+        at_most, steps = whole_number("at_most", at_most, 1), whole_number("steps", steps, 1)
         return max(1, min(at_most, steps // self.steps_per_sample(rate)))
 
     def _longest_step(self, fastest: float) -> float:
@@ -274,6 +282,10 @@ class Scenario:
                 f"at up to {fastest:.3g} rad/s {self.method} takes {steps:.3g} steps between samples, more than "
                 f"{MOST_STEPS:g}: give a lower body rate, or use closed_form",
             )
+
+
+def _read(name: str, value: object) -> Any:
+    return BY_NAME[name].read(plain(value))
 
 
 def _shorter(longest: float) -> str:

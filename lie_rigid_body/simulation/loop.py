@@ -13,7 +13,7 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.arrays import Integers, whole_number
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
@@ -233,7 +233,7 @@ class Simulation:
 
     def take(self, count: int) -> Samples:
         """The next ``count`` samples of the truth alone."""
-        return self._running[-1].truth.take(count)
+        return self._running[-1].truth.take(whole_number("count", count, 0))
 
     def take_until(self, stamp_ns: int, at_most: int) -> Taken:
         """Take what comes next up to a time, from the truth and from every sensor, in one segment.
@@ -258,6 +258,7 @@ class Simulation:
         ParameterError
             If the next ones have no stamp in ROS. Then nothing is taken.
         """
+        at_most = whole_number("at_most", at_most, 1)
         running, fault_end_ns = self._oldest(), self._faults.end_ns(at_most)
         stamp_ns = min(stamp_ns, running.end_ns, fault_end_ns, max(self.next_stamp_ns, MAX_EPOCH_NS))
         for queue in running.queues:

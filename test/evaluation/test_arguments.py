@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lie_rigid_body import Limits, attitude_error, simulate
+from lie_rigid_body import Limits, SampledTruth, attitude_error, simulate
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.remarks import of_series
@@ -19,6 +19,15 @@ def test_a_mask_of_nothing_and_numbers_as_objects_are_read():
     np.testing.assert_array_equal(read_series("estimate", [0, 1, 2], Q.astype(object))[1], Q)
     assert read_stamps("estimate", [-(2**31) * 10**9, 2**31 * 10**9]).dtype == np.int64
     assert attitude_error(np.ma.masked_array(Q), Q).total.max() == 0.0
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.uint8, np.int16, np.uint64])
+def test_stamps_of_any_integer_type_are_read(kind):
+    truth, stamps = SampledTruth([0, 50, 100], Q), np.array([0, 25, 120], kind)
+    assert truth.covers(stamps).tolist() == [True, True, False]
+    assert truth.uncertainty_at(stamps) == truth.uncertainty_at(stamps.astype(np.int64))
+    for found, wanted in zip(truth.states(stamps), truth.states(stamps.astype(np.int64)), strict=True):
+        np.testing.assert_array_equal(found, wanted)
 
 
 @pytest.mark.filterwarnings("error")

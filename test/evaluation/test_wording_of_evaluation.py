@@ -30,7 +30,8 @@ from lie_rigid_body.evaluation import (
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
-from lie_rigid_body.evaluation.differences import Difference
+from lie_rigid_body.evaluation.differences import Difference, of_run, of_runs
+from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.limits import Tally
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import LONGEST_LINE
@@ -103,8 +104,9 @@ REFUSED: dict[str, list[Call]] = {
         *series([0.0, 1.0], Q[:2]),
         *series([[0], [1, 2]], Q[:2]),
         *(
-            lambda truth=truth, stamps=stamps: truth.at(stamps)
+            lambda ask=ask, stamps=stamps: ask(stamps)
             for truth in (truth_of("slow_tumble"), SampledTruth([0, 1], Q[:2]))
+            for ask in (truth.at, truth.covers, truth.states, SampledTruth([0, 1], Q[:2]).uncertainty_at)
             for stamps in (None, "0", 0.5, True, [[0], [1, 2]], 10**30)
         ),
     ],
@@ -166,6 +168,27 @@ REFUSED: dict[str, list[Call]] = {
         lambda: score(STAMPS, np.where(np.arange(1501)[:, np.newaxis] < 9, TRUE, np.nan))
     ],
     "at least one": [lambda: score([], np.empty((0, 4)))],
+    "left_out: .* is no whole number from 0 on": [
+        lambda given=given: score(STAMPS, TRUE, left_out=given)  # type: ignore[misc]
+        for given in ("x", -1, 1.5, None, [0])
+    ],
+    "due_ns: .* is no whole number from": [
+        lambda given=given: score(STAMPS, TRUE, due_ns=given)  # type: ignore[misc]
+        for given in ("x", 0.5, -(10**400), [0])
+    ],
+    r"bound .*, sensors .*: give what unavoidable_error\(\) returns, and rad from 0 on": [
+        lambda given=given: score(STAMPS, TRUE, **given)  # type: ignore[misc]
+        for given in ({"bound": "x"}, *({"sensors": given} for given in ("x", -1.0, np.nan, [0.1])))
+    ],
+    "seed: .* is no whole number from 0 on: give one": [
+        lambda judge=judge, seed=seed: judge(seed)  # type: ignore[misc]
+        for judge in (
+            lambda seed: of_run(STAMPS[:20], STAMPS[:20], seed),
+            lambda seed: of_runs(STAMPS[:20], STAMPS[:20], seed),
+            lambda seed: honesty(np.arange(5.0), np.ones((12, 5, 3)), np.eye(3), seed=seed),
+        )
+        for seed in ("x", -1, 1.5, True, None)
+    ],
     "5 of them for 1501 estimates": [lambda: score(STAMPS, TRUE, covariance=np.tile(P, (5, 1, 1)))],
     # covariances
     "says that the estimator does not know it": [consistency(np.zeros((3, 3))), consistency(np.diag([-1.0, 0.0, 0.0]))],

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sample_groups import se3
 
 from lie_rigid_body import InputError, ParameterError, groups
 from lie_rigid_body.groups import SO, SU, U1, GroupMovingChart, GroupState, Lagrangian, double_cover, product
@@ -18,7 +19,9 @@ ROOM: Any = groups
 GROUP: Any = SO(4)
 CHART: Any = double_cover
 BODY: Any = Lagrangian(GROUP, np.diag(np.arange(1.0, 7.0)))
+RIGID: Any = groups.MatrixLieGroup.from_generators(se3())
 HUGE = np.full(6, 1e308)
+FAR = np.eye(4) + np.diag([1e308, 0.0, 0.0], 1)
 NO_NUMBER = ("x", None, np.ones(3), 10**400, object(), np.nan)
 NO_MATRICES = (np.ones(6), np.zeros((3, 3)), np.zeros((3, 4, 5)), None, object(), np.array(list("abc")), GROUP)
 
@@ -66,6 +69,14 @@ def test_what_is_no_finite_number_is_refused(function, name, given):
     assert caught.value.name == name
 
 
+@pytest.mark.parametrize("shape", ["x", (-1,), -1, 1.5, None, np.ones(3), (2, "x"), [[1], [2, 3]]], ids=range(8))
+def test_what_is_no_shape_is_refused(shape):
+    for group in (GROUP, RIGID, U1(), product(SO(3), SU(2))):
+        with pytest.raises(ParameterError) as caught:
+            group.random(np.random.default_rng(1), shape)
+        assert caught.value.name == "shape"
+
+
 @pytest.mark.parametrize("name", [3, None, np.float32(1.0), b"x", GROUP], ids=range(5))
 def test_an_error_tells_any_name(name):
     for build in (lambda: GROUP.as_components(np.ones(5), name), lambda: ROOM.require_metric(np.eye(5), 6, name)):
@@ -88,6 +99,17 @@ def test_an_error_tells_any_name(name):
         lambda: CHART.from_quaternion("x"),
         lambda: CHART.lift("x"),
         lambda: groups.chasles(np.eye(3), np.eye(3)).apply(np.ones(4)),
+        *(
+            lambda function=function, given=given: function(given)
+            for group, given in ((GROUP, FAR), (RIGID, FAR), (RIGID, np.full((4, 4), 1e308)))
+            for function in (group.log, group.inverse, group.as_elements, group.Ad, RIGID.project)
+        ),
+        *(
+            lambda function=function, given=given: function(given)
+            for function in (GROUP.off_span, GROUP.coordinates)
+            for given in (np.full((4, 4), np.inf), np.full((4, 4), np.nan))
+        ),
+        lambda: GROUP.off_span(FAR),
     ],
 )
 def test_what_is_not_finite_or_goes_with_nothing_is_refused(build):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import nquad
@@ -11,6 +13,8 @@ from lie_rigid_body import ParameterError
 from lie_rigid_body.mechanics import ball, box, moments_of_density, moments_of_points, moments_on_grid
 from random_masses import assert_same
 
+OF_DENSITY: Any = moments_of_density
+"""The function without its types, which refuse as well."""
 POINTS = np.vstack([np.eye(3), -np.eye(3)])
 
 
@@ -126,7 +130,16 @@ def test_a_hollow_ball_turned_and_shifted_by_quadrature_of_its_shells():
         (lambda: moments_on_grid(np.ones((2, 2)), [0, 1], [1, 1]), "limits"),
         (lambda: moments_on_grid(np.ones((2, 0)), [0, 0], [1, 1]), "density"),
         (lambda: moments_on_grid(1.0, [0], [1]), "low"),
-        (lambda: moments_of_density(gaussian, []), "nodes"),
+        (lambda: moments_of_density(gaussian, []), "limits"),
+        (lambda: OF_DENSITY(gaussian, 3), "limits"),
+        (lambda: OF_DENSITY(gaussian, [[0, 0, 0], [1, 1, 1]]), "limits"),
+        (lambda: OF_DENSITY(gaussian, "ab"), "limits"),
+        *((lambda nodes=nodes: OF_DENSITY(gaussian, [(0, 1)], nodes), "nodes") for nodes in ("x", [1], 4.5)),
+        (lambda: moments_of_density(gaussian, [(0, 1)] * 2, 10**4000), "nodes"),
+        *(
+            (lambda limit=limit: OF_DENSITY(gaussian, [(0, 1)], 4, limit), "tolerance")
+            for limit in ("x", [1, 2, 3], np.nan)
+        ),
         (lambda: moments_of_density(gaussian, [(0, 1)], nodes=3), "nodes"),
         (lambda: moments_of_density(gaussian, [(0, 1)] * 6), "nodes"),
         (lambda: moments_of_density(gaussian, [(1, 0)]), "limits"),

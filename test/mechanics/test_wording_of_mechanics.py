@@ -140,7 +140,11 @@ UNIT = np.eye(3)
         ),
         (
             lambda: moments_of_density(lambda x: x[:, 0], [(0, 1)], nodes=3),
-            "nodes: 3 along each of 1 coordinates: give at least 4, and limits of each coordinate",
+            "nodes: 3 is no whole number from 4 on: give one",
+        ),
+        (
+            lambda: moments_of_density(lambda x: x[:, 0], []),
+            "limits: of no coordinate: give two numbers, or a function, for each",
         ),
         (
             lambda: moments_of_density(lambda x: x[:, 0], [(0, 1)] * 6),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -182,8 +183,27 @@ def test_doubles_are_rounded_outward():
         ([1.0, 2.0, math.nan], [0, 0, 0, 1], [0, 0, 1], "finite"),
         ([1.0, 2.0, 3.0], [0, 0, 0, 0], [0, 0, 1], "zero quaternion"),
         ([1.0, 2.0, 3.0], [0, 0, 0, 1], [0, 1], "body_rate"),
+        ("x", [0, 0, 0, 1], [0, 0, 1], "inertia"),
+        ([1.0, 2.0, 3.0], [[0], [0, 0, 1]], [0, 0, 1], "attitude_xyzw"),
+        ([1.0, 2.0, 3.0], [0, 0, 0, 1], [0, 0, 1j], "body_rate"),
     ],
 )
 def test_what_is_no_start_is_refused(inertia, attitude, rate, said):
     with pytest.raises(InputError, match=said):
         enclose(inertia, attitude, rate, 0)
+
+
+@pytest.mark.parametrize("enclosure", [enclose, enclose_by_taylor])
+def test_what_is_no_number_is_refused(enclosure):
+    start = [1.0, 2.0, 3.0], [0, 0, 0, 1], [0.1, 0.2, 0.3]
+    truth = enclosure(*start, np.int64(5))
+    assert truth.overlaps(enclosure(*start, 5))
+    calls = [
+        *(partial(enclosure, *start, t_ns) for t_ns in ([1.0], 1.5, "x", None, 10**400)),
+        *(partial(enclosure, *start, 1, width=width) for width in ("x", [1e-20], None, math.nan)),
+        *(partial(truth.attitude_error, given) for given in ("x", [0, 0, 1], [0, 0, 1j, 1], [[0], [0, 0, 1]])),
+        *(partial(truth.rate_error, given) for given in ("x", [0, 1], [0, 1j, 1])),
+    ]
+    for call in calls:
+        with pytest.raises(InputError, match=r"^(t_ns|width|attitude_xyzw|body_rate): "):
+            call()

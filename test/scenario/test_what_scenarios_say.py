@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from lie_rigid_body.errors import InputError
@@ -38,6 +40,11 @@ def given(**parameters: object) -> Scene:
 
 def assigned(text: str, option: str = "-p") -> Scene:
     return lambda folder: Scenario.from_parameters(dict([parse_assignment(text, option)]))
+
+
+def asked(name: str, *values: object, **named: object) -> Scene:
+    """A method of a scenario, called."""
+    return lambda folder: getattr(Scenario(), name)(*values, **named)
 
 
 FAST = [1e12, 1e12, 0.0]
@@ -85,6 +92,18 @@ SAID: list[tuple[Scene, str]] = [
         r"max_step: 10 s lets the body turn by up to \d\d\.\d rad in one.*: give at most \S+ s, or use closed_form",
     ),
     (given(gyro_rate="integrated", initial_body_rate=[0.0, 0.0, 30.0], imu_rate=9.0), "imu_rate: 9 Hz .*give at least"),
+    (asked("frame", "imu_frames"), r"^imu_frames: no such parameter: did you mean imu_frame"),
+    (asked("frame", "rate"), r"^rate: no such parameter: the parameters are body_frame, imu_frame"),
+    (asked("frame", ["body_frame"]), r"^\['body_frame'\]: no such parameter"),
+    *(
+        (asked(name, *before, rate=rate), f"^rate: {words}")
+        for name, before in (("resampled", ()), ("steps_per_sample", ()), ("batch_size", (9, 9)))
+        for rate, words in ((math.nan, "nan is not finite"), (0.0, "0 is outside"), ("x", "'x' is not a number"))
+    ),
+    (asked("resampled", rate=np.zeros((0, 3))), r"^rate: \[\] is not a number"),
+    (asked("resampled", epoch_ns=1.5), "^epoch_ns: 1.5 is not an integer"),
+    (asked("batch_size", "x", 1), "^at_most: 'x' is no whole number from 1 on"),
+    (asked("batch_size", 1, 0), "^steps: 0 is no whole number from 1 on"),
 ]
 
 
