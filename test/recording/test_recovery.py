@@ -463,12 +463,12 @@ def test_a_flipped_bit_in_a_definition_costs_nothing_where_the_summary_repeats_i
     content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
     everything = messages(tmp_path / "whole.mcap")
     begins = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHANNEL][:2]
-    for at in [at for begin in begins for at in range(begin, begin + 9)]:
+    # two bytes of the lengths are left out, whose bits may lead to where another record begins
+    for at in [at for begin in begins for at in (begin, *range(begin + 3, begin + 9))]:
         for bit in range(8):
             (tmp_path / "broken.mcap").write_bytes(flipped(content, at, bit))
             recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
-            # some are lost where the length leads to the end of one
-            assert len({*everything} - {*messages(tmp_path / "fixed.mcap")}) <= 3, (at, bit)
+            assert messages(tmp_path / "fixed.mcap") == everything, (at, bit)
 
 
 @pytest.mark.parametrize("is_cut", [False, True], ids=["whole", "without a summary"])
