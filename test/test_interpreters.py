@@ -42,6 +42,7 @@ from lie_rigid_body.interpreters import guarded
 
 program = subprocess.Popen(["/bin/sh", "-c", "sleep 600 & echo begun; sleep 600"], start_new_session=True)
 with guarded(program):
+    print("guarded", flush=True)
     time.sleep(600.0)
 """
 
@@ -70,6 +71,14 @@ def test_reply_is_what_the_function_returns_or_raises():
             other.ask(partial(_raise, "of the package"), LIMIT_S)
     finally:
         other.end()
+
+
+def test_what_else_comes_than_a_reply_ends_the_process():
+    other, garbage = Interpreter(), "arbage garbage"
+    code = f"import os\nfor fd in range(3, 50):\n try: os.write(fd, {garbage.encode()!r})\n except OSError: pass"
+    with pytest.raises(EOFError):
+        other.ask(partial(exec, code), LIMIT_S)
+    assert not other.is_running
 
 
 def _made_here():
@@ -129,7 +138,7 @@ def test_a_program_ends_with_what_it_started_where_its_process_is_killed(tmp_pat
     """All hold one end of a pipe, which is read to its end."""
     asking = subprocess.Popen([sys.executable, "-c", GUARDING], stdout=subprocess.PIPE)
     assert asking.stdout is not None
-    assert asking.stdout.readline() == b"begun\n"
+    assert {asking.stdout.readline() for _ in range(2)} == {b"begun\n", b"guarded\n"}
     asking.kill()
     assert asking.communicate()[0] == b""
 

@@ -104,6 +104,10 @@ def has_fields_of(text: str, message_type: str) -> bool:
     return has_plain_lines and _fields(text, message_type) == _fields(definition(message_type), message_type)
 
 
+_CONSTANT: Final = re.compile("[A-Z][A-Z0-9_]* ?=")
+"""Name of a constant, and what stands behind it; with names of other letters readers make a field of such a line."""
+
+
 @lru_cache(maxsize=64)
 def _fields(text: str, message_type: str) -> list[tuple[str, list[tuple[str, str]]]]:
     """Each type of a definition, in alphabetical order, with types and names of its fields; types with packages."""
@@ -113,7 +117,7 @@ def _fields(text: str, message_type: str) -> list[tuple[str, list[tuple[str, str
         name = next((line[1] for line in lines if line[:1] == ["MSG:"] and len(line) > 1), message_type)
         package = name.partition("/")[0]
         whole = (line for line in lines if len(line) > 1 and line[0] != "MSG:")
-        fields = [line for line in whole if "=" not in line[1] and not "".join(line[2:]).startswith("=")]
+        fields = [line for line in whole if not _CONSTANT.match(" ".join(line[1:]))]
         found.append((_full(name, package), [(_full(line[0], package), line[1]) for line in fields]))
     return sorted(found)
 

@@ -25,6 +25,8 @@ METADATA: Final = "metadata.yaml"
 SUFFIXES: Final = (".mcap", ".db3")
 """Suffixes of the names of bags: those in SQLite are found as well, and refused with the remedy."""
 
+_PACKED: Final = ".mcap.zstd"
+"""Suffix of files that rosbag2 has compressed as a whole."""
 _TOLERANCE_NS: Final = NS
 """Largest error of the start and the duration that a recorder notes, ns: it drops and reorders some messages."""
 _PER_MESSAGE: Final = 100
@@ -135,11 +137,16 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
         return [path]
     if information is not None:
         return [path / str(name) for name in information["relative_file_paths"]]
+    if packed := sorted(path.glob(f"*{_PACKED}"), key=natural_order):
+        raise BagError(f"{packed[0]} is compressed as a whole: unpack all such files with 'unzstd'")
     files = sorted((file for suffix in SUFFIXES for file in path.glob(f"*{suffix}")), key=natural_order)
     if not files:
         raise BagError(f"{path} is a folder without MCAP files: give a bag")
     if len(files) > 1 and not is_one_bag(path):
         raise BagError(f"{path} holds {len(files)} bags, not one recording: give one of them")
+    here = real_path(path)
+    if away := [file.name for file in files if not real_path(file).is_relative_to(here)]:
+        raise BagError(f"{path} holds {shown(away[0])}, a link out of it: give a whole bag")
     return [file for file in files if file.suffix == SUFFIXES[0]] or files
 
 

@@ -227,7 +227,7 @@ class _Salvage:
         if self._chunks:
             yield from self._chunks[bisect_right(self._chunks, at) :]
         elif given[at : at + 1] != bytes([Opcode.ATTACHMENT]) and not _says_twice(self._given, at, Opcode.CHUNK):
-            if bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
+            if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
                 yield from self._looked_for(_HEADS[Opcode.CHUNK], at + 1)
             if not self._has_chunks:
                 self._declare()

@@ -22,6 +22,8 @@ DOMAINS: Final = range(1, 102)
 """Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""
 ENDING_S: Final = 2.0
 """Time that a node has to end when it is asked to, s."""
+MOST_PRINTED: Final = 2**28
+"""Largest output of a node, bytes."""
 _PORTS: Final = (7400, 250, (0, *range(10, 250, 2)))
 """UDP ports of a domain on one machine: the first of domain 0, how far the next domain's are, and places of those at
 which participants listen (DDSI-RTPS 2.5, 9.6.2.3)."""
@@ -84,7 +86,7 @@ def _shared(path: str, flags: int) -> int:
 
 @contextmanager
 def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
-    """Keep a node running; what is given raises an error once it has ended."""
+    """Keep a node running; what is given raises an error once it has ended, or printed too much."""
     try:
         process = subprocess.Popen(words(command), stdin=subprocess.DEVNULL, stdout=output, stderr=output)
     except OSError as error:
@@ -95,6 +97,8 @@ def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
     def require_alive() -> None:
         if process.poll() is not None:
             raise LieRigidBodyError(f"ended with status {process.returncode}: mend it")
+        if os.fstat(output.fileno()).st_size > MOST_PRINTED:
+            raise LieRigidBodyError(f"prints more than {MOST_PRINTED} bytes: let it log less")
 
     try:
         yield require_alive

@@ -13,10 +13,13 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import GRADES
+from lie_rigid_body.wording import listed, shown
 
 __all__ = ["attitudes", "bodies", "scenarios", "sensor_grades", "starts"]
 
@@ -48,7 +51,8 @@ def bodies(draw: st.DrawFn) -> RigidBody:
 @st.composite
 def starts(draw: st.DrawFn, max_rate: float = 2.0) -> State:
     """Attitudes and body rates, each component of the rate up to a limit, rad/s."""
-    rate = st.floats(-max_rate, max_rate)
+    largest = quantity("max_rate", max_rate, "rad/s", "2.0", or_zero=True)
+    rate = st.floats(-largest, largest)
     return State(draw(attitudes()), [draw(rate), draw(rate), draw(rate)])
 
 
@@ -74,6 +78,10 @@ def scenarios(
     **parameters
         Parameters that are the same in all scenarios, by their public names.
     """
+    if grades is not None and not (
+        isinstance(grades, list | tuple) and grades and all(map(GRADES.__contains__, grades))
+    ):
+        raise InputError(f"grades: {shown(grades)}: give some of {listed(GRADES)}, in a list")
     start, inertia = draw(starts(max_rate)), draw(bodies()).inertia
     given: dict[str, object] = {
         "inertia": inertia[np.triu_indices(3)].tolist(),

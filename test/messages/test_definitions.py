@@ -66,6 +66,7 @@ FORGED = {
     "a type twice, once of nothing": (PART, f"{PART}{PART}"),
     "two fields in turn": ("float64 x 0\nfloat64 y 0\n", "float64 y 0\nfloat64 x 0\n"),
     "a field that some readers take for a comment": ("float64 x 0\n", "#\x85float64 x 0\n"),
+    "a field that some readers take for a constant": ("float64 x 0\n", "float64 x 0\nuint8[] a =1\n"),
     "a field that some readers take for one more": ("float64 x 0\n", "float64 x 0\nstring s a=b\n"),
 }
 """What is put into the definition of a pose, and in the place of what; each misleads who reads by it."""

@@ -33,6 +33,9 @@ refused = refusals(
             "named twice": "names '{name}' twice",
             "outside": "names '{name}', which is outside of its folder",
             "folder as file": "Is a directory",
+            "structure": "structure: not that of a rosbag2 bag",
+            "packed": "{name} is compressed as a whole: unpack all such files with 'unzstd'",
+            "link": "holds '{name}', a link out of it",
             # its content
             "cut off": r"cut off.* holds? (at least \d+ )?whole messages.* recover",
             "killed": "it holds at least {count} whole messages: .*lie-rigid-body recover",

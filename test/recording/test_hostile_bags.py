@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 import resource
 import struct
 import subprocess
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import lz4.frame
 import numpy as np
@@ -140,6 +143,44 @@ def test_metadata_names_files(tmp_path: Path, case: str) -> None:
     with error as caught:
         read_bag(path)
     assert "somebody" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "case"), [("bag_1.mcap.zstd", "packed"), ("bag_1.mcap", "link")])
+def test_a_folder_without_metadata_holds_its_own_files_as_they_are(
+    make_bag: MakeBag, tmp_path: Path, name: str, case: str
+) -> None:
+    path, elsewhere = tmp_path / "bag", make_bag()
+    path.mkdir()
+    (path / "bag_0.mcap").write_bytes(elsewhere.read_bytes())
+    assert len(BagFiles(path).files) == 1
+    (path / name).symlink_to(elsewhere)
+    with refused(case, name=name):
+        BagFiles(path)
+
+
+@pytest.mark.parametrize("kind", ["topics_with_message_count", "files"])
+def test_what_metadata_count_twice_is_refused(make_bag: MakeBag, tmp_path: Path, kind: str) -> None:
+    """Readers take different ones."""
+    path = tmp_path / "bag"
+    path.mkdir()
+    (path / "bag_0.mcap").write_bytes(make_bag().read_bytes())
+    contents = BagFiles(path).contents(of_types([]))
+    said: dict[str, Any] = {
+        "relative_file_paths": ["bag_0.mcap"],
+        "files": [{"path": "bag_0.mcap", "message_count": contents.files[0].count}],
+        "topics_with_message_count": [
+            {
+                "topic_metadata": {"name": t.topic, "type": t.message_type, "serialization_format": t.encoding},
+                "message_count": t.count,
+            }
+            for t in contents.tracks.values()
+        ],
+    }
+    for twice in (False, True):
+        said[kind] = [*([{**said[kind][0], "message_count": 1}] if twice else []), *said[kind]]
+        (path / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": said}))
+        with refused("structure") if twice else nullcontext():
+            BagFiles(path).contents(of_types([]))
 
 
 def test_each_file_of_a_bag_allows_for_its_own_messages(

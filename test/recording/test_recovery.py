@@ -433,6 +433,17 @@ def test_what_stands_before_zeros_in_a_chunk_without_compression_is_kept(
             assert begin in recovery.damaged
 
 
+@pytest.mark.parametrize("garbage", [b"\x05 garbage", b"\x06 garbage", b"garbage \x05"])
+def test_bytes_between_two_chunks_cost_nothing(whole: dict[str, Path], tmp_path: Path, garbage: bytes) -> None:
+    """They move all that the summary tells of, and may begin as a message does."""
+    content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
+    begin = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK][1]
+    (tmp_path / "broken.mcap").write_bytes(content[:begin] + garbage + content[begin:])
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert messages(tmp_path / "fixed.mcap") == everything
+    assert recovery.damaged == (begin,)
+
+
 def loose(path: Path, count: int, payload: bytes) -> bytes:
     """A file of messages that are in no chunk, as of rosbag2's preset ``fastwrite``."""
     with path.open("wb") as out:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, find, given, settings
 
 from lie_rigid_body import RigidBody, Scenario, State, simulate
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.testing.strategies import attitudes, bodies, scenarios, sensor_grades, starts
 
 FEW = settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
@@ -42,3 +45,19 @@ def test_they_are_varied():
         (bodies(), lambda body: np.abs(body.inertia - np.diag(np.diag(body.inertia))).max() > 0.1),
     ]:
         find(strategy, condition, settings=quick)
+
+
+WRONG_RATES: list[Any] = ["x", 10**400, -1.0, None]
+WRONG_GRADES: list[Any] = [0, "", "mems", [], ["none"]]
+
+
+@pytest.mark.parametrize(
+    "strategy",
+    [
+        *(starts(max_rate=wrong) for wrong in WRONG_RATES),
+        *(scenarios(grades=wrong) for wrong in WRONG_GRADES),
+    ],
+)
+def test_wrong_arguments_are_refused_when_an_example_is_drawn(strategy):
+    with pytest.raises(InputError):
+        find(strategy, lambda drawn: True)
