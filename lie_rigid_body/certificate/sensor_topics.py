@@ -215,15 +215,13 @@ class SegmentSensor:
         segment, clock, first, delivery = self._segment, self.clock, self.first, self._delivery
         if delivery is None:
             return NONE_LOST
+        most, after_ns = first + MOST_LOST * tally.count, round(2 * NS / segment.scenario.rate) + NS
+        end = min(last + 1, max(clock.count_until(self._last_ns + after_ns), most))
         # a forged stamp may lie years ahead
-        truth_ns = self._last_ns + round(2 * NS / segment.scenario.rate) + NS
-        most = first + MOST_LOST * tally.count
-        if (end := min(last + 1, max(clock.count_until(truth_ns), most))) > most:
-            self.is_too_far |= not self._replays.allow(_PER_LOST * (end - most))
-            end = most if self.is_too_far else end
+        self.is_too_far |= end > most and not self._replays.allow(_PER_LOST * (end - most))
         return Lost(
             first,
-            end,
+            min(end, most) if self.is_too_far else end,
             lambda k, n: delivery.lost(np.arange(k, k + n) - first, clock.stamps_ns(k, n) - segment.start_ns),
         )
 

@@ -243,8 +243,7 @@ class SensorLaws:
                     why = f"a reset takes the sensor away, before which up to {more} more may have been sent"
                     notes.append(f"readings on {topic.topic} end with {last}: {why}")
             elif not wrong:
-                count = lost.count(sensor.first, end) if own else 0
-                notes.append(f"no reading on {topic.topic}: {self._why_silent(count)}")
+                notes.append(f"no reading on {topic.topic}: {self._why_silent(own and lost.count(sensor.first, end))}")
         if checked or faults:
             yield stamp_result(f"{SENSORS[name].title} stamps", sensor.clock, faults, checked)
         for topic in sensor.topics.values():
