@@ -75,8 +75,8 @@ def test_pictures_pages_and_tests_it_names_exist(page):
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", text):
         assert (page.parent / target).is_file(), target
-    for target in re.findall(r"`(test/[\w/]+(?:\.py)?)/?`", text):
-        assert (DOCS.parent / target).exists(), target
+    for target in re.findall(r"`(?:test/([\w/]+(?:\.py)?)/?|((?:\w+/)+test_\w+\.py))`", text):
+        assert (DOCS.parent / "test" / "".join(target)).exists(), target
     written = "".join(file.read_text(encoding="utf-8") for file in sorted((DOCS.parent / "test").rglob("test_*.py")))
     for name in re.findall(r"`(test_\w+)`", text):
         assert f"def {name}(" in written, name
