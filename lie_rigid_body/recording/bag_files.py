@@ -220,11 +220,11 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
         for key in {**topics, **found}:
             count = topics[key]["message_count"] if key in topics else 0
             yield from _differs(f"messages on topic {key[0]}", count, found.get(key, 0))
-    if said.get("files"):
-        by_name = _each_once((Path(file["path"]).name, file) for file in said["files"])
-        yield from _differs("files", sorted(by_name), sorted(span.name for span in spans))
-        for span in spans:
-            yield from _span_misfits(f"{span.name}: ", by_name[span.name], span)
+    if said.get("files") is not None:
+        names, by_name = [*map(str, said["relative_file_paths"])], _each_once((f["path"], f) for f in said["files"])
+        yield from _differs("files", sorted(by_name), sorted(names))
+        for name, span in zip(names, spans, strict=True):
+            yield from _span_misfits(f"{span.name}: ", by_name[name], span)
 
 
 def _each_once(said: Iterable[tuple[Any, Any]]) -> dict[Any, Any]:

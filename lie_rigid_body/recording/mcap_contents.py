@@ -172,6 +172,8 @@ class McapContents:
         For each file, which was found whole, a function that reads the messages of some tracks in it again.
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
+    are_indexed : set of bool
+        Whether chunks have indexes of their messages.
     """
 
     wanted: Wanted = nothing
@@ -183,6 +185,7 @@ class McapContents:
     files: list[FileSpan] = field(default_factory=list)
     again: list[Callable[[Collection[TrackKey], Progress], Iterator[Found]]] = field(default_factory=list)
     without_checksum: int = 0
+    are_indexed: set[bool] = field(default_factory=set)
 
     def read(self, keys: Collection[TrackKey], progress: Progress = unheard) -> Iterator[Found]:
         """Messages of some tracks, part by part, perhaps among others: those that were kept, or else read again.

@@ -192,7 +192,7 @@ class _FileReader:
         self._summary = Summary()
         self._check = SummaryCheck(self._summary)
         self._crc = zlib.crc32(MAGIC)  # of the data section, then of the summary
-        self._bare_chunks, self._is_indexed = 0, set[bool]()
+        self._bare_chunks = 0
         self.at, self._end = 0, len(MAGIC)
 
     def read(self) -> Parts:
@@ -256,9 +256,8 @@ class _FileReader:
             case Footer():
                 size = len(raw) - RECORD_HEAD.size
                 require(size == _FOOTER.size, f"its footer has {size} bytes, not {_FOOTER.size}")
-                require(
-                    len(self._is_indexed) < 2, "some of its chunks have indexes of their messages, and some have none"
-                )
+                mixed = len(self._contents.are_indexed) > 1
+                require(not mixed, "some chunks have indexes of their messages, and some have none")
                 self._check.finish(record)
                 self._finish()
         return {}
@@ -335,7 +334,7 @@ class _FileReader:
         self.at = begin
         missing = table.index.keys() - indexes.keys()
         require(not (indexes and missing), f"a chunk has no index of channel {min(missing, default=0)}")
-        self._is_indexed.update({bool(indexes)} if table.index else ())
+        self._contents.are_indexed.update({bool(indexes)} if table.index else ())
 
     def _wanted_of(self, table: MessageTable, begin: int, end: int) -> Found:
         """Messages that are wanted of a part that stands between two bytes, which is noted."""

@@ -34,6 +34,8 @@ refused = refusals(
             "outside": "names '{name}', which is outside of its folder",
             "folder as file": "Is a directory",
             "structure": "structure: not that of a rosbag2 bag",
+            "files": "does not fit its files: files: ",
+            "mixed indexes": "some chunks have indexes of their messages, and some have none",
             "packed": "{name} is compressed as a whole: unpack all such files with 'unzstd'",
             "link": "holds '{name}', a link out of it",
             # its content

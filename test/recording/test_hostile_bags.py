@@ -21,9 +21,9 @@ from bags import MakeBag
 from forged import chunk, framed
 from mcap.records import Chunk
 from mcap.writer import MCAP0_MAGIC as MAGIC
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType, IndexType, Writer
 from refused_bags import refused
-from test_bag_reader import folder
+from test_bag_reader import folder, rewrite
 
 from lie_rigid_body.bounded_input import LARGEST_CHUNK, LONGEST_NUMBER
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
@@ -180,6 +180,32 @@ def test_what_metadata_count_twice_is_refused(make_bag: MakeBag, tmp_path: Path,
         said[kind] = [*([{**said[kind][0], "message_count": 1}] if twice else []), *said[kind]]
         (path / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": said}))
         with refused("structure") if twice else nullcontext():
+            BagFiles(path).contents(of_types([]))
+
+
+@pytest.mark.parametrize("files", [[], ["../../bag_0.mcap"], ["/bag/bag_0.mcap"], ["bag_0.mcap", "bag_1.mcap"]])
+def test_the_files_that_metadata_tell_of_are_those_that_they_name(
+    make_bag: MakeBag, tmp_path: Path, files: list[str]
+) -> None:
+    path = tmp_path / "bag"
+    path.mkdir()
+    (path / "bag_0.mcap").write_bytes(make_bag().read_bytes())
+    said: dict[str, Any] = {"relative_file_paths": ["bag_0.mcap"], "files": [{"path": "bag_0.mcap"}]}
+    for given in (["bag_0.mcap"], files):
+        said["files"] = [{"path": name} for name in given]
+        (path / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": said}))
+        with refused("files") if given is files else nullcontext():
+            BagFiles(path).contents(of_types([]))
+
+
+def test_files_of_which_some_have_indexes_of_messages_are_refused(make_bag: MakeBag, tmp_path: Path) -> None:
+    """Readers that seek read the others only."""
+    path, source = tmp_path / "bag", make_bag(count=30)
+    path.mkdir()
+    for second in (IndexType.ALL, IndexType.NONE):
+        for number, index_types in enumerate((IndexType.ALL, second)):
+            rewrite(source, path / f"bag_{number}.mcap", index_types=index_types)
+        with refused("mixed indexes") if second == IndexType.NONE else nullcontext():
             BagFiles(path).contents(of_types([]))
 
 

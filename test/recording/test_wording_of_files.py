@@ -174,7 +174,7 @@ RECORDS: dict[str, tuple[Change, int, str]] = {
     "indexes of some chunks": (
         inserted(Opcode.ATTACHMENT, Opcode.CHUNK),
         Opcode.FOOTER,
-        "some of its chunks have indexes of their messages, and some have none",
+        "some chunks have indexes of their messages, and some have none",
     ),
     "the index of chunks": (
         flipped(Opcode.CHUNK_INDEX, 0),
