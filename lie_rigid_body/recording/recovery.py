@@ -226,7 +226,7 @@ class _Salvage:
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
         if self._chunks:
             yield from self._chunks[bisect_right(self._chunks, at) :]
-        elif given[at : at + 1] != bytes([Opcode.ATTACHMENT]) and not _says_twice(self._given, at, Opcode.CHUNK):
+        elif not (_may_be_attachment(given, at) or _says_twice(given, at, Opcode.CHUNK)):
             if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
                 yield from self._looked_for(_HEADS[Opcode.CHUNK], at + 1)
             if not self._has_chunks:
@@ -363,6 +363,18 @@ def _says_twice(given: FileBytes, at: int, opcode: int) -> bool:
     found = _HEADS[Opcode(opcode)].match(given[at : at + _HEAD_SIZE])
     length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
     return found is not None and found.end(2) + size == RECORD_HEAD.size + length
+
+
+def _may_be_attachment(given: FileBytes, at: int) -> bool:
+    """Whether an attachment begins at a byte, whatever its length: its name and its kind are texts within bounds."""
+    place = at + RECORD_HEAD.size + 16  # behind two times
+    for _ in range(2 if given[at : at + 1] == bytes([Opcode.ATTACHMENT]) else 0):
+        size = int.from_bytes(given[place : place + 4], "little")
+        text = given[place + 4 : place + 4 + min(size, LONGEST_NAME)].decode(errors="replace")
+        if size > LONGEST_NAME or not text.isprintable():
+            return False
+        place += 4 + size
+    return given[at : at + 1] == bytes([Opcode.ATTACHMENT])
 
 
 def _begins(given: FileBytes, at: int) -> bool:

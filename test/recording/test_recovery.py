@@ -433,7 +433,7 @@ def test_what_stands_before_zeros_in_a_chunk_without_compression_is_kept(
             assert begin in recovery.damaged
 
 
-@pytest.mark.parametrize("garbage", [b"\x05 garbage", b"\x06 garbage", b"garbage \x05"])
+@pytest.mark.parametrize("garbage", [b"\x05 garbage", b"\x06 garbage", b"garbage \x05", b"\x09", b"\x09 garbage"])
 def test_bytes_between_two_chunks_cost_nothing(whole: dict[str, Path], tmp_path: Path, garbage: bytes) -> None:
     """They move all that the summary tells of, and may begin as a message does."""
     content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
