@@ -15,6 +15,7 @@ from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.estimates.programs import Answered, NodeEstimator, Reading, last_words, words
+from lie_rigid_body.output_file import reason
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.system import lock, open_itself
 
@@ -89,9 +90,9 @@ def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
     """Keep a node running; what is given raises an error once it has ended, or printed too much."""
     try:
         process = subprocess.Popen(words(command), stdin=subprocess.DEVNULL, stdout=output, stderr=output)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # the second of a text that no program can be given
         raise LieRigidBodyError(
-            f"cannot be started: {error.strerror}: give a program, such as 'ros2 run PACKAGE NODE'"
+            f"cannot be started: {reason(error)}: give a program, such as 'ros2 run PACKAGE NODE'"
         ) from None
 
     def require_alive() -> None:

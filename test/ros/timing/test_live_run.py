@@ -88,6 +88,14 @@ def test_where_the_stamps_end_the_run_pauses_until_a_reset() -> None:
         live.reset(simulation.segment.scenario)
 
 
+def test_a_clock_that_no_stamp_can_show_is_refused_at_the_start() -> None:
+    interruption = Interruption()
+    given = {"motion": "closed_form", "imu_rate": 10.0, "imu_clock_offset": -5.0}
+    live = LiveRun(Simulation(Scenario.from_parameters(given), NS), [], FakeTime({}), interruption)
+    with pytest.raises(ParameterError):
+        live.run()
+
+
 def test_failed_reset_is_answered_and_changes_nothing() -> None:
     def fail() -> None:
         raise InputError("no")
