@@ -18,7 +18,7 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.readings import BLOCK, ROUNDINGS
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.drift import U
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.loop import FaultLog
@@ -66,7 +66,7 @@ class ExpectedFaults:
         while self._known_ns < time_ns and not self.is_too_far:
             sensors = self.segment_at(self._known_ns + 1).scenario.sensors
             later = self._starts[np.searchsorted(self._starts, self._known_ns + 1, side="right") :]
-            end_ns = min(time_ns, int(later[0]) - 1 if len(later) else MAX_EPOCH_NS)
+            end_ns = min(time_ns, int(later[0]) - 1 if len(later) else time_ns)
             if sensors.have_faults:
                 rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
                 end_ns = min(end_ns, self._known_ns + max(1, int(BLOCK * NS / rate)))

@@ -89,7 +89,7 @@ class _SegmentFaults:
     """The faults of one segment, found some time before they are taken."""
 
     def __init__(self, segment: Segment) -> None:
-        self.start_ns, self.end_ns = segment.start_ns, MAX_EPOCH_NS + 1
+        self.start_ns, self.end_ns = segment.start_ns, 2 * MAX_EPOCH_NS
         self._segment, self._known_ns, self._ready = segment, segment.start_ns, list[Fault]()
         self._faulty = [sensor for sensor in segment.scenario.sensors.on.values() if sensor.faulty]
         fastest = max((sensor.rate for sensor in self._faulty), default=1.0)

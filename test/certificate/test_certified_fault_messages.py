@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,15 @@ from tampering import Change, Message, at, declared, messages_of, on, tamper
 from test_certified_faults import EVERY, LATE, LATER, LOST, START
 
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
+from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import BatchEncoder
+from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
+from lie_rigid_body.simulation import Simulation
 
 FAULTS = "/lie_rigid_body/faults"
 OTHER: dict[str, object] = {
@@ -207,3 +214,17 @@ def test_many_wrong_messages_cost_no_more_than_right_ones(bag, tmp_path, monkeyp
     found = verdict(bag, tmp_path, declared(sensor_seed=12))
     assert "faults" in broken(found)
     assert law(found).worst > 50
+
+
+def test_readings_that_arrive_after_the_last_stamp_of_ros_are_certified(tmp_path: Path) -> None:
+    """Their faults were looked for up to a time that the search did not reach."""
+    scenario = Scenario.from_parameters({"imu_rate": 100.0, "imu_latency": 0.5, "rate": 10.0})
+    simulation = Simulation(scenario, MAX_EPOCH_NS - NS)
+    with BagWriter(tmp_path / "last.mcap", stamped_twist=True) as bag, suppress(ParameterError):
+        bag.begin_segment(simulation.segment)
+        encoder = BatchEncoder(simulation.segment.scenario)
+        while True:
+            bag.write(encoder.encode(simulation.take_until(MAX_EPOCH_NS + NS, 40)))
+    found = certify(tmp_path / "last.mcap")
+    assert found.passed, found.messages
+    assert max(message.log_time for message in messages_of(tmp_path / "last.mcap")) > MAX_EPOCH_NS
