@@ -167,9 +167,8 @@ def recorded_estimate(
     truth = motion.until(int(ordered.stamps_ns[-1]))
     read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
     there = [track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS}" and track.count]
-    for biases in sorted(there, key=lambda track: track.message_type != VECTOR3_STAMPED)[:1]:
-        read = _with_bias(read, path, contents, biases, truth_bag or path)
-    return read
+    biases = min(there, key=lambda track: track.message_type != VECTOR3_STAMPED, default=None)
+    return read if biases is None else _with_bias(read, path, contents, biases, truth_bag or path)
 
 
 def _with_bias(

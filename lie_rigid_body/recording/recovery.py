@@ -367,14 +367,16 @@ def _says_twice(given: FileBytes, at: int, opcode: int) -> bool:
 
 def _may_be_attachment(given: FileBytes, at: int) -> bool:
     """Whether an attachment begins at a byte, whatever its length: its name and its kind are texts within bounds."""
+    if given[at : at + 1] != bytes([Opcode.ATTACHMENT]):
+        return False
     place = at + RECORD_HEAD.size + 16  # behind two times
-    for _ in range(2 if given[at : at + 1] == bytes([Opcode.ATTACHMENT]) else 0):
+    for _ in range(2):
         size = int.from_bytes(given[place : place + 4], "little")
         text = given[place + 4 : place + 4 + min(size, LONGEST_NAME)].decode(errors="replace")
         if size > LONGEST_NAME or not text.isprintable():
             return False
         place += 4 + size
-    return given[at : at + 1] == bytes([Opcode.ATTACHMENT])
+    return True
 
 
 def _begins(given: FileBytes, at: int) -> bool:

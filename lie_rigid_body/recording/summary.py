@@ -255,9 +255,9 @@ class SummaryCheck:
 
     def _hold_repeats(self) -> None:
         """Require that a reader which believes the summary is told of every topic that has messages."""
-        schemas = {self._found.channels[channel].schema_id for channel in self._found.counts} - {0}
         if not any(self._said[opcode] for opcode in (Opcode.CHUNK_INDEX, Opcode.CHANNEL, Opcode.SCHEMA)):
             return  # it reads all
+        schemas = {self._found.channels[channel].schema_id for channel in self._found.counts} - {0}
         for opcode, what, used in (
             (Opcode.CHANNEL, "channel", {*self._found.counts}),
             (Opcode.SCHEMA, "schema", schemas),

@@ -185,4 +185,5 @@ def _array(
 
 def linear(stamps_ns: Integers, known_ns: Integers, values: Array) -> Array:
     """Vectors at stamps, ns, shape (K, 3), linear between those at known ones, (N, 3), which do not fall."""
-    return np.stack([np.interp(stamps_ns, known_ns, axis) for axis in values.T], axis=-1)
+    since, known = stamps_ns - known_ns[0], known_ns - known_ns[0]  # as doubles hold no time of day to the nanosecond
+    return np.stack([np.interp(since, known, axis) for axis in values.T], axis=-1)

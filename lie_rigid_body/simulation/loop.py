@@ -264,10 +264,12 @@ class Simulation:
         for queue in running.queues:
             if queue.count_until(stamp_ns) > at_most:
                 stamp_ns = queue.stamp_ns(at_most - 1)
-        for queue in running.queues:
-            queue.prepare(queue.count_until(stamp_ns))
-        truth = running.truth.take(running.truth.count_until(stamp_ns))
-        taken = {name: queue.take(queue.count_until(stamp_ns)) for name, queue in running.sensors.items()}
+        count, *counts = (queue.count_until(stamp_ns) for queue in running.queues)
+        for queue, wanted in zip(running.queues, (count, *counts), strict=True):
+            queue.prepare(wanted)
+        truth = running.truth.take(count)
+        sensors = zip(running.sensors.items(), counts, strict=True)
+        taken = {name: of_one.take(wanted) for (name, of_one), wanted in sensors}
         # those up to the last sample and no further: however a run is cut into batches, each is in the same place
         times = (truth.times_ns, *(rows.times_ns for rows in taken.values()))
         last_ns = max((int(of_one[-1]) for of_one in times if len(of_one)), default=-1)

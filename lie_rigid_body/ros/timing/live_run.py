@@ -147,7 +147,8 @@ class LiveRun:
         steady = self._steady()
         if self._wall is not None:
             self._simulation.start_at(self._wall())
-        self._simulation.require_stamps(self._simulation.next_stamp_ns)
+        else:
+            self._simulation.require_stamps(self._simulation.next_stamp_ns)
         first = self._simulation.next_stamp_ns
         playing = self.state is RunState.PLAYING
         self._take_pace(pace_of(self.factor, first, steady) if playing else UpTo(first - 1))
