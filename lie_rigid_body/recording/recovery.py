@@ -228,19 +228,19 @@ class _Salvage:
             yield from self._chunks[bisect_right(self._chunks, at) :]
         elif not (_may_be_attachment(given, at) or _says_twice(given, at, Opcode.CHUNK)):
             if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
-                yield from self._looked_for(_HEADS[Opcode.CHUNK], at + 1)
+                yield from (begin for begin, _ in self._looked_for(_HEADS[Opcode.CHUNK], at + 1))
             if not self._has_chunks:
                 self._declare()
-                yield from self._looked_for(_LOOSE_HEAD, at + 1)
+                known = self._file.summary.channels
+                yield from (begin for begin, channel in self._looked_for(_LOOSE_HEAD, at + 1) if channel in known)
         if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
             yield footer
 
-    def _looked_for(self, head: re.Pattern[bytes], at: int) -> Iterator[int]:
-        """Bytes from a place on where what looks like a chunk begins, or like a message of a channel that is known."""
+    def _looked_for(self, head: re.Pattern[bytes], at: int) -> Iterator[tuple[int, int]]:
+        """Bytes from a place on where what looks like a record of some kind begins, and the first number in it."""
         for begin in range(at, min(at + LARGEST_RECORD, len(self._given)), _PIECE):
             for match in head.finditer(self._given[begin : begin + _PIECE + _HEAD_SIZE]):
-                if head is not _LOOSE_HEAD or int.from_bytes(match[1], "little") in self._file.summary.channels:
-                    yield begin + match.start()
+                yield begin + match.start(), int.from_bytes(match[1], "little")
 
     @cached_property
     def _summary(self) -> list[Place]:
@@ -257,18 +257,19 @@ class _Salvage:
 
     def _sound(self, at: int) -> Place | None:
         """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
-        place = next(records(self._given, at), None)
-        is_right = place and (
-            self._given[place.end : place.end + len(MAGIC) + 1] == MAGIC
-            if place.opcode == Opcode.FOOTER
-            else place.end - place.begin == _DATA_END_SIZE
-            if place.opcode == Opcode.DATA_END
-            else _says_twice(self._given, at, place.opcode)
-            if place.opcode in _HEADS
-            else _goes_on(self._given, place.end)
-            or next(records(self._given, place.end), None)
-            or (place.opcode in _OUTSIDE and self._given[place.end : place.end + 1] == b"\0")
-        )
+        given, place = self._given, next(records(self._given, at), None)
+        if place is None:
+            return None
+        end = place.end
+        if place.opcode == Opcode.FOOTER:
+            is_right = given[end : end + len(MAGIC) + 1] == MAGIC
+        elif place.opcode == Opcode.DATA_END:
+            is_right = end - place.begin == _DATA_END_SIZE
+        elif place.opcode in _HEADS:
+            is_right = _says_twice(given, at, place.opcode)
+        else:
+            is_padded = place.opcode in _OUTSIDE and given[end : end + 1] == b"\0"
+            is_right = _goes_on(given, end) or is_padded or next(records(given, end), None) is not None
         return place if is_right else None
 
     def _leave_out(self, at: int) -> None:
