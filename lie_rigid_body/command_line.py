@@ -115,12 +115,14 @@ def file_name(text: str) -> str:
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is empty, which is the folder one is in to the system, or ``-``, which would be a file of that name.
+        If no file can have it, or if it is empty, the folder one is in to the system, or ``-``, a file to the system.
     """
     if not text:
         raise argparse.ArgumentTypeError("'' names no file or folder: give a name")
     if text == "-":
         raise argparse.ArgumentTypeError("'-' stands for no stream here: give a name, ./- for a file called so")
+    if "\0" in text:
+        raise argparse.ArgumentTypeError(f"{shown(text)} is the name of no file, with its NUL: give a name without")
     return text
 
 

@@ -8,15 +8,13 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from io import BytesIO
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
-import zstandard
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
@@ -42,39 +40,28 @@ from lie_rigid_body.recording.records import (
     records,
     require,
 )
+from lie_rigid_body.recording.sound_records import (
+    DAMAGE,
+    HEAD_SIZE,
+    HEADS,
+    OUTSIDE,
+    begins,
+    goes_on,
+    may_be_attachment,
+    says_twice,
+    sound,
+)
 from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
-_OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
-"""Records that stand outside of chunks and are written as they are."""
-_HEADS: Final = {
-    Opcode.CHUNK: re.compile(rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd)(.{8}))", re.DOTALL),
-    Opcode.MESSAGE_INDEX: re.compile(rb"\x07(?=(.{8}).{2}(.{4}))", re.DOTALL),
-}
-"""Beginnings of records that say their length twice: that of the record, and that of its last field."""
-_LOOSE_HEAD: Final = re.compile(rb"\x05(?=.{4}\0{4}(.{2}))", re.DOTALL)
-"""Beginning of a message of less than 4 GiB, and its channel."""
-_HEAD_SIZE: Final = 64
-"""Bytes of which the longest of these takes less."""
+_LOOSE_HEAD: Final = re.compile(rb"[\x03\x04\x05](?=.{4}\0{4}(.{2}))", re.DOTALL)
+"""Beginning of a definition or a message of less than 4 GiB, and its number or that of its channel."""
 _PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
 """Bytes of the footer, and of what follows it."""
-_DATA_END_SIZE: Final = 4
-"""Bytes of the checksum that ends the data."""
-_DAMAGE: Final = (
-    ArithmeticError,
-    EOFError,
-    LookupError,
-    McapError,
-    RuntimeError,
-    ValueError,
-    struct.error,
-    zstandard.ZstdError,
-)
-"""Errors that the parsers and decompressors raise on damaged bytes."""
 
 
 class NothingWholeError(BagError):
@@ -150,14 +137,14 @@ def _header(file: FileBytes) -> tuple[Header | None, int]:
     header, begin = None, len(MAGIC) + RECORD_HEAD.size
     ends = [begin + int.from_bytes(file[begin - 8 : begin], "little")]
     if file[: len(MAGIC) + 1] == MAGIC + bytes([Opcode.HEADER]):
-        with suppress(*_DAMAGE):
+        with suppress(*DAMAGE):
             header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
             ends.append(len(MAGIC + record_bytes(header)))
     if ends[0] == ends[-1] and header:
         return header, ends[0]
-    if _begins(file, ends[0]):
+    if begins(file, ends[0]):
         return None, ends[0]
-    return header, ends[-1] if header and _begins(file, ends[-1]) else len(MAGIC)
+    return header, ends[-1] if header and begins(file, ends[-1]) else len(MAGIC)
 
 
 class _Salvage:
@@ -204,7 +191,7 @@ class _Salvage:
             try:
                 if not data_ended:
                     self._take(place)
-            except _DAMAGE:
+            except DAMAGE:
                 self._leave_out(place.start)
             end, opcode = place.end, place.opcode
         self._close_loose()
@@ -213,33 +200,36 @@ class _Salvage:
     def _places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
         place = Place(0, 0, 0, self._begin)
-        while found := next(filter(None, map(self._sound, self._starts(place))), None):
+        while found := next(filter(None, map(partial(sound, self._given), self._starts(place))), None):
             yield (place := found)
 
     def _starts(self, before: Place) -> Iterator[int]:
         """Byte behind a record; should no sound one begin there, where the next chunk or message may, and the footer.
 
-        The summary tells where chunks begin; without one, what looks like a chunk is tried, or behind a message what
-        looks like another. In an attachment, a message or an unfinished chunk no chunk of the file can stand.
+        The summary tells where chunks begin. Without one, what looks like a chunk is tried; in a file without chunks
+        what looks like a definition, or a message of a known channel. In an attachment, a message or an unfinished
+        chunk no chunk of the file can stand. Other records that lost bytes reach into what is behind them.
         """
         yield (at := before.end)
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
+        since = at if before.opcode in (Opcode.ATTACHMENT, Opcode.MESSAGE, Opcode.CHUNK) else before.start
         if self._chunks:
-            yield from self._chunks[bisect_right(self._chunks, at) :]
-        elif not (_may_be_attachment(given, at) or _says_twice(given, at, Opcode.CHUNK)):
+            yield from self._chunks[bisect_right(self._chunks, since) :]
+        elif not (may_be_attachment(given, at) or says_twice(given, at, Opcode.CHUNK)):
             if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
-                yield from (begin for begin, _ in self._looked_for(_HEADS[Opcode.CHUNK], at + 1))
+                yield from (begin for begin, _ in self._looked_for(HEADS[Opcode.CHUNK], since + 1))
             if not self._has_chunks:
                 self._declare()
-                known = self._file.summary.channels
-                yield from (begin for begin, channel in self._looked_for(_LOOSE_HEAD, at + 1) if channel in known)
+                known, message = self._file.summary.channels, bytes([Opcode.MESSAGE])
+                found = self._looked_for(_LOOSE_HEAD, since + 1)
+                yield from (begin for begin, of in found if of in known or given[begin : begin + 1] != message)
         if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
             yield footer
 
     def _looked_for(self, head: re.Pattern[bytes], at: int) -> Iterator[tuple[int, int]]:
         """Bytes from a place on where what looks like a record of some kind begins, and the first number in it."""
         for begin in range(at, min(at + LARGEST_RECORD, len(self._given)), _PIECE):
-            for match in head.finditer(self._given[begin : begin + _PIECE + _HEAD_SIZE]):
+            for match in head.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
                 yield begin + match.start(), int.from_bytes(match[1], "little")
 
     @cached_property
@@ -253,24 +243,7 @@ class _Salvage:
         """Bytes where the chunks begin, by their indexes in the summary."""
         indexes = (place.begin for place in self._summary if place.opcode == Opcode.CHUNK_INDEX)
         starts = (int.from_bytes(self._given[begin + 16 : begin + 24], "little") for begin in indexes)
-        return sorted(start for start in starts if _says_twice(self._given, start, Opcode.CHUNK))
-
-    def _sound(self, at: int) -> Place | None:
-        """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
-        given, place = self._given, next(records(self._given, at), None)
-        if place is None:
-            return None
-        end = place.end
-        if place.opcode == Opcode.FOOTER:
-            is_right = given[end : end + len(MAGIC) + 1] == MAGIC
-        elif place.opcode == Opcode.DATA_END:
-            is_right = end - place.begin == _DATA_END_SIZE
-        elif place.opcode in _HEADS:
-            is_right = _says_twice(given, at, place.opcode)
-        else:
-            is_padded = place.opcode in _OUTSIDE and given[end : end + 1] == b"\0"
-            is_right = _goes_on(given, end) or is_padded or next(records(given, end), None) is not None
-        return place if is_right else None
+        return sorted(start for start in starts if says_twice(self._given, start, Opcode.CHUNK))
 
     def _leave_out(self, at: int) -> None:
         """Leave out a damaged record; what the first may have declared is declared as in the summary."""
@@ -283,7 +256,7 @@ class _Salvage:
         places, self._knows_summary = () if self._knows_summary else chain(self._summary, self._places()), True
         for place in places:
             if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
-                with suppress(*_DAMAGE):
+                with suppress(*DAMAGE):
                     record = parsed(place.opcode, self._given[place.begin : place.end])
                     if record.id not in known[place.opcode]:
                         self._file.add(record)
@@ -303,7 +276,7 @@ class _Salvage:
         elif place.opcode == Opcode.CHUNK:
             self._has_chunks = True
             self._take_chunk(parsed(place.opcode, content), place.start)
-        elif place.opcode in _OUTSIDE:
+        elif place.opcode in OUTSIDE:
             self._file.add(parsed(place.opcode, content))
         else:
             is_of_no_use = place.opcode in (Opcode.HEADER, Opcode.MESSAGE_INDEX)
@@ -342,11 +315,11 @@ class _Salvage:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
         if self._given[begin : begin + 1] == bytes([Opcode.CHUNK]):
             raw = self._given[begin + RECORD_HEAD.size : begin + LARGEST_RECORD]
-            with suppress(*_DAMAGE):
+            with suppress(*DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 data = salvaged(chunk)
                 found = find_messages(data, NO_HINTS, self._records_left)
-                is_whole = _goes_on(data, len(found.data))
+                is_whole = goes_on(data, len(found.data))
                 table = self._whole_messages(data if is_whole else data[: found.starts[-1]])
                 self._file.add_chunk(compressed(table, chunk.compression), table)
 
@@ -357,42 +330,3 @@ class _Salvage:
         self._whole += len(table.starts)
         require(bool(table.index), "no message is whole")
         return table
-
-
-def _says_twice(given: FileBytes, at: int, opcode: int) -> bool:
-    """Whether a record of some kind begins at a byte, and says the same length twice."""
-    found = _HEADS[Opcode(opcode)].match(given[at : at + _HEAD_SIZE])
-    length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
-    return found is not None and found.end(2) + size == RECORD_HEAD.size + length
-
-
-def _may_be_attachment(given: FileBytes, at: int) -> bool:
-    """Whether an attachment begins at a byte, whatever its length: its name and its kind are texts within bounds."""
-    if given[at : at + 1] != bytes([Opcode.ATTACHMENT]):
-        return False
-    place = at + RECORD_HEAD.size + 16  # behind two times
-    for _ in range(2):
-        size = int.from_bytes(given[place : place + 4], "little")
-        text = given[place + 4 : place + 4 + min(size, LONGEST_NAME)].decode(errors="replace")
-        if size > LONGEST_NAME or not text.isprintable():
-            return False
-        place += 4 + size
-    return True
-
-
-def _begins(given: FileBytes, at: int) -> bool:
-    """Whether a record that can be read begins at a byte."""
-    for place in islice(records(given, at), 1):
-        with suppress(*_DAMAGE):
-            content = given[place.begin : min(place.end, place.begin + LARGEST_RECORD)]
-            is_chunk = place.opcode == Opcode.CHUNK
-            return _says_twice(given, at, place.opcode) if is_chunk else parsed(place.opcode, content) is not None
-    return False
-
-
-def _goes_on(data: bytes | FileBytes, end: int) -> bool:
-    """Whether some data end, or another record begins, where a record ends, which then is whole.
-
-    Where a disk lost power, zeros or other data may stand from the midst of a record on.
-    """
-    return end >= len(data) or 0 < data[end : end + 1][0] <= Opcode.DATA_END

@@ -107,6 +107,7 @@ REFUSED = {
     "check": "the following arguments are required: BAG",
     "check ''": "BAG: '' names no file",
     "check -": "BAG: '-' stands for no stream here: give a name, ./-",
+    "check bag.mcap 'a\0b.mcap'": "argument BAG: 'a.x00b.mcap' is the name of no file",
     "check absent.mcap": "absent.mcap does not exist",
     "check empty.mcap": "empty.mcap is empty",
     "check text.mcap": "MCAP",

@@ -474,12 +474,42 @@ def test_a_flipped_bit_in_a_definition_costs_nothing_where_the_summary_repeats_i
     content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
     everything = messages(tmp_path / "whole.mcap")
     begins = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHANNEL][:2]
-    # two bytes of the lengths are left out, whose bits may lead to where another record begins
-    for at in [at for begin in begins for at in (begin, *range(begin + 3, begin + 9))]:
+    for at in [at for begin in begins for at in range(begin, begin + 9)]:
         for bit in range(8):
             (tmp_path / "broken.mcap").write_bytes(flipped(content, at, bit))
             recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
             assert messages(tmp_path / "fixed.mcap") == everything, (at, bit)
+
+
+@pytest.mark.parametrize("harm", [b"", b"!!", b"garbage bytes"], ids=["a byte is gone", "a byte more", "many more"])
+def test_a_damaged_definition_costs_its_topic_alone_where_nothing_repeats_it(tmp_path: Path, harm: bytes) -> None:
+    """In a file whose messages are in no chunk, and that was cut off: also where the header lost or won bytes."""
+    content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
+    everything = messages(tmp_path / "whole.mcap")
+    begins = [begin for opcode, begin, _ in records(content) if opcode in (Opcode.HEADER, Opcode.CHANNEL)][:3]
+    end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    for topic, begin in zip((None, "/a", "/b"), begins, strict=True):
+        for at in range(begin, begin + 30):
+            (tmp_path / "broken.mcap").write_bytes(content[:at] + harm + content[at + 1 : end])
+            recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+            found = messages(tmp_path / "fixed.mcap")
+            assert [one for one in found if one[0] in ("/a", "/b")] in (
+                everything,
+                [one for one in everything if one[0] != topic],
+            ), at
+
+
+@pytest.mark.parametrize("summary", ["whole", "none"])
+def test_a_byte_that_is_missing_before_a_chunk_does_not_cost_that_one(
+    whole: dict[str, Path], tmp_path: Path, summary: str
+) -> None:
+    content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
+    begin = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK][1]
+    end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    broken = content[: begin - 1] + content[begin : None if summary == "whole" else end]
+    (tmp_path / "broken.mcap").write_bytes(broken)
+    recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert messages(tmp_path / "fixed.mcap") == everything
 
 
 @pytest.mark.parametrize("is_cut", [False, True], ids=["whole", "without a summary"])
