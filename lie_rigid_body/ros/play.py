@@ -30,9 +30,9 @@ _PORTS: Final = (7400, 250, (0, *range(10, 250, 2)))
 which participants listen (DDSI-RTPS 2.5, 9.6.2.3)."""
 
 
-def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | str:
-    """What a node answers, or why it does not."""
-    with tempfile.TemporaryFile() as output, tempfile.TemporaryDirectory() as logs:
+def played(estimator: NodeEstimator, readings: Sequence[Reading], logs: str) -> Answered | str:
+    """What a node answers, or why it does not; its log is kept in a folder, which outlives it where it is killed."""
+    with tempfile.TemporaryFile() as output:
         try:
             with own_domain() as domain:
                 os.environ.update(

@@ -220,17 +220,21 @@ def test_a_run_without_an_imu_is_refused():
 
 
 @pytest.mark.usefixtures("isolated_ros")
-def test_the_node_ends_with_who_asked_for_it(tmp_path, scripted):
-    born = tmp_path / "pid"
+@pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
+def test_the_node_ends_with_who_asked_for_it(tmp_path, scripted, by):
+    born, folder = tmp_path / "pid", tmp_path / "temporary"
+    folder.mkdir()
     estimate = scripted(f"import os; open({str(born)!r}, 'w').write(str(os.getpid()))\n{SILENT}")
     script = (
         "from lie_rigid_body import simulate; from lie_rigid_body.testing import node_estimator\n"
         f"node_estimator({estimate.command!r})(simulate(duration=1.0, imu_rate=100.0))"
     )
-    with subprocess.Popen([sys.executable, "-c", script]) as asking:
+    with subprocess.Popen([sys.executable, "-c", script], env={**os.environ, "TMPDIR": str(folder)}) as asking:
         until(lambda: born.exists() and born.read_text() != "")
-        asking.send_signal(signal.SIGKILL)
+        asking.send_signal(by)
     until(lambda: not Path(f"/proc/{born.read_text()}").exists())
+    left = [path.name for path in folder.iterdir() if path.suffix != ".lock"]
+    assert left == [] or by == signal.SIGKILL
 
 
 def until(is_so: Callable[[], bool]) -> None:
