@@ -25,7 +25,15 @@ from mcap.records import (
 )
 
 from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
-from lie_rigid_body.recording.records import LAST_TIME, ExcessError, MessageTable, parsed, require, size_of
+from lie_rigid_body.recording.records import (
+    LAST_TIME,
+    ExcessError,
+    MessageTable,
+    parsed,
+    record_bytes,
+    require,
+    size_of,
+)
 
 _IN_DATA: Final = frozenset(
     {
@@ -134,7 +142,11 @@ class Summary:
             for place in table.others:
                 is_declaration = place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL)
                 require(is_declaration, f"a record of kind {place.opcode:#04x} in a chunk")
-                self.add(parsed(place.opcode, table.data[place.begin : place.end]), place.start, 0)
+                record = parsed(place.opcode, table.data[place.begin : place.end])
+                # in a chunk the `mcap` library takes what follows the fields of a record for another one
+                is_exact = record_bytes(record) == table.data[place.start : place.end]
+                require(is_exact, "a definition in a chunk is longer than its fields")
+                self.add(record, place.start, 0)
             table.require_times()
             unknown = min(table.index.keys() - self.channels.keys(), default=None)
             require(unknown is None, f"it has a message of channel {unknown}, which is not declared before it")

@@ -278,6 +278,16 @@ CHUNKS: dict[str, tuple[bytes, str]] = {
         for kind in (1, 2, 9, 15, 200)
     },
     "a chunk in a chunk": (plain(plain()), "a record of kind 0x06 in a chunk"),
+    **{
+        f"a channel and {case}": (
+            plain(record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text("/x") + text("cdr") + behind)),
+            "a definition in a chunk is longer than its fields",
+        )
+        for case, behind in {
+            "a message behind its fields": bytes(4) + message(1),
+            "metadata of one name twice": struct.pack("<I", 20) + 2 * (text("a") + text("b")),
+        }.items()
+    },
     "a short message": (plain(record(5, bytes(21))), "a message record is too short"),
     "zeros": (plain(bytes(9)), "no record that ends in its chunk stands at byte 0 of it"),
     "an unfinished record": (
