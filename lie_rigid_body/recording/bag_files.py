@@ -27,6 +27,8 @@ SUFFIXES: Final = (".mcap", ".db3")
 
 _PACKED: Final = ".mcap.zstd"
 """Suffix of files that rosbag2 has compressed as a whole."""
+_FOUND: Final = (*SUFFIXES, _PACKED)
+"""Suffixes of the files that are looked for in a folder of bags: who opens one that is packed is told so."""
 _TOLERANCE_NS: Final = NS
 """Largest error of the start and the duration that a recorder notes, ns: it drops and reorders some messages."""
 _PER_MESSAGE: Final = 100
@@ -278,7 +280,7 @@ def bags_in(folder: Path) -> list[Path]:
             found.append(Path(here))
             folders.clear()
         else:
-            found.extend(Path(here, name) for name in files if name.endswith(SUFFIXES) and not name.startswith("."))
+            found.extend(Path(here, name) for name in files if name.endswith(_FOUND) and not name.startswith("."))
             folders[:] = [name for name in folders if not name.startswith(".")]
     return sorted(found, key=natural_order) or [folder]
 

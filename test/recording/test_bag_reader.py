@@ -174,6 +174,15 @@ def test_a_bag_in_sqlite_is_found_and_refused(tmp_path: Path, with_metadata: boo
         read_bag(bag)
 
 
+def test_a_packed_file_among_bags_is_found_and_refused(tmp_path: Path) -> None:
+    packed = tmp_path / "one.mcap.zstd"
+    packed.write_bytes(zstandard.ZstdCompressor().compress(b"a bag"))
+    (tmp_path / "two.mcap").touch()
+    assert packed in bags_in(tmp_path)
+    with pytest.raises(BagError, match="unzstd"):
+        read_bag(packed)
+
+
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     with refused("no file", name="none.mcap"):
         read_bag(tmp_path / "none.mcap")
