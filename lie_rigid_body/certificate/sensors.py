@@ -214,8 +214,11 @@ class SensorLaws:
     def _strays_of(self, place: int, name: str) -> Iterator[LawResult]:
         for topic in SENSORS[name].topics:
             if count := self._strays[place, topic.name]:
-                text = f"{self._full_name(topic.name)}: readings of a sensor that the scenario has not"
-                yield _stray(f"{SENSORS[name].title} stamps", count, text)
+                yield _stray(
+                    f"{SENSORS[name].title} stamps",
+                    count,
+                    f"{self._full_name(topic.name)}: readings of a sensor that the scenario has not",
+                )
 
     def _sensor_laws(
         self, place: int, name: str, ends: Mapping[str, int], begun: set[str], notes: list[str], *, is_last: bool
@@ -229,10 +232,11 @@ class SensorLaws:
             whole = own or relative in begun
             end = sensor.last_due(tally.high, self._end_ns, is_last=is_last, is_whole=own)
             last, lost = tally.high if has_ended else end, sensor.lost(tally, end)
-            last, wrong = min(last, lost.end - 1) if sensor.is_too_far else last, []
-            if tally.count or (whole and not has_ended):
-                first = sensor.first if whole or not tally.count else tally.low
-                wrong = tally.faults(topic.topic, first, last, lost)
+            if sensor.is_too_far:
+                last = min(last, lost.end - 1)
+            first = sensor.first if whole or not tally.count else tally.low
+            is_due = tally.count or (whole and not has_ended)
+            wrong = tally.faults(topic.topic, first, last, lost) if is_due else []
             faults += wrong
             checked += tally.count
             if tally.count:
