@@ -75,6 +75,8 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     if rewritten:
         chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
         found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
+    if recovery.is_altered:
+        found.append("has another checksum of its data: messages that seem whole may be altered")
     return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+import zlib
 from bisect import bisect_right
 from collections.abc import Iterator
 from contextlib import closing, suppress
@@ -47,7 +48,6 @@ from lie_rigid_body.recording.sound_records import (
     OUTSIDE,
     begins,
     goes_on,
-    may_be_attachment,
     says_twice,
     sound,
 )
@@ -56,8 +56,13 @@ from lie_rigid_body.short_dataclass import short_dataclass
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
-_LOOSE_HEAD: Final = re.compile(rb"[\x03\x04\x05](?=.{4}\0{4}(.{2}))", re.DOTALL)
-"""Beginning of a definition or a message of less than 4 GiB, and its number or that of its channel."""
+_CHUNK_HEAD, _LOOSE_HEAD = (
+    re.compile(re.escape(MAGIC) + b"|" + head, re.DOTALL)
+    for head in (HEADS[Opcode.CHUNK].pattern, rb"[\x03\x04\x05](?=.{4}\0{4}(.{2}))")
+)
+"""Beginnings of a chunk, and of a definition or a message of less than 4 GiB with its number or that of its channel.
+
+Or the magic at the begin and the end of another file, as of one that is attached."""
 _PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
@@ -85,6 +90,8 @@ class Recovery:
         Where records begin that are left out because their content is damaged.
     rewritten : tuple of int
         Where chunks begin that were more than one compressed frame; they are whole, and written without compression.
+    is_altered : bool
+        Whether the checksum of its data is another one, though no record is known to be damaged.
     """
 
     messages: int
@@ -94,6 +101,7 @@ class Recovery:
     of_the_last: int
     damaged: tuple[int, ...]
     rewritten: tuple[int, ...] = ()
+    is_altered: bool = False
 
 
 def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
@@ -156,7 +164,7 @@ class _Salvage:
         self._records_left = most_records(len(given))
         self._loose, self._whole, self._has_chunks = bytearray(), 0, False
         self._damaged, self._rewritten = [0] if header is None else [], list[int]()
-        self._knows_summary = False
+        self._knows_summary = self._is_altered = False
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -179,6 +187,7 @@ class _Salvage:
             found.counts.total() - before,
             tuple(self._damaged),
             tuple(self._rewritten),
+            self._is_altered,
         )
 
     def _take_whole_records(self) -> tuple[int, bool]:
@@ -188,6 +197,7 @@ class _Salvage:
             if place.start != end:
                 self._leave_out(end)
             data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
+            self._is_altered |= place.opcode == Opcode.DATA_END and not self._damaged and not self._agrees(place)
             try:
                 if not data_ended:
                     self._take(place)
@@ -196,6 +206,13 @@ class _Salvage:
             end, opcode = place.end, place.opcode
         self._close_loose()
         return end, opcode == Opcode.FOOTER
+
+    def _agrees(self, end: Place) -> bool:
+        """Whether the checksum that ends the data, if it is given, is that of the data."""
+        declared, crc = int.from_bytes(self._given[end.begin : end.end], "little"), 0
+        for begin in range(0, end.start, _LOOSE_BYTES):
+            crc = zlib.crc32(self._given[begin : min(begin + _LOOSE_BYTES, end.start)], crc)
+        return declared in (0, crc)
 
     def _places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
@@ -207,30 +224,36 @@ class _Salvage:
         """Byte behind a record; should no sound one begin there, where the next chunk or message may, and the footer.
 
         The summary tells where chunks begin. Without one, what looks like a chunk is tried; in a file without chunks
-        what looks like a definition, or a message of a known channel. In an attachment, a message or an unfinished
-        chunk no chunk of the file can stand. Other records that lost bytes reach into what is behind them.
+        what looks like a definition, or a message of a known channel. In an unfinished chunk stands none of these.
         """
         yield (at := before.end)
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
-        since = at if before.opcode in (Opcode.ATTACHMENT, Opcode.MESSAGE, Opcode.CHUNK) else before.start
         if self._chunks:
-            yield from self._chunks[bisect_right(self._chunks, since) :]
-        elif not (may_be_attachment(given, at) or says_twice(given, at, Opcode.CHUNK)):
+            yield from self._chunks[bisect_right(self._chunks, before.start) :]
+        elif not says_twice(given, at, Opcode.CHUNK):
             if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
-                yield from (begin for begin, _ in self._looked_for(HEADS[Opcode.CHUNK], since + 1))
+                yield from (begin for begin, _ in self._looked_for(_CHUNK_HEAD, before))
             if not self._has_chunks:
                 self._declare()
                 known, message = self._file.summary.channels, bytes([Opcode.MESSAGE])
-                found = self._looked_for(_LOOSE_HEAD, since + 1)
+                found = self._looked_for(_LOOSE_HEAD, before)
                 yield from (begin for begin, of in found if of in known or given[begin : begin + 1] != message)
         if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
             yield footer
 
-    def _looked_for(self, head: re.Pattern[bytes], at: int) -> Iterator[tuple[int, int]]:
-        """Bytes from a place on where what looks like a record of some kind begins, and the first number in it."""
-        for begin in range(at, min(at + LARGEST_RECORD, len(self._given)), _PIECE):
+    def _looked_for(self, head: re.Pattern[bytes], before: Place) -> Iterator[tuple[int, int]]:
+        """Bytes behind a record where what looks like another one begins, and the first number in that.
+
+        A record that lost some bytes, and is no message, reaches into the other.
+        """
+        since, is_in_another = before.end if before.opcode == Opcode.MESSAGE else before.start, False
+        for begin in range(since + 1, min(before.end + LARGEST_RECORD, len(self._given)), _PIECE):
             for match in head.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
-                yield begin + match.start(), int.from_bytes(match[1], "little")
+                is_known = match.start() >= _PIECE or begin + match.start() < before.end - _PIECE
+                if match.start() < _PIECE and match[1] is None:
+                    is_in_another = not is_in_another
+                elif not (is_known or is_in_another):
+                    yield begin + match.start(), int.from_bytes(match[1], "little")
 
     @cached_property
     def _summary(self) -> list[Place]:

@@ -12,7 +12,6 @@ import zstandard
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
-from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.recording.records import (
     LARGEST_RECORD,
     MAGIC,
@@ -53,7 +52,7 @@ DAMAGE: Final = (
 def sound(given: FileBytes, at: int) -> Place | None:
     """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
     place = next(records(given, at), None)
-    if place is None:
+    if place is None or place.opcode > Opcode.DATA_END:  # of a kind that is unknown nothing is right
         return None
     end = place.end
     if place.opcode == Opcode.FOOTER:
@@ -86,20 +85,6 @@ def _is_definition(given: FileBytes, place: Place) -> bool:
     return False
 
 
-def may_be_attachment(given: FileBytes, at: int) -> bool:
-    """Whether an attachment begins at a byte, whatever its length: its name and its kind are texts within bounds."""
-    if given[at : at + 1] != bytes([Opcode.ATTACHMENT]):
-        return False
-    place = at + RECORD_HEAD.size + 16  # behind two times
-    for _ in range(2):
-        size = int.from_bytes(given[place : place + 4], "little")
-        text = given[place + 4 : place + 4 + min(size, LONGEST_NAME)].decode(errors="replace")
-        if size > LONGEST_NAME or not text.isprintable():
-            return False
-        place += 4 + size
-    return True
-
-
 def begins(given: FileBytes, at: int) -> bool:
     """Whether a record that can be read begins at a byte."""
     for place in islice(records(given, at), 1):
@@ -111,7 +96,7 @@ def begins(given: FileBytes, at: int) -> bool:
 
 
 def goes_on(data: bytes | FileBytes, end: int) -> bool:
-    """Whether some data end, or another record begins, where a record ends, which then is whole.
+    """Whether some data end, or another record may begin, where a record ends, which then is whole.
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """
