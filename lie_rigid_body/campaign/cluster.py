@@ -192,13 +192,14 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
             yield connected
         return
     others = active_children()
-    with safe_path():  # before the mark, and in a thread that may get the signal that it unblocks
-        resource_tracker.ensure_running()
+    with safe_path(), ThreadPoolExecutor(1, initializer=_deafen) as thread:  # before the mark
+        thread.submit(resource_tracker.ensure_running).result()
     # neither half of a cluster nor one that closes may be interrupted
     with (
         Interruption.current().noted() as interruption,
         tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as own,
         variable(_MARK, own),  # of all processes that begin here
+        variable("TMPDIR", own),  # what they leave there goes with it
         safe_path(),
     ):
         try:
@@ -286,14 +287,16 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
         try:
             return begun.result()
         except (OSError, RuntimeError) as error:
+            if Interruption.current().requested:  # by a signal to all processes of a group
+                raise KeyboardInterrupt from None
             why = shortened(str(error).rstrip("."), 90)
             raise BagError(f"no workers start here: {why}: allow more open files, memory and disk space") from None
 
 
 def _deafen() -> None:
-    """Block SIGINT in this thread, where a system has masks of signals: Ctrl-C goes to all processes of a terminal."""
+    """Block what a terminal sends to all of its processes, in this thread, where a system has masks of signals."""
     if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
 
 
 def _end_what_is_left(mark: str) -> None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 import tempfile
 import time
 from collections import defaultdict
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -139,6 +140,17 @@ class BagFolder:
             if (self.campaign / BAGS).stat().st_ino == self.number:
                 return self.campaign / bag_name(run)
         raise BagError(f"{self.campaign / BAGS} was deleted or moved meanwhile: keep others away, and begin anew")
+
+    @contextmanager
+    def without_parts(self, under_way: Callable[[int], bool]) -> Iterator[None]:
+        """Context at whose end the bags of runs that are under way, which may be in part, are removed."""
+        try:
+            yield
+        finally:
+            runs = (int(path.stem) for path in (self.campaign / BAGS).glob("[0-9]*.mcap") if path.stem.isdecimal())
+            for run in filter(under_way, runs):
+                with suppress(OSError, BagError):
+                    self.path_of(run).unlink()
 
 
 def carry_out(campaign: Campaign, run: int, folder: BagFolder | None, *, keep: bool = True) -> tuple[Row, bytes | None]:

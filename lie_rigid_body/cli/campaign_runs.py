@@ -138,6 +138,7 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
         )
     with (
         console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
+        journal.bags.without_parts(lambda run: run < campaign.runs and run not in journal and run not in failed),
         client_of(given.workers, given.scheduler) as client,
     ):
         rows = finished(

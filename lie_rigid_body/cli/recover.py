@@ -76,7 +76,7 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
         chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
         found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
     if recovery.is_altered:
-        found.append("has another checksum of its data: messages that seem whole may be altered")
+        found.append("has another checksum or number of messages than it says: some may be altered or missing")
     return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 

@@ -6,7 +6,7 @@ import re
 import struct
 import zlib
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import replace
 from functools import cached_property, partial
@@ -58,11 +58,16 @@ _LOOSE_BYTES: Final = 256 * 1024
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHUNK_HEAD, _LOOSE_HEAD = (
     re.compile(re.escape(MAGIC) + b"|" + head, re.DOTALL)
-    for head in (HEADS[Opcode.CHUNK].pattern, rb"[\x03\x04\x05](?=.{4}\0{4}(.{2}))")
+    for head in (
+        HEADS[Opcode.CHUNK].pattern + rb"|[\x09\x0c](?=.{4}(\0{4}))",
+        rb"[\x03\x04\x05\x09\x0c](?=.{4}\0{4}(.{2}))",
+    )
 )
-"""Beginnings of a chunk, and of a definition or a message of less than 4 GiB with its number or that of its channel.
+"""Beginnings of a chunk, an attachment or metadata; and of what stands in no chunk, with the channel of a message.
 
 Or the magic at the begin and the end of another file, as of one that is attached."""
+_OFFSETS: Final[Mapping[int, int]] = {Opcode.CHUNK_INDEX: 16, Opcode.ATTACHMENT_INDEX: 0, Opcode.METADATA_INDEX: 0}
+"""Place in an index of where its record begins."""
 _PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
@@ -91,7 +96,8 @@ class Recovery:
     rewritten : tuple of int
         Where chunks begin that were more than one compressed frame; they are whole, and written without compression.
     is_altered : bool
-        Whether the checksum of its data is another one, though no record is known to be damaged.
+        Whether the checksum of its data, or the number of messages in its summary, is another one, though no record is
+        known to be damaged.
     """
 
     messages: int
@@ -208,11 +214,13 @@ class _Salvage:
         return end, opcode == Opcode.FOOTER
 
     def _agrees(self, end: Place) -> bool:
-        """Whether the checksum that ends the data, if it is given, is that of the data."""
+        """Whether the checksum that ends the data, and the number of messages in the summary, are right if given."""
         declared, crc = int.from_bytes(self._given[end.begin : end.end], "little"), 0
         for begin in range(0, end.start, _LOOSE_BYTES):
             crc = zlib.crc32(self._given[begin : min(begin + _LOOSE_BYTES, end.start)], crc)
-        return declared in (0, crc)
+        begins = (place.begin for place in self._summary if place.opcode == Opcode.STATISTICS)
+        counts = {int.from_bytes(self._given[begin : begin + 8], "little") for begin in begins}
+        return declared in (0, crc) and counts <= {self._whole}
 
     def _places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
@@ -228,8 +236,8 @@ class _Salvage:
         """
         yield (at := before.end)
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
-        if self._chunks:
-            yield from self._chunks[bisect_right(self._chunks, before.start) :]
+        if self._indexed:
+            yield from self._indexed[bisect_right(self._indexed, before.start) :]
         elif not says_twice(given, at, Opcode.CHUNK):
             if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
                 yield from (begin for begin, _ in self._looked_for(_CHUNK_HEAD, before))
@@ -250,10 +258,10 @@ class _Salvage:
         for begin in range(since + 1, min(before.end + LARGEST_RECORD, len(self._given)), _PIECE):
             for match in head.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
                 is_known = match.start() >= _PIECE or begin + match.start() < before.end - _PIECE
-                if match.start() < _PIECE and match[1] is None:
+                if match.start() < _PIECE and match.lastindex is None:
                     is_in_another = not is_in_another
                 elif not (is_known or is_in_another):
-                    yield begin + match.start(), int.from_bytes(match[1], "little")
+                    yield begin + match.start(), int.from_bytes(match[match.lastindex or 0], "little")
 
     @cached_property
     def _summary(self) -> list[Place]:
@@ -262,11 +270,11 @@ class _Salvage:
         return found if found and found[-1].opcode == Opcode.FOOTER else []
 
     @cached_property
-    def _chunks(self) -> list[int]:
-        """Bytes where the chunks begin, by their indexes in the summary."""
-        indexes = (place.begin for place in self._summary if place.opcode == Opcode.CHUNK_INDEX)
-        starts = (int.from_bytes(self._given[begin + 16 : begin + 24], "little") for begin in indexes)
-        return sorted(start for start in starts if says_twice(self._given, start, Opcode.CHUNK))
+    def _indexed(self) -> list[int]:
+        """Bytes where chunks, attachments and metadata begin, by their indexes in the summary."""
+        indexes = (place.begin + _OFFSETS[place.opcode] for place in self._summary if place.opcode in _OFFSETS)
+        starts = (int.from_bytes(self._given[begin : begin + 8], "little") for begin in indexes)
+        return sorted(start for start in starts if sound(self._given, start))
 
     def _leave_out(self, at: int) -> None:
         """Leave out a damaged record; what the first may have declared is declared as in the summary."""
@@ -302,8 +310,7 @@ class _Salvage:
         elif place.opcode in OUTSIDE:
             self._file.add(parsed(place.opcode, content))
         else:
-            is_of_no_use = place.opcode in (Opcode.HEADER, Opcode.MESSAGE_INDEX)
-            require(is_of_no_use, "a record of a kind that is unknown, or has no place there")
+            require(place.opcode == Opcode.MESSAGE_INDEX, "a record of a kind that has no place there")
 
     def _close_loose(self) -> None:
         """Write the messages that are in no chunk in one."""

@@ -32,8 +32,7 @@ HEADS: Final = {
 HEAD_SIZE: Final = 64
 """Bytes of which the longest of these takes less."""
 OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
-"""Records that stand outside of chunks and are written as they are."""
-_DEFINITIONS: Final = (Opcode.SCHEMA, Opcode.CHANNEL)
+"""Records that stand outside of chunks and are written as they are: they are as long as their fields say."""
 _DATA_END_SIZE: Final = 4
 """Bytes of the checksum that ends the data."""
 DAMAGE: Final = (
@@ -61,11 +60,10 @@ def sound(given: FileBytes, at: int) -> Place | None:
         is_right = end - place.begin == _DATA_END_SIZE
     elif place.opcode in HEADS:
         is_right = says_twice(given, at, place.opcode)
-    elif place.opcode in _DEFINITIONS:
-        is_right = _is_definition(given, place)
+    elif place.opcode in OUTSIDE:
+        is_right = _is_exact(given, place)
     else:
-        is_padded = place.opcode in OUTSIDE and given[end : end + 1] == b"\0"
-        is_right = goes_on(given, end) or is_padded or next(records(given, end), None) is not None
+        is_right = goes_on(given, end) or next(records(given, end), None) is not None
     return place if is_right else None
 
 
@@ -76,8 +74,8 @@ def says_twice(given: FileBytes, at: int, opcode: int) -> bool:
     return found is not None and found.end(2) + size == RECORD_HEAD.size + length
 
 
-def _is_definition(given: FileBytes, place: Place) -> bool:
-    """Whether a record is a definition as long as its fields are."""
+def _is_exact(given: FileBytes, place: Place) -> bool:
+    """Whether a record is as long as its fields are."""
     with suppress(*DAMAGE):
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
         record = parsed(place.opcode, given[place.begin : place.end])

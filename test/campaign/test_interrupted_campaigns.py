@@ -27,12 +27,14 @@ MANY = 9
 def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
     """A process with a campaign that has finished a run and has many before it."""
     path, out = written(tmp_path, CAMPAIGN.replace("runs: 6", f"runs: {MANY}").replace("0.25", "8.0")), tmp_path / "out"
+    (tmp_path / "temporary").mkdir()
     process = subprocess.Popen(
         [*COMMAND, str(path), "--out", str(out), "--workers", "2"],
         stdout=-1,
         stderr=-1,
         text=True,
         start_new_session=True,
+        env={**os.environ, "TMPDIR": str(tmp_path / "temporary")},
     )
     end = time.monotonic() + DEADLINE
     while len(finished(out)) < 1 and process.poll() is None and time.monotonic() < end:
@@ -46,10 +48,13 @@ def slow(tmp_path: Path) -> Iterator[tuple[subprocess.Popen[str], Path]]:
 
 
 @pytest.mark.slow
-def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str], Path], scheduler: str) -> None:
-    """Ctrl-C reaches the workers as well: they say nothing."""
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_interruption_keeps_what_is_finished(
+    slow: tuple[subprocess.Popen[str], Path], scheduler: str, number: int
+) -> None:
+    """A signal that reaches the workers as well, as Ctrl-C does: they say nothing, and leave nothing."""
     process, out = slow
-    os.killpg(process.pid, signal.SIGINT)
+    os.killpg(process.pid, number)
     said, complained = process.communicate(timeout=DEADLINE)
     assert (process.returncode, said) == (130, ""), complained
     assert complained.count("\n") == 1, complained
@@ -57,6 +62,8 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     done = finished(out)
     assert f" {len(done)} of {MANY} " in line
     assert len(done) == len({*done}) >= 1
+    assert sorted(path.name for path in (out / "bags").iterdir()) == sorted(f"{run:06d}.mcap" for run in done)
+    assert [*(out.parent / "temporary").iterdir()] == []
     before = {run: (out / f"bags/{run:06d}.mcap").stat().st_mtime_ns for run in done}
     assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--scheduler", scheduler]) == 0
     assert sorted(finished(out)) == list(range(MANY))
@@ -94,6 +101,21 @@ def test_an_interruption_while_the_cluster_starts_lets_it_start_and_closes_it(
     [line] = said.err.splitlines()
     assert " 0 of 6 " in line
     assert [cluster.status for cluster in started] == [distributed.Status.closed]
+
+
+@pytest.mark.usefixtures("handlers")
+def test_a_signal_that_also_ends_the_workers_that_start_is_an_interruption(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import distributed
+
+    def ended(**options: Any) -> Any:
+        os.kill(os.getpid(), signal.SIGTERM)
+        raise RuntimeError("Nanny failed to start")
+
+    monkeypatch.setattr(distributed, "LocalCluster", ended)
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "out"), "--workers", "1"]) == 130
+    assert " 0 of 6 " in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -581,6 +582,43 @@ def test_an_altered_message_in_no_chunk_is_told_by_the_checksum_of_the_data(tmp_
     assert (recovery.is_altered, recovery.damaged, recovery.messages) == (True, (), 5)
     broken.write_bytes(flipped(content, 8, 1))  # of a record that is known to be damaged
     assert not recover(broken, fixed, overwrite=True).is_altered
+
+
+def test_messages_that_another_one_has_swallowed_are_told_by_the_number_in_the_summary(tmp_path: Path) -> None:
+    content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
+    begins = [begin for opcode, begin, _ in records(content) if opcode == Opcode.MESSAGE]
+    length = begins[20] - begins[10] - RECORD.size
+    (tmp_path / "broken.mcap").write_bytes(
+        content[: begins[10]] + RECORD.pack(Opcode.MESSAGE, length) + content[begins[10] + RECORD.size :]
+    )
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert (recovery.messages, recovery.damaged, recovery.is_altered) == (31, (), True)
+
+
+@pytest.mark.parametrize("layout", ["chunks", "chunks without a summary", "no chunks"])
+def test_the_damaged_length_of_an_attachment_costs_that_alone(tmp_path: Path, layout: str) -> None:
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    with broken.open("wb") as out:
+        writer = Writer(out, chunk_size=100, use_chunking=layout != "no chunks")
+        writer.start("ros2", "another recorder")
+        channel = writer.register_channel("/a", "cdr", 0)
+        for k in range(60):
+            if k == 10:
+                writer.flush() if layout != "no chunks" else None
+                writer.add_attachment(1, 2, "notes", "text/plain", b"text" * 20)
+                writer.add_metadata("notes", {"name": "value"})
+            writer.add_message(channel, 1000 * k, bytes(50), 1000 * k, k)
+        writer.finish()
+    content, everything = broken.read_bytes(), messages(broken)
+    attachment = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.ATTACHMENT)
+    end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    for at, bit in itertools.product(range(1, 9), range(8)):
+        broken.write_bytes(flipped(content, attachment + at, bit)[: end if "without" in layout else None])
+        recovery = recover(broken, fixed, overwrite=True)
+        assert messages(fixed) == everything
+        assert attachment in recovery.damaged
+        with fixed.open("rb") as file:
+            assert [record.name for record in make_reader(file).iter_metadata()][:1] == ["notes"]
 
 
 @pytest.mark.parametrize("kind", ["attachment", "metadata"])
