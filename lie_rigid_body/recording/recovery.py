@@ -45,8 +45,6 @@ from lie_rigid_body.recording.sound_records import (
     DAMAGE,
     HEAD_SIZE,
     HEADS,
-    OUTSIDE,
-    begins,
     goes_on,
     says_twice,
     sound,
@@ -55,15 +53,18 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
+_OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
+"""Records that stand outside of chunks and are written as they are."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
-_CHUNK_HEAD, _LOOSE_HEAD = (
+_CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
     re.compile(re.escape(MAGIC) + b"|" + head, re.DOTALL)
     for head in (
+        HEADS[Opcode.CHUNK].pattern,
         HEADS[Opcode.CHUNK].pattern + rb"|[\x09\x0c](?=.{4}(\0{4}))",
         rb"[\x03\x04\x05\x09\x0c](?=.{4}\0{4}(.{2}))",
     )
 )
-"""Beginnings of a chunk, an attachment or metadata; and of what stands in no chunk, with the channel of a message.
+"""Beginnings of a chunk; of that, attachments and metadata; and of what stands in no chunk, with a message's channel.
 
 Or the magic at the begin and the end of another file, as of one that is attached."""
 _OFFSETS: Final[Mapping[int, int]] = {Opcode.CHUNK_INDEX: 16, Opcode.ATTACHMENT_INDEX: 0, Opcode.METADATA_INDEX: 0}
@@ -156,9 +157,9 @@ def _header(file: FileBytes) -> tuple[Header | None, int]:
             ends.append(len(MAGIC + record_bytes(header)))
     if ends[0] == ends[-1] and header:
         return header, ends[0]
-    if begins(file, ends[0]):
+    if sound(file, ends[0]):
         return None, ends[0]
-    return header, ends[-1] if header and begins(file, ends[-1]) else len(MAGIC)
+    return header, ends[-1] if header and sound(file, ends[-1]) else len(MAGIC)
 
 
 class _Salvage:
@@ -215,12 +216,16 @@ class _Salvage:
 
     def _agrees(self, end: Place) -> bool:
         """Whether the checksum that ends the data, and the number of messages in the summary, are right if given."""
-        declared, crc = int.from_bytes(self._given[end.begin : end.end], "little"), 0
-        for begin in range(0, end.start, _LOOSE_BYTES):
-            crc = zlib.crc32(self._given[begin : min(begin + _LOOSE_BYTES, end.start)], crc)
+        declared = int.from_bytes(self._given[end.begin : end.end], "little")
         begins = (place.begin for place in self._summary if place.opcode == Opcode.STATISTICS)
         counts = {int.from_bytes(self._given[begin : begin + 8], "little") for begin in begins}
-        return declared in (0, crc) and counts <= {self._whole}
+        return declared in (0, self._crc(0, end.start)) and counts <= {self._whole}
+
+    def _crc(self, begin: int, end: int) -> int:
+        crc = 0
+        for at in range(begin, end, _LOOSE_BYTES):
+            crc = zlib.crc32(self._given[at : min(at + _LOOSE_BYTES, end)], crc)
+        return crc
 
     def _places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
@@ -240,7 +245,8 @@ class _Salvage:
             yield from self._indexed[bisect_right(self._indexed, before.start) :]
         elif not says_twice(given, at, Opcode.CHUNK):
             if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
-                yield from (begin for begin, _ in self._looked_for(_CHUNK_HEAD, before))
+                head = _CHUNKED_HEAD if self._has_chunks else _CHUNK_HEAD
+                yield from (begin for begin, _ in self._looked_for(head, before))
             if not self._has_chunks:
                 self._declare()
                 known, message = self._file.summary.channels, bytes([Opcode.MESSAGE])
@@ -265,16 +271,27 @@ class _Salvage:
 
     @cached_property
     def _summary(self) -> list[Place]:
-        """Records of the summary; none if it is not read to its end."""
-        found = [*records(self._given, int.from_bytes(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8], "little"))]
-        return found if found and found[-1].opcode == Opcode.FOOTER else []
+        """Records of the summary; none if it is not read to its end, or its checksum is another one."""
+        footer = self._given[RECORD_HEAD.size - _FOOTER_SIZE :]
+        begin, declared = int.from_bytes(footer[:8], "little"), int.from_bytes(footer[16:20], "little")
+        found = [*records(self._given, begin)]
+        is_whole = bool(found) and found[-1].opcode == Opcode.FOOTER
+        return found if is_whole and declared in (0, self._crc(begin, found[-1].end - 4)) else []
+
+    @cached_property
+    def _repeated(self) -> dict[tuple[int, bytes], bytes]:
+        """Contents of the definitions in the summary, by their kinds and numbers."""
+        own = [place for place in self._summary if place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL)]
+        contents = ((place.opcode, self._given[place.begin : place.end]) for place in own)
+        return {(opcode, content[:2]): content for opcode, content in contents}
 
     @cached_property
     def _indexed(self) -> list[int]:
-        """Bytes where chunks, attachments and metadata begin, by their indexes in the summary."""
-        indexes = (place.begin + _OFFSETS[place.opcode] for place in self._summary if place.opcode in _OFFSETS)
+        """Bytes where chunks, attachments and metadata begin, by the indexes in a summary that tells of chunks."""
+        indexes = [place.begin + _OFFSETS[place.opcode] for place in self._summary if place.opcode in _OFFSETS]
         starts = (int.from_bytes(self._given[begin : begin + 8], "little") for begin in indexes)
-        return sorted(start for start in starts if sound(self._given, start))
+        found = [place for start in starts if (place := sound(self._given, start))]
+        return sorted(place.start for place in found) if Opcode.CHUNK in {place.opcode for place in found} else []
 
     def _leave_out(self, at: int) -> None:
         """Leave out a damaged record; what the first may have declared is declared as in the summary."""
@@ -307,7 +324,9 @@ class _Salvage:
         elif place.opcode == Opcode.CHUNK:
             self._has_chunks = True
             self._take_chunk(parsed(place.opcode, content), place.start)
-        elif place.opcode in OUTSIDE:
+        elif place.opcode in _OUTSIDE:
+            is_repeated = self._repeated.get((place.opcode, content[:2]), content) == content
+            require(is_repeated, "a definition is another one in the summary")
             self._file.add(parsed(place.opcode, content))
         else:
             require(place.opcode == Opcode.MESSAGE_INDEX, "a record of a kind that has no place there")

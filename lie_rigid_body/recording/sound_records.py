@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import struct
 from contextlib import suppress
-from itertools import islice
 from typing import Final
 
 import zstandard
@@ -31,8 +30,6 @@ HEADS: Final = {
 """Beginnings of records that say their length twice: that of the record, and that of its last field."""
 HEAD_SIZE: Final = 64
 """Bytes of which the longest of these takes less."""
-OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
-"""Records that stand outside of chunks and are written as they are: they are as long as their fields say."""
 _DATA_END_SIZE: Final = 4
 """Bytes of the checksum that ends the data."""
 DAMAGE: Final = (
@@ -60,10 +57,10 @@ def sound(given: FileBytes, at: int) -> Place | None:
         is_right = end - place.begin == _DATA_END_SIZE
     elif place.opcode in HEADS:
         is_right = says_twice(given, at, place.opcode)
-    elif place.opcode in OUTSIDE:
-        is_right = _is_exact(given, place)
-    else:
+    elif place.opcode == Opcode.MESSAGE:
         is_right = goes_on(given, end) or next(records(given, end), None) is not None
+    else:
+        is_right = _is_exact(given, place)
     return place if is_right else None
 
 
@@ -80,16 +77,6 @@ def _is_exact(given: FileBytes, place: Place) -> bool:
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
         record = parsed(place.opcode, given[place.begin : place.end])
         return len(record_bytes(record)) == place.end - place.start
-    return False
-
-
-def begins(given: FileBytes, at: int) -> bool:
-    """Whether a record that can be read begins at a byte."""
-    for place in islice(records(given, at), 1):
-        with suppress(*DAMAGE):
-            content = given[place.begin : min(place.end, place.begin + LARGEST_RECORD)]
-            is_chunk = place.opcode == Opcode.CHUNK
-            return says_twice(given, at, place.opcode) if is_chunk else parsed(place.opcode, content) is not None
     return False
 
 

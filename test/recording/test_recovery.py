@@ -645,3 +645,15 @@ def test_bytes_that_a_record_lost_or_won_cost_no_message_behind_it(tmp_path: Pat
             broken.write_bytes(harmed)
             recover(broken, fixed, overwrite=True)
             assert messages(fixed) == everything
+
+
+def test_a_damaged_name_of_a_topic_comes_from_the_summary(tmp_path: Path) -> None:
+    content = loose(tmp_path / "whole.mcap", 4, b"payload")
+    everything = messages(tmp_path / "whole.mcap")
+    name = content.index(b"/b")
+    (tmp_path / "broken.mcap").write_bytes(flipped(content, name + 1, 0))
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert (messages(tmp_path / "fixed.mcap"), len(recovery.damaged)) == (everything, 1)
+    (tmp_path / "broken.mcap").write_bytes(flipped(content, content.rindex(b"/b") + 1, 0))
+    recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert messages(tmp_path / "fixed.mcap") == everything
