@@ -99,9 +99,30 @@ def has_fields_of(text: str, message_type: str) -> bool:
     message_type : str
         One of the names of this module.
     """
-    # readers differ in what else ends a line, and with it a comment
-    has_plain_lines = text.splitlines() == text.replace("\r\n", "\n").removesuffix("\n").split("\n")
-    return has_plain_lines and _fields(text, message_type) == _fields(definition(message_type), message_type)
+    return _has_plain_lines(text) and _fields(text, message_type) == _fields(definition(message_type), message_type)
+
+
+def redefined(text: str, message_type: str) -> list[str]:
+    """Types of this module to which a ``ros2msg`` text of any type gives other fields, at least for some readers.
+
+    Readers take a type for the same in all messages of a bag.
+
+    Parameters
+    ----------
+    text : str
+    message_type : str
+    """
+    named = {_full(name, "") for name in (message_type, *re.findall(r"MSG:\s*(\S+)", text))} & _FIELDS.keys()
+    found, is_plain = _fields(text, message_type), _has_plain_lines(text)
+    right = {
+        name: is_plain and [part for part in found if part[0] == name] == _fields(_FIELDS[name], name) for name in named
+    }
+    return sorted(name for name in named if not right[name])
+
+
+def _has_plain_lines(text: str) -> bool:
+    """Whether readers agree on where lines end, and with them comments."""
+    return text.splitlines() == text.replace("\r\n", "\n").removesuffix("\n").split("\n")
 
 
 _CONSTANT: Final = re.compile("[A-Z][A-Z0-9_]* ?=")

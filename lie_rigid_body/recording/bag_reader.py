@@ -15,7 +15,7 @@ import numpy as np
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
-from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of
+from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of, redefined
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, texts_on, the_body
@@ -41,6 +41,7 @@ from lie_rigid_body.recording.topic_messages import (
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SOFTWARE, Segment
+from lie_rigid_body.wording import listed
 
 _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
@@ -236,7 +237,7 @@ class Bag(BagFacts):
             expected_samples=_expected_samples(self._path, contents),
             published_otherwise=sum(track.published_otherwise for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
-            undefined=tuple(t.topic for t in body.tracks.values() if not _is_defined(self._path, t)),
+            undefined=tuple(t.topic for t in contents.tracks.values() if not _is_defined(self._path, t, body)),
             without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
             sensors={name: track for name, track in body.tracks.items() if name not in TRUTH},
@@ -368,15 +369,24 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 
-def _is_defined(path: Path, track: RawTrack) -> bool:
-    """Whether the track's schema has a text that can be compared; if so it must have the fields of the type."""
-    encoding, text = track.definition
+def _is_defined(path: Path, track: RawTrack, body: Body) -> bool:
+    """Whether a track has a definition that can be compared, which then must be right; or none that others read.
+
+    That of a body's topic must have the fields of its type, and that of another topic none that are others for the
+    types that it shares with these.
+    """
+    encoding, text = track.definition[0], track.definition[1].decode(errors="replace")
+    is_own = any(track is each for each in body.tracks.values())
     if encoding != "ros2msg" or not text:
-        return False
-    if not has_fields_of(text.decode(errors="replace"), track.message_type):
+        return not is_own and encoding != "ros2idl"
+    if is_own and not has_fields_of(text, track.message_type):
+        wrong = track.message_type
+    else:
+        wrong = listed(redefined(text, track.message_type))
+    if wrong:
         raise BagError(
-            f"{path}: topic {track.topic}: the definition of {track.message_type} is not that of ROS 2, by which "
-            "others read it: restore a copy, or record again"
+            f"{path}: topic {track.topic}: the definition of {wrong} is not that of ROS 2, by which others read it: "
+            "restore a copy, or record again"
         )
     return True
 

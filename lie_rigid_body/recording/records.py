@@ -67,6 +67,8 @@ LAST_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
+_CRC_SIZE: Final = 4
+"""Bytes of the checksum at the end of an attachment."""
 _SHORTEST: Final = HEAD.itemsize - RECORD_HEAD.size
 """Length of the content of a message without payload."""
 NO_HINTS: Final = np.empty(0, dtype=np.int64)
@@ -204,11 +206,15 @@ def parsed(opcode: int, content: bytes) -> Any:
         limit = LONGEST_NAME if isinstance(value, str) else _LIMITS.get((kind, name), len(content))
         if (size := size_of(value)) > limit:
             raise ExcessError(f"a {name} of {size} bytes in a {kind.__name__.lower()}")
-        if isinstance(value, dict) and isinstance(record, ChunkIndex | Statistics):  # maps of numbers are read beyond
+        if isinstance(value, dict):  # maps are read beyond their ends
             require(
                 content.startswith(record_bytes(record)[RECORD_HEAD.size :]),
                 f"the {name} of a {kind.__name__.lower()} have another length than is said",
             )
+    if isinstance(record, Attachment):
+        own = record_bytes(record)[RECORD_HEAD.size :]
+        declared = content[len(own) - _CRC_SIZE : len(own)]
+        require(declared in (bytes(_CRC_SIZE), own[-_CRC_SIZE:]), "the crc of an attachment is another one")
     return record
 
 

@@ -10,7 +10,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from lie_rigid_body.messages import definitions
-from lie_rigid_body.messages.definitions import definition, has_fields_of
+from lie_rigid_body.messages.definitions import definition, has_fields_of, redefined
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 WRITTEN = sorted(definitions._PARTS)
@@ -84,3 +84,23 @@ def test_other_fields_are_not_those_of_the_type(how: str) -> None:
 def test_comments_constants_defaults_and_line_ends_are_of_no_account() -> None:
     text = definition(definitions.POSE_STAMPED).replace(" 0\n", "  # and more\n").replace("\n", "\r\n")
     assert has_fields_of(f"uint8 A=1\nuint8 B = 2\n\n{text}", definitions.POSE_STAMPED)
+
+
+FOREIGN = "geometry_msgs/Quaternion q\n"
+"""Definition of a message of others that has an attitude."""
+
+
+@pytest.mark.parametrize("how", FORGED)
+def test_a_message_of_others_may_not_give_other_fields_to_a_type_of_ours(how: str) -> None:
+    honest, forged = FORGED[how]
+    text = definition(definitions.POSE_STAMPED)
+    _, *parts = text.partition(PART)
+    foreign = FOREIGN + "".join(parts)
+    assert redefined(foreign, "others_msgs/msg/Other") == []
+    if honest in foreign and "package" not in how:
+        assert "geometry_msgs/Quaternion" in redefined(foreign.replace(honest, forged), "others_msgs/msg/Other")
+    assert redefined(text.replace("Point position", "Point other"), "geometry_msgs/msg/PoseStamped") == [
+        "geometry_msgs/Pose"
+    ]
+    assert redefined("float64 w\n", "geometry_msgs/msg/Quaternion") == ["geometry_msgs/Quaternion"]
+    assert redefined("string text\n# MSG: nothing/Other\n", "others_msgs/msg/Other") == []

@@ -60,6 +60,7 @@ refused = refusals(
             "no scenario": r"has no topic \.\.\./scenario \(String: body, motion, frames\): record it; there are /",
             "topic of another type": "{name} is of {kind}, not {wanted}: the topics of {wanted} are {those}",
             "no message": "no message on {topic}",
+            "other fields": "topic {topic}: the definition of {name} is not that of ROS 2",
             "bodies": "holds 2 bodies, /a, /b: say which, as by --topic pose:={pose}",
             "several topics": "several topics.*{choice}",
             # its messages

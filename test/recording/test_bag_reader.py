@@ -107,6 +107,37 @@ def test_a_topic_with_two_channels_is_one(make_bag: MakeBag, tmp_path: Path) -> 
     assert [part for part in (" /pose ", " std_msgs/msg/Empty, 1 ") if part not in stray] == []
 
 
+@pytest.mark.parametrize("with_messages", [True, False])
+def test_another_topic_may_not_define_a_type_of_ours_otherwise(
+    make_bag: MakeBag, tmp_path: Path, with_messages: bool
+) -> None:
+    """rosbags keeps one definition of each type, the last that comes."""
+    path, text = tmp_path / "other.mcap", b"geometry_msgs/Quaternion q\n====\nMSG: geometry_msgs/Quaternion\n"
+    honest = make_bag(count=4)
+    for fields, is_read in (
+        (b"float64 x\nfloat64 y\nfloat64 z\nfloat64 w 1\n", True),
+        (b"float64 w\nfloat64 x\n", False),
+    ):
+        with path.open("wb") as stream, honest.open("rb") as source:
+            writer = Writer(stream)
+            writer.start("ros2", "another recorder")
+            for schema, channel, message in make_reader(source).iter_messages(log_time_order=False):
+                assert schema is not None
+                own = writer.register_schema(schema.name, schema.encoding, schema.data)
+                known = writer.register_channel(channel.topic, "cdr", own)
+                writer.add_message(known, message.log_time, message.data, message.publish_time)
+            other = writer.register_schema("others_msgs/msg/Other", "ros2msg", text + fields)
+            foreign = writer.register_channel("/other", "cdr", other)
+            if with_messages:
+                writer.add_message(foreign, message.log_time, bytes(36), 0)
+            writer.finish()
+        if is_read:
+            assert len(read_bag(path).poses) == 4
+        else:
+            with refused("other fields", topic="/other", name="geometry_msgs/Quaternion"):
+                read_bag(path)
+
+
 def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:
     own = make_bag(count=4)
     payloads: list[bytes] = []

@@ -281,12 +281,16 @@ CHUNKS: dict[str, tuple[bytes, str]] = {
     **{
         f"a channel and {case}": (
             plain(record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text("/x") + text("cdr") + behind)),
-            "a definition in a chunk is longer than its fields",
+            words,
         )
-        for case, behind in {
-            "a message behind its fields": bytes(4) + message(1),
-            "metadata of one name twice": struct.pack("<I", 20) + 2 * (text("a") + text("b")),
-        }.items()
+        for case, behind, words in (
+            ("a message", bytes(4) + message(1), "a definition in a chunk is longer than its fields"),
+            (
+                "one name twice",
+                struct.pack("<I", 20) + 2 * (text("a") + text("b")),
+                "the metadata of a channel have another length than is said",
+            ),
+        )
     },
     "a short message": (plain(record(5, bytes(21))), "a message record is too short"),
     "zeros": (plain(bytes(9)), "no record that ends in its chunk stands at byte 0 of it"),
