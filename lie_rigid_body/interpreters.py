@@ -15,6 +15,7 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
+from tempfile import TemporaryDirectory
 from threading import Thread, Timer
 from typing import Any, BinaryIO, Final, TypeVar
 
@@ -78,11 +79,13 @@ class Interpreter:
     """Python interpreter in another process, which calls a function when asked, and replies with its pickled result.
 
     It starts when it is asked, and anew where it has ended. It is new, no copy of this one: nothing of the user's main
-    module is run again, on any platform. It ends with this one, and where nothing refers to it any more.
+    module is run again, on any platform. It ends with this one, and where nothing refers to it any more; what it put
+    into its folder of temporary files goes with it.
     """
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._folder: TemporaryDirectory[str] | None = None
         self._is_closed = False
 
     @property
@@ -101,13 +104,15 @@ class Interpreter:
             If anything but an InputError is raised in it: an estimator may have left anything in its process.
         """
         asked = pickle.dumps(question)
+        folder = self._folder = self._folder or TemporaryDirectory(ignore_cleanup_errors=True)
+        # a user's code runs there: without what `safe_path` put into the environment
+        environment = {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
         process = self._process = self._process or subprocess.Popen(
             [sys.executable, "-c", _SERVE.format(repr(sys.path))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
-            # a user's code runs there: without what `safe_path` put into the environment
-            env={name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH},
+            env={**environment, "TMPDIR": folder.name},
             start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
         )
         if self._is_closed:  # meanwhile
@@ -146,6 +151,9 @@ class Interpreter:
         if process is not None:
             with suppress(OSError):
                 process.communicate()
+        if self._folder is not None:
+            self._folder.cleanup()
+            self._folder = None
 
     def __del__(self) -> None:
         self.end()

@@ -294,16 +294,15 @@ class NodeEstimator(CommandEstimator):
         return f"node {shown(self.command)}"
 
     def _played(self, readings: tuple[Reading, ...]) -> Answered:
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as logs:  # of ROS
-            player = Interpreter()
-            try:
-                reply: Answered | str = player.ask(partial(_play, self, readings, logs), self.timeout_s + _GRACE_S)
-            except (EOFError, TimeoutError):
-                raise InputError(
-                    f"{self._name} did not end within {self.timeout_s:g} s: give it more, or play it less"
-                ) from None
-            finally:
-                player.end()
+        player = Interpreter()
+        try:
+            reply: Answered | str = player.ask(partial(_play, self, readings), self.timeout_s + _GRACE_S)
+        except (EOFError, TimeoutError):
+            raise InputError(
+                f"{self._name} did not end within {self.timeout_s:g} s: give it more, or play it less"
+            ) from None
+        finally:
+            player.end()
         if isinstance(reply, str):
             raise InputError(f"{self._name} {reply}")
         return reply
@@ -323,8 +322,8 @@ class NodeEstimator(CommandEstimator):
         return found[first]
 
 
-def _play(estimator: NodeEstimator, readings: tuple[Reading, ...], logs: str) -> Any:
-    return import_module(PLAYER).played(estimator, readings, logs)
+def _play(estimator: NodeEstimator, readings: tuple[Reading, ...]) -> Any:
+    return import_module(PLAYER).played(estimator, readings)
 
 
 def readings_of(run: Run) -> tuple[Reading, ...]:

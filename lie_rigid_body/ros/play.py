@@ -10,14 +10,12 @@ import subprocess
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import BinaryIO, Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.estimates.programs import Answered, NodeEstimator, Reading, last_words, words
 from lie_rigid_body.output_file import reason
 from lie_rigid_body.ros.installation import require_ros
-from lie_rigid_body.system import lock, open_itself
 
 DOMAINS: Final = range(1, 102)
 """Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""
@@ -25,14 +23,16 @@ ENDING_S: Final = 2.0
 """Time that a node has to end when it is asked to, s."""
 MOST_PRINTED: Final = 2**28
 """Largest output of a node, bytes."""
+_PLAYED: Final = "\0lie_rigid_body/played-to/{}"
+"""Name of the socket that holds a domain. It is in no folder, and ends with its process (unix(7), abstract)."""
 _PORTS: Final = (7400, 250, (0, *range(10, 250, 2)))
 """UDP ports of a domain on one machine: the first of domain 0, how far the next domain's are, and places of those at
 which participants listen (DDSI-RTPS 2.5, 9.6.2.3)."""
 
 
-def played(estimator: NodeEstimator, readings: Sequence[Reading], logs: str) -> Answered | str:
-    """What a node answers, or why it does not; its log is kept in a folder, which outlives it where it is killed."""
-    with tempfile.TemporaryFile() as output:
+def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | str:
+    """What a node answers, or why it does not."""
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryDirectory() as logs:
         try:
             with own_domain() as domain:
                 os.environ.update(
@@ -54,12 +54,11 @@ def played(estimator: NodeEstimator, readings: Sequence[Reading], logs: str) -> 
 def own_domain() -> Iterator[int]:
     """A ROS domain that no other player uses while the context lasts, and in which no node of this machine is yet."""
     for domain in random.sample(DOMAINS, len(DOMAINS)):
-        try:
-            with open(Path(tempfile.gettempdir(), f"ros-domain-{domain}.lock"), "rb", opener=_shared) as file:
-                held = lock(file)
-        except OSError:  # it is in use, or none of ours
-            continue
-        with held:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as held:
+            try:
+                held.bind(_PLAYED.format(domain))
+            except OSError:  # another player's
+                continue
             if f"{domain}" == os.environ.get("ROS_DOMAIN_ID") or not _is_empty(domain):
                 continue
             yield domain
@@ -77,12 +76,6 @@ def _is_empty(domain: int) -> bool:
             except OSError:
                 return False
     return True
-
-
-def _shared(path: str, flags: int) -> int:
-    """Open a file of any user for its lock, which needs reading alone; a link is an error, and a pipe no wait."""
-    created = 0 if os.path.exists(path) else os.O_CREAT  # which systems refuse for another's file
-    return open_itself(path, flags | created | os.O_NONBLOCK, 0o644)
 
 
 @contextmanager

@@ -5,11 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 
@@ -22,30 +20,31 @@ if find_spec("rclpy"):
 pytestmark = pytest.mark.ros
 
 
-def test_what_others_have_left_holds_no_domain_and_leads_nowhere(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    monkeypatch.setattr(play, "DOMAINS", range(1, 5))
-    monkeypatch.setattr(play, "_is_empty", lambda domain: True)  # other tests may be there
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    os.mkfifo(tmp_path / "ros-domain-1.lock")  # whoever opens it to read would wait for a writer
-    (tmp_path / "ros-domain-2.lock").symlink_to(tmp_path / "made elsewhere")
-    (tmp_path / "ros-domain-3.lock").touch(mode=0o444)
-    with play.own_domain() as one, play.own_domain() as two, play.own_domain() as three:
-        assert {one, two, three} == {1, 3, 4}
-        with pytest.raises(LieRigidBodyError), play.own_domain():
-            pass
-    with play.own_domain() as again:
-        assert again in (1, 3, 4)
-    assert not (tmp_path / "made elsewhere").exists()
+def test_a_domain_is_of_one_player_until_its_process_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    with own_domain() as one, own_domain() as other:
+        monkeypatch.setattr(play, "DOMAINS", (one, other, 0, 102, 103))  # two that no other test has
+        monkeypatch.setattr(play, "_is_empty", lambda domain: domain in (102, 103))
+        monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+        holding = "import time; from lie_rigid_body.ros import play\n"
+        holding += "play.DOMAINS, play._is_empty = (102,), lambda domain: True\n"
+        holding += "with play.own_domain() as domain: print(domain, flush=True); time.sleep(1000)"
+        with subprocess.Popen([sys.executable, "-c", holding], stdout=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == b"102\n"
+            with play.own_domain() as domain:
+                assert domain == 103
+                with pytest.raises(LieRigidBodyError), play.own_domain():
+                    pass
+            process.kill()
+        with play.own_domain() as first, play.own_domain() as second:
+            assert {first, second} == {102, 103}
 
 
-def test_a_domain_in_which_a_node_runs_is_left_to_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_domain_in_which_a_node_runs_is_left_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """A robot's nodes would take the readings that are played for their own; so would those of the user's domain."""
     with own_domain() as robots, own_domain() as users, own_domain() as free:
-        monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
         monkeypatch.setattr(play, "DOMAINS", (robots, users, free))
+        monkeypatch.setattr(play, "_PLAYED", "\0lie_rigid_body/tested/{}")  # the others are held here
         monkeypatch.setenv("ROS_DOMAIN_ID", f"{users}")
         with a_node(robots):
             for _ in range(5):
