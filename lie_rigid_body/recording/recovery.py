@@ -219,7 +219,7 @@ class _Salvage:
         declared = int.from_bytes(self._given[end.begin : end.end], "little")
         begins = (place.begin for place in self._summary if place.opcode == Opcode.STATISTICS)
         counts = {int.from_bytes(self._given[begin : begin + 8], "little") for begin in begins}
-        return declared in (0, self._crc(0, end.start)) and counts <= {self._whole}
+        return (not declared or declared == self._crc(0, end.start)) and counts <= {self._whole}
 
     def _crc(self, begin: int, end: int) -> int:
         crc = 0
@@ -263,11 +263,12 @@ class _Salvage:
         since, is_in_another = before.end if before.opcode == Opcode.MESSAGE else before.start, False
         for begin in range(since + 1, min(before.end + LARGEST_RECORD, len(self._given)), _PIECE):
             for match in head.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
-                is_known = match.start() >= _PIECE or begin + match.start() < before.end - _PIECE
-                if match.start() < _PIECE and match.lastindex is None:
+                if match.start() >= _PIECE:  # found again in the next piece
+                    break
+                if match.lastindex is None:
                     is_in_another = not is_in_another
-                elif not (is_known or is_in_another):
-                    yield begin + match.start(), int.from_bytes(match[match.lastindex or 0], "little")
+                elif begin + match.start() >= before.end - _PIECE and not is_in_another:
+                    yield begin + match.start(), int.from_bytes(match[match.lastindex], "little")
 
     @cached_property
     def _summary(self) -> list[Place]:
@@ -276,7 +277,8 @@ class _Salvage:
         begin, declared = int.from_bytes(footer[:8], "little"), int.from_bytes(footer[16:20], "little")
         found = [*records(self._given, begin)]
         is_whole = bool(found) and found[-1].opcode == Opcode.FOOTER
-        return found if is_whole and declared in (0, self._crc(begin, found[-1].end - 4)) else []
+        is_right = is_whole and (not declared or declared == self._crc(begin, found[-1].end - 4))
+        return found if is_right else []
 
     @cached_property
     def _repeated(self) -> dict[tuple[int, bytes], bytes]:
