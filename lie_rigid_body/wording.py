@@ -66,14 +66,15 @@ class _ShortRepr(reprlib.Repr):
         if x.size == 0:
             return f"<array of shape {x.shape}>"
         rows = x.reshape(-1, x.shape[-1]) if x.ndim > 1 and x.shape[-1] <= _MOST_NUMBERS else x.reshape(-1)
-        return f"<{x.shape}, {_ends(rows[0].tolist())} to {_ends(rows[-1].tolist())}>"
+        first, last = rows[[0, -1]].tolist()
+        return f"<{x.shape}, {_ends(first)} to {_ends(last)}>"
 
 
 def _ends(value: object) -> str:
     """A number, or a row of them, to three digits."""
     if isinstance(value, list):
         return f"[{', '.join(map(_ends, value))}]"
-    return f"{value:.3g}" if isinstance(value, float | complex) else repr(value)
+    return f"{value:.3g}" if isinstance(value, float | complex) else _SHORT.repr(value)
 
 
 _SHORT: Final = _ShortRepr()

@@ -16,6 +16,8 @@ import rooms
 import tables
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES
 from lie_rigid_body.diagnosis.repairs import ORDER
+from lie_rigid_body.estimates import programs
+from lie_rigid_body.ros.play import MOST_PRINTED
 from reader import DOCS, FENCED, blocks, commands, is_run
 
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -102,6 +104,14 @@ def test_the_page_of_diagnose_has_every_code():
     told = {code for row in re.findall(r"^\| (`[^|]+) \|", text, re.MULTILINE) for code in re.findall(r"`(\w+)`", row)}
     assert {*ORDER, *(probe.code for probe in PROBES), "follows"} - told == set()
     assert all(f"`{note.code}`" in text for note in NOTES)
+
+
+def test_the_page_of_reliability_has_the_limits_of_what_filters_print():
+    text = (DOCS / "explanation" / "reliability.md").read_text(encoding="utf-8")
+    of_program, of_node = re.findall(r"^\| what the .*? prints.* \| (.+) \|$", text, re.MULTILINE)
+    least, each = programs._FEWEST_BYTES >> 20, programs._BYTES_OF_A_LINE
+    assert of_program == f"{least} MiB, and {each} bytes for each line that it is given"
+    assert of_node == f"{MOST_PRINTED >> 20} MiB"
 
 
 def test_what_a_page_of_the_reference_excludes_is_on_another():

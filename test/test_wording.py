@@ -26,6 +26,8 @@ HUGE = [
     np.array([["text"] * 100] * 2),
     np.zeros((3, 0)),
     b"\0" * 1000,
+    np.array([1] * 10, object),
+    np.array([10**6000] * 10, object),
 ]
 
 

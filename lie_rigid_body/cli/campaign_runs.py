@@ -202,8 +202,9 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     error = failed[min(failed)]
     # without the rescue of its bag, as the run is done again
-    reason = said(error).partition("; ")[0].replace(f"{journal.folder.absolute()}{os.sep}", "")
-    if isinstance(error, LieRigidBodyError) and len(reason) > _LONGEST_REASON:
+    told, rescue, _ = said(error).partition("; ")
+    reason = told.replace(f"{journal.folder.absolute()}{os.sep}", "")
+    if isinstance(error, LieRigidBodyError) and not rescue and len(reason) > _LONGEST_REASON:
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
     named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
     kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")

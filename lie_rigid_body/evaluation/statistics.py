@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import numbers
+from lie_rigid_body.evaluation.arguments import numbers, quantity, real_numbers
 from lie_rigid_body.lie import vectors
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -89,21 +89,31 @@ def settling_limit(t_s: Array, errors: Array) -> float:
     return max(1.5 * float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max()), SMALLEST_LIMIT)
 
 
-def time_to_converge(t_s: Array, errors: Array, limit: float) -> float | None:
+def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float | None:
     """Time from the first sample to the first one from which on the error never exceeds a limit.
 
     Parameters
     ----------
-    t_s, errors : ndarray, shape (N,)
-        Times in s, increasing, and errors.
+    t_s, errors : array_like, shape (N,)
+        Times in s, increasing, and errors. One that is NaN counts as above the limit.
     limit : float
         In the unit of the errors.
 
     Returns
     -------
     float or None
-        Seconds; None if the last error is above the limit.
+        Seconds; None if the last error is above the limit, or there is none.
+
+    Raises
+    ------
+    InputError
+        If there is not an error for each time, times decrease, or the limit is no finite number from 0 on.
     """
-    above = np.flatnonzero(errors > limit)
+    times, sizes = real_numbers("t_s", t_s, "(N,)"), real_numbers("errors", errors, "(N,)")
+    if times.ndim != 1 or times.shape != sizes.shape or not (np.diff(times) >= 0.0).all():
+        raise InputError(
+            f"errors: shape {sizes.shape} for times of shape {times.shape}: give rising times, an error for each"
+        )
+    above = np.flatnonzero(~(sizes <= quantity("limit", limit, "units of the errors", "1.0", or_zero=True)))
     first = int(above[-1]) + 1 if above.size else 0
-    return float(t_s[first] - t_s[0]) if first < len(errors) else None
+    return float(times[first] - times[0]) if first < len(sizes) else None

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import numbers, quantity, read_series, read_stamps
+from lie_rigid_body.evaluation.arguments import numbers, quantity, read_series, read_stamps, real_numbers
 from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.kalman_covariances import Steps, covariances
@@ -63,6 +63,13 @@ def deviation(name: str, value: object, *, or_zero: bool = False) -> None:
     number = quantity(name, value, "SI units", "0.01", or_zero=or_zero)
     if number and not 1.0 / LARGEST_DEVIATION < number < LARGEST_DEVIATION:
         raise InputError(f"{name}: {number:g} is beyond 1e-50 to 1e50: give its standard deviation in SI units")
+
+
+def _require_kind(name: str, value: object, kind: type, *, several: bool = False) -> None:
+    """Refuse what is not of a kind, or not several of it in a sequence."""
+    each = value if several else [value]
+    if not isinstance(each, Sequence) or not all(isinstance(one, kind) for one in each):
+        raise InputError(f"{name}: {shown(value)} is none: give a {'list of ' * several}{kind.__name__}")
 
 
 @dataclass(frozen=True)
@@ -114,6 +121,7 @@ class VectorReadings:
         if vector.shape != (3,) or not vector.any():
             raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
         deviation("noise of a vector", self.noise)
+        _require_kind("bias", self.bias, BiasNoise)
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -221,13 +229,16 @@ def unavoidable_error(
     Raises
     ------
     InputError
-        If stamps do not rise, or a noise is not above 0: without noise there is no bound but 0.
+        If stamps do not rise, readings are no such list, or a noise is not above 0: without it there is no bound but 0.
     """
     stamps, truth = read_series("unavoidable_error", stamps_ns, truth_xyzw)
     if not (np.diff(stamps) > 0).all():
         raise InputError("stamps_ns: one occurs twice: give rising ones")
     deviation("gyro_noise", gyro_noise)
     deviation("initial", initial)
+    _require_kind("gyro_bias", gyro_bias, BiasNoise)
+    _require_kind("vectors", vectors, VectorReadings, several=True)
+    _require_kind("attitudes", attitudes, AttitudeReadings, several=True)
     readings = np.ones(len(stamps)) if gyro_readings is None else numbers("gyro_readings", gyro_readings, len(stamps))
     if readings.shape != stamps.shape or readings.min() < 1.0:
         raise InputError(
@@ -254,7 +265,8 @@ def unavoidable_error(
 
 def _matrices(name: str, given: ArrayLike | None) -> Array:
     """Linear errors of a sensor, shape (c, 3, 3); none by default."""
-    return np.zeros((0, 3, 3)) if given is None or np.size(given) == 0 else numbers(name, given, 3, 3).reshape(-1, 3, 3)
+    read = real_numbers(name, () if given is None else given, "(c, 3, 3)")
+    return numbers(name, read, 3, 3).reshape(-1, 3, 3) if read.size else np.zeros((0, 3, 3))
 
 
 def _unobserved(world_covariance: Array) -> str:

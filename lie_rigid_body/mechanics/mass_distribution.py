@@ -116,9 +116,11 @@ def moments_of_density(
     Raises
     ------
     ParameterError
-        If the two results disagree, or a density is negative or not finite. Also if limits are no pairs, not finite or
-        out of order, or nodes or tolerance no such number.
+        If the two results disagree, or a density is negative or not finite, or no function. Also if limits are no
+        pairs, not finite or out of order, or nodes or tolerance no such number.
     """
+    if not callable(density):
+        raise ParameterError("density", f"{shown(density)} is no function: give one, or call moments_on_grid")
     limits = [*limits] if np.iterable(limits) else []
     nodes = _affordable(nodes, len(limits))
     allowed = float(real_array("tolerance", tolerance, "()"))

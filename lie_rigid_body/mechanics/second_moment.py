@@ -36,15 +36,17 @@ def second_moment_matrix(second_moment: ArrayLike) -> Array:
     Raises
     ------
     ParameterError
-        If it is not a finite square matrix, not symmetric, or not positive semidefinite within round-off.
+        If it is not a finite square matrix, not symmetric, or not positive semidefinite within round-off. Also if a
+        sum of its entries is beyond double precision.
     """
-    matrix = symmetric_matrix("second moment", second_moment)
-    require_semidefinite("second moment", matrix, float(np.trace(matrix)))
+    with np.errstate(over="ignore", invalid="ignore"):  # what goes beyond doubles is refused
+        matrix = symmetric_matrix("second moment", second_moment)
+        require_semidefinite("second moment", matrix, float(np.trace(matrix)))
     return matrix
 
 
 def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
-    """Refuse a symmetric matrix with an eigenvalue below 0 by more than round-off.
+    """Refuse a symmetric matrix with an eigenvalue below 0 by more than round-off, or with sums that overflow.
 
     Parameters
     ----------
@@ -59,6 +61,8 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     ------
     ParameterError
     """
+    if not np.isfinite([scale, *matrix.flat]).all():
+        raise ParameterError(name, "a sum of its entries is beyond double precision, 1.8e308: give smaller numbers")
     smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -ROUND_OFF * abs(scale)
     if smallest < limit:
         raise ParameterError(

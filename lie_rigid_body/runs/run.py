@@ -30,7 +30,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.showing import Shown, data_frame
 from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
-from lie_rigid_body.wording import call_repr
+from lie_rigid_body.wording import call_repr, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -361,8 +361,10 @@ class Run(_NamedSensors, Shown):
         Raises
         ------
         InputError
-            If it has none, and neither has its number.
+            If it is none, or has no stamps and is of another length than these.
         """
+        if not isinstance(estimate, Estimate):
+            raise InputError(f"{shown(estimate)} is no Estimate: give Estimate(attitude_xyzw)")
         if estimate.t_ns is not None:
             return estimate
         of_imu = np.empty(0, dtype=np.int64) if self.imu is None else self.imu.t_ns

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import json
 import os
 import resource
@@ -59,6 +60,15 @@ def test_the_line_about_failed_runs_has_the_cause(folder: str, tmp_path: Path) -
     assert str(failed.value).rpartition("000002.mcap")[2].partition(":")[0] in line
     assert line.endswith(RESUMED)
     assert len(line) <= LONGEST_LINE
+
+
+def test_the_line_about_failed_runs_has_the_cause_where_their_bags_are_in_a_temporary_folder(tmp_path: Path) -> None:
+    why = os.strerror(errno.ENOSPC)
+    error = BagError(f"/tmp/{'a_folder/' * 9}run.mcap cannot be written: {why}; make room and record again")
+    campaign = Campaign(runs=40, seed=1, duration=0.02)
+    with Journal(campaign, tmp_path / "out") as journal:
+        line = str(campaign_runs._failure(campaign, journal, {2: error}))
+    assert f"run.mcap cannot be written: {why}; 0 are kept" in line
 
 
 @pytest.mark.usefixtures("asked_here")

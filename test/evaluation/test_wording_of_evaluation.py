@@ -222,6 +222,24 @@ REFUSED: dict[str, list[Call]] = {
     "covariance: shape .2, 3, 3. is not .3, 3.": [lambda: AttitudeReadings([0, 1], np.tile(np.eye(3), (2, 1, 1)))],
     "gyro_readings: .1, 0.: give a number of 1 or more": [unavoidable(gyro_readings=[1, 0])],
     "gyro_readings": [unavoidable(gyro_readings=[[1, 1]] * 2)],
+    "bias: 0.03 is none: give a BiasNoise": [
+        lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.1, bias=0.03),  # type: ignore[arg-type]
+        unavoidable(gyro_bias=0.03),
+    ],
+    "vectors: .* is none: give a list of VectorReadings": [
+        unavoidable(vectors=given) for given in (UP, [[0, 0, 9.8]], None)
+    ],
+    "attitudes: .* is none: give a list of AttitudeReadings": [
+        unavoidable(attitudes=given) for given in (AttitudeReadings([0], np.eye(3)), [UP], None)
+    ],
+    "linear_errors: not numbers: give an array": [
+        call
+        for given in ([[1, 2], [3]], "x")
+        for call in (
+            partial(VectorReadings, [0], [0.0, 0.0, 9.81], 0.1, linear_errors=given),
+            unavoidable(gyro_linear_errors=given),
+        )
+    ],
     "gyro_noise: 1e.200 is beyond": [unavoidable(gyro_noise=1e200)],
     "give integer nanoseconds": [unavoidable(stamps_ns=[0.0, 1.0])],
 }

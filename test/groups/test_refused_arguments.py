@@ -145,6 +145,13 @@ def test_what_leaves_double_precision_is_refused_without_a_warning(function):
         function(HUGE)
 
 
+@pytest.mark.parametrize("moments", [np.full(4, 1e308), np.array([1e308, -1e308, 1.0, 1.0]), np.full(4, -1e308)])
+def test_second_moments_whose_sums_leave_double_precision_are_refused(moments):
+    with pytest.raises(ParameterError) as caught:
+        groups.mass_matrix(np.diag(moments), GROUP.generators)
+    assert caught.value.name == "second moment"
+
+
 def test_a_direction_of_nearly_nothing_is_followed_for_ever():
     reach = groups.chart_reach(SO(3), [1e-320, 0.0, 0.0])
     assert np.isinf(reach).all()

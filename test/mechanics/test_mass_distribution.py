@@ -130,6 +130,7 @@ def test_a_hollow_ball_turned_and_shifted_by_quadrature_of_its_shells():
         (lambda: moments_on_grid(np.ones((2, 2)), [0, 1], [1, 1]), "limits"),
         (lambda: moments_on_grid(np.ones((2, 0)), [0, 0], [1, 1]), "density"),
         (lambda: moments_on_grid(1.0, [0], [1]), "low"),
+        *((lambda given=given: OF_DENSITY(given, [(0, 1)]), "density") for given in (np.ones(4), None, 1.0)),
         (lambda: moments_of_density(gaussian, []), "limits"),
         (lambda: OF_DENSITY(gaussian, 3), "limits"),
         (lambda: OF_DENSITY(gaussian, [[0, 0, 0], [1, 1, 1]]), "limits"),

@@ -90,6 +90,8 @@ def test_shapes_in_any_attitude_make_rigid_bodies(body):
         (lambda: second_moment_from_inertia(np.diag([1, 1, 2.1])), "second moment ½ tr(I) 1 − I of the inertia"),
         (lambda: second_moment_from_inertia(np.eye(2)), "inertia"),
         (lambda: RigidBody.from_second_moment(np.diag([1, 1, -1])), "second moment"),
+        (lambda: inertia_from_second_moment(1e308 * np.eye(3)), "second moment"),
+        (lambda: rotated_second_moment(1e308 * np.ones((3, 3)), UNIT), "second moment"),
     ],
 )
 def test_impossible_second_moments_are_refused(build, name):

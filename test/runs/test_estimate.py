@@ -96,6 +96,13 @@ def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
     assert not (tmp_path / "x.mcap").exists()
 
 
+def test_only_an_estimate_has_its_stamps_filled_in(run, attitude):
+    np.testing.assert_array_equal(run.stamped(Estimate(attitude)).t_ns, run.t_ns)
+    for given in (attitude, (run.t_ns, attitude), None):
+        with pytest.raises(InputError):
+            run.stamped(given)
+
+
 def test_equal_stamps_are_refused(run, attitude):
     with refused("stamps", count=40, stamp="0 ns"):
         run.score(attitude, run.t_ns * 0)
