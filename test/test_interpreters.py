@@ -7,6 +7,7 @@ import os
 import shlex
 import subprocess
 import sys
+import tempfile
 import time
 from contextlib import suppress
 from functools import partial
@@ -115,12 +116,32 @@ def _raise(words):
     raise InputError(words)
 
 
+def leave_a_file():
+    """The name of a file that is left in the folder of temporary files."""
+    handle, name = tempfile.mkstemp()
+    os.close(handle)
+    return name
+
+
 @WITH_PROC
 def test_process_that_nobody_can_ask_any_more_is_ended():
     other = Interpreter()
     status = Path("/proc", str(other.ask(os.getpid, LIMIT_S)), "stat")
     del other
     _wait_for_end(status)
+
+
+@pytest.mark.parametrize("is_late", [True, False])
+def test_temporary_files_of_a_process_go_with_it(tmp_path, monkeypatch, is_late):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    interpreter = Interpreter()
+    assert Path(interpreter.ask(leave_a_file, 60.0)).is_relative_to(tmp_path)
+    if is_late:
+        with pytest.raises(TimeoutError):
+            interpreter.ask(partial(time.sleep, 1000.0), 0.01)
+    else:
+        interpreter.end()
+    assert [*tmp_path.iterdir()] == []
 
 
 @WITH_PROC
