@@ -78,7 +78,7 @@ class BagFacts:
     others : tuple of str
         What the bag holds besides, in words: topics and attachments.
     undefined : tuple of str
-        Topics among the three whose message definition is left out, or in a language that is not compared.
+        Topics of the body whose message definition is left out, and all with one in a language that is not compared.
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
