@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping
 from functools import lru_cache
+from pathlib import PurePosixPath
 from typing import Final
 
 POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
@@ -112,12 +114,17 @@ def redefined(text: str, message_type: str) -> list[str]:
     text : str
     message_type : str
     """
-    named = {_full(name, "") for name in (message_type, *re.findall(r"MSG:\s*(\S+)", text))} & _FIELDS.keys()
-    found, is_plain = _fields(text, message_type), _has_plain_lines(text)
-    right = {
-        name: is_plain and [part for part in found if part[0] == name] == _fields(_FIELDS[name], name) for name in named
-    }
-    return sorted(name for name in named if not right[name])
+    fields_only = re.sub(r"#[^\n]*", "", text)
+    named = {*map(_normal, (message_type, *re.findall(r"MSG:\s*(\S+)", fields_only)))} & _FIELDS.keys()
+    found = [(_normal(name), fields) for name, fields in _fields(fields_only, message_type)]
+    right = [name for name, fields in found if name in named and [(name, fields)] == _fields(_FIELDS[name], name)]
+    wrong = Counter(name for name, _ in found if name in named) - Counter(right)
+    return sorted({*wrong, *(named - {*right})} if _has_plain_lines(fields_only) else named)
+
+
+def _normal(name: str) -> str:
+    """A type's name as readers take it that read it as a path."""
+    return "/".join(part for part in PurePosixPath(name).parts if part not in ("msg", "/"))
 
 
 def _has_plain_lines(text: str) -> bool:

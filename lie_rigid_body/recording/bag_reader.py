@@ -378,7 +378,7 @@ def _is_defined(path: Path, track: RawTrack, body: Body) -> bool:
     encoding, text = track.definition[0], track.definition[1].decode(errors="replace")
     is_own = any(track is each for each in body.tracks.values())
     if encoding != "ros2msg" or not text:
-        return not is_own and encoding != "ros2idl"
+        return not (is_own or "idl" in encoding)
     if is_own and not has_fields_of(text, track.message_type):
         wrong = track.message_type
     else:

@@ -6,7 +6,7 @@ import re
 import struct
 import zlib
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from contextlib import closing, suppress
 from dataclasses import replace
 from functools import cached_property, partial
@@ -19,7 +19,6 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
-from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.output_file import require_other, written
 from lie_rigid_body.recording.bag_writer import CUT_OFF
@@ -57,7 +56,7 @@ _OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACH
 """Records that stand outside of chunks and are written as they are."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
 _CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
-    re.compile(re.escape(MAGIC) + b"|" + head, re.DOTALL)
+    re.compile(re.escape(MAGIC) + rb"\x01|" + head, re.DOTALL)
     for head in (
         HEADS[Opcode.CHUNK].pattern,
         HEADS[Opcode.CHUNK].pattern + rb"|[\x09\x0c](?=.{4}(\0{4}))",
@@ -66,7 +65,11 @@ _CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
 )
 """Beginnings of a chunk; of that, attachments and metadata; and of what stands in no chunk, with a message's channel.
 
-Or the magic at the begin and the end of another file, as of one that is attached."""
+Or of another file, as of one that is attached."""
+_MAGIC: Final = re.compile(rb"(\x02\x14\0{7}.{20})?" + re.escape(MAGIC), re.DOTALL)
+"""Magic, behind a footer if it ends a file."""
+_BEFORE: Final = Place(0, 0, 0, len(MAGIC))
+"""Place of what stands before the first record."""
 _OFFSETS: Final[Mapping[int, int]] = {Opcode.CHUNK_INDEX: 16, Opcode.ATTACHMENT_INDEX: 0, Opcode.METADATA_INDEX: 0}
 """Place in an index of where its record begins."""
 _PIECE: Final = 2**12
@@ -138,40 +141,24 @@ def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     except BagError as error:
         raise NothingWholeError(str(error)) from None
     with closing(opened) as file:
-        header, begin = _header(file)
         require_other(fixed, [broken])
         with written(fixed, overwrite=overwrite) as out:
-            return _Salvage(file, header, begin, out).run()
-
-
-def _header(file: FileBytes) -> tuple[Header | None, int]:
-    """Header of a file, None if it is damaged, and where the records behind it begin.
-
-    The header's fields and the length of its record say where; where they differ, the one behind which a record begins.
-    """
-    header, begin = None, len(MAGIC) + RECORD_HEAD.size
-    ends = [begin + int.from_bytes(file[begin - 8 : begin], "little")]
-    if file[: len(MAGIC) + 1] == MAGIC + bytes([Opcode.HEADER]):
-        with suppress(*DAMAGE):
-            header = parsed(Opcode.HEADER, file[begin : begin + 8 * LONGEST_NAME])
-            ends.append(len(MAGIC + record_bytes(header)))
-    if ends[0] == ends[-1] and header:
-        return header, ends[0]
-    if sound(file, ends[0]):
-        return None, ends[0]
-    return header, ends[-1] if header and sound(file, ends[-1]) else len(MAGIC)
+            return _Salvage(file, out).run()
 
 
 class _Salvage:
     """One file, read from its start to where it breaks off, and written anew."""
 
-    def __init__(self, given: FileBytes, header: Header | None, begin: int, out: BinaryIO) -> None:
-        self._given, self._begin = given, begin
-        self._file = McapFile(out, header or Header(profile="ros2", library=""))
-        self._records_left = most_records(len(given))
+    def __init__(self, given: FileBytes, out: BinaryIO) -> None:
+        self._given, header = given, Header(profile="ros2", library="")
+        first = sound(given, len(MAGIC))
+        if first and first.opcode == Opcode.HEADER:
+            with suppress(*DAMAGE):
+                header = parsed(Opcode.HEADER, given[first.begin : first.end])
+        self._file, self._records_left = McapFile(out, header), most_records(len(given))
         self._loose, self._whole, self._has_chunks = bytearray(), 0, False
-        self._damaged, self._rewritten = [0] if header is None else [], list[int]()
-        self._knows_summary = self._is_altered = False
+        self._damaged, self._rewritten = [0] * (given[: len(MAGIC)] != MAGIC), list[int]()
+        self._knows_all = self._is_altered = False
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -199,7 +186,7 @@ class _Salvage:
 
     def _take_whole_records(self) -> tuple[int, bool]:
         """Take record after record; return where the last ends, and whether the file does."""
-        end, opcode, data_ended = self._begin, 0, False
+        end, opcode, data_ended = len(MAGIC), 0, False
         for place in self._places():
             if place.start != end:
                 self._leave_out(end)
@@ -229,7 +216,7 @@ class _Salvage:
 
     def _places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged."""
-        place = Place(0, 0, 0, self._begin)
+        place = _BEFORE
         while found := next(filter(None, map(partial(sound, self._given), self._starts(place))), None):
             yield (place := found)
 
@@ -238,20 +225,21 @@ class _Salvage:
 
         The summary tells where chunks begin. Without one, what looks like a chunk is tried; in a file without chunks
         what looks like a definition, or a message of a known channel. In an unfinished chunk stands none of these.
+        What looks like an attachment or metadata is tried in either.
         """
         yield (at := before.end)
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
         if self._indexed:
             yield from self._indexed[bisect_right(self._indexed, before.start) :]
-        elif not says_twice(given, at, Opcode.CHUNK):
-            if self._has_chunks or bytes([Opcode.MESSAGE]) not in (bytes([before.opcode]), given[at : at + 1]):
-                head = _CHUNKED_HEAD if self._has_chunks else _CHUNK_HEAD
-                yield from (begin for begin, _ in self._looked_for(head, before))
-            if not self._has_chunks:
-                self._declare()
-                known, message = self._file.summary.channels, bytes([Opcode.MESSAGE])
-                found = self._looked_for(_LOOSE_HEAD, before)
-                yield from (begin for begin, of in found if of in known or given[begin : begin + 1] != message)
+        elif says_twice(given, at, Opcode.CHUNK):
+            pass
+        elif self._has_chunks or (self._is_chunked and not self._whole):
+            yield from (begin for begin, _ in self._looked_for(_CHUNKED_HEAD, before))
+        else:
+            self._declare()
+            known, message = self._file.summary.channels, bytes([Opcode.MESSAGE])
+            found = self._looked_for(_LOOSE_HEAD, before)
+            yield from (begin for begin, of in found if of in known or given[begin : begin + 1] != message)
         if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
             yield footer
 
@@ -260,15 +248,27 @@ class _Salvage:
 
         A record that lost some bytes, and is no message, reaches into the other.
         """
-        since, is_in_another = before.end if before.opcode == Opcode.MESSAGE else before.start, False
-        for begin in range(since + 1, min(before.end + LARGEST_RECORD, len(self._given)), _PIECE):
-            for match in head.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
-                if match.start() >= _PIECE:  # found again in the next piece
-                    break
-                if match.lastindex is None:
-                    is_in_another = not is_in_another
-                elif begin + match.start() >= before.end - _PIECE and not is_in_another:
-                    yield begin + match.start(), int.from_bytes(match[match.lastindex], "little")
+        since, least = before.end if before.opcode == Opcode.MESSAGE else before.start, before.end - _PIECE
+        for begin, match in self._matches(head, since + 1, before.end + LARGEST_RECORD):
+            if match.lastindex is None:
+                ends = self._matches(_MAGIC, begin + match.end(), before.end + LARGEST_RECORD)
+                piece, end = next(ends, (0, None))
+                if end and end.lastindex and piece + end.end() < len(self._given):
+                    least = max(least, piece + end.end())
+            elif begin + match.start() >= least:
+                yield begin + match.start(), int.from_bytes(match[match.lastindex], "little")
+
+    def _matches(self, pattern: re.Pattern[bytes], first: int, end: int) -> Iterator[tuple[int, re.Match[bytes]]]:
+        """Matches of a pattern between two bytes, each with where the piece begins that is looked through."""
+        for begin in range(first, min(end, len(self._given)), _PIECE):
+            for match in pattern.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
+                if match.start() < _PIECE:  # else it is found again in the next piece
+                    yield begin, match
+
+    @cached_property
+    def _is_chunked(self) -> bool:
+        """Whether there are chunks, by the beginning of the file."""
+        return any(sound(self._given, begin) for begin, _ in self._looked_for(_CHUNK_HEAD, _BEFORE))
 
     @cached_property
     def _summary(self) -> list[Place]:
@@ -296,14 +296,14 @@ class _Salvage:
         return sorted(place.start for place in found) if Opcode.CHUNK in {place.opcode for place in found} else []
 
     def _leave_out(self, at: int) -> None:
-        """Leave out a damaged record; what the first may have declared is declared as in the summary."""
+        """Leave out a damaged record; what it may have declared is declared as elsewhere."""
         self._declare()
         self._damaged.append(at)
 
     def _declare(self) -> None:
-        """Declare what the summary declares, once."""
+        """Declare what any record declares that is in no chunk, as far as it is not known; once."""
         known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
-        places, self._knows_summary = () if self._knows_summary else chain(self._summary, self._places()), True
+        places, self._knows_all = () if self._knows_all else chain(self._summary, self._places()), True
         for place in places:
             if place.opcode in known and place.end - place.begin <= LARGEST_RECORD:
                 with suppress(*DAMAGE):
@@ -320,18 +320,21 @@ class _Salvage:
             channel, _, *times = _MESSAGE.unpack_from(content)
             self._whole += 1
             require(not self._has_chunks, "a message stands outside of the chunks")
-            require(channel in self._file.summary.channels, "a message is on no channel")
+            require(self._knows({channel}), "a message is on no channel")
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
             self._has_chunks = True
             self._take_chunk(parsed(place.opcode, content), place.start)
         elif place.opcode in _OUTSIDE:
+            record = parsed(place.opcode, content)
             is_repeated = self._repeated.get((place.opcode, content[:2]), content) == content
-            require(is_repeated, "a definition is another one in the summary")
-            self._file.add(parsed(place.opcode, content))
+            is_exact = len(record_bytes(record)) == place.end - place.start
+            require(is_exact and is_repeated, "a record is longer than its fields, or another one in the summary")
+            self._file.add(record)
         else:
-            require(place.opcode == Opcode.MESSAGE_INDEX, "a record of a kind that has no place there")
+            is_first = place.opcode == Opcode.HEADER and place.start == len(MAGIC)
+            require(is_first or place.opcode == Opcode.MESSAGE_INDEX, "a record of a kind that has no place there")
 
     def _close_loose(self) -> None:
         """Write the messages that are in no chunk in one."""
@@ -380,4 +383,13 @@ class _Salvage:
         self._records_left -= len(table.starts) + len(table.others)
         self._whole += len(table.starts)
         require(bool(table.index), "no message is whole")
+        channels = (place.begin for place in table.others if place.opcode == Opcode.CHANNEL)
+        own = {int.from_bytes(table.data[begin : begin + 2], "little") for begin in channels}
+        require(self._knows(table.index.keys() - own), "a message is on no channel")
         return table
+
+    def _knows(self, channels: Set[int]) -> bool:
+        """Whether channels are declared, be it by records that come later."""
+        if channels - self._file.summary.channels.keys():
+            self._declare()
+        return channels <= self._file.summary.channels.keys()

@@ -45,8 +45,8 @@ DAMAGE: Final = (
 """Errors that the parsers and decompressors raise on damaged bytes."""
 
 
-def sound(given: FileBytes, at: int) -> Place | None:
-    """Record at a byte, if its length is right: by what it says itself, or else by what follows."""
+def sound(given: FileBytes, at: int, *, by_next: bool = True) -> Place | None:
+    """Record at a byte, if its length is right: by what it says itself, or else by what follows, if that counts."""
     place = next(records(given, at), None)
     if place is None or place.opcode > Opcode.DATA_END:  # of a kind that is unknown nothing is right
         return None
@@ -58,9 +58,9 @@ def sound(given: FileBytes, at: int) -> Place | None:
     elif place.opcode in HEADS:
         is_right = says_twice(given, at, place.opcode)
     elif place.opcode == Opcode.MESSAGE:
-        is_right = goes_on(given, end) or next(records(given, end), None) is not None
+        is_right = goes_on(given, end)
     else:
-        is_right = _is_exact(given, place)
+        is_right = _is_exact(given, place) or (by_next and sound(given, end, by_next=False) is not None)
     return place if is_right else None
 
 
@@ -85,4 +85,6 @@ def goes_on(data: bytes | FileBytes, end: int) -> bool:
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """
-    return end >= len(data) or 0 < data[end : end + 1][0] <= Opcode.DATA_END
+    head = data[end : end + RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0")
+    opcode, length = RECORD_HEAD.unpack(head)
+    return end >= len(data) or 0 < opcode <= Opcode.DATA_END or 0 < length <= len(data) - end - RECORD_HEAD.size

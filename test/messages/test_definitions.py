@@ -86,6 +86,8 @@ def test_comments_constants_defaults_and_line_ends_are_of_no_account() -> None:
     assert has_fields_of(f"uint8 A=1\nuint8 B = 2\n\n{text}", definitions.POSE_STAMPED)
 
 
+PRIVATE = ("a type of another package", "a field that some readers take for a comment", "a type twice, once of nothing")
+"""What misleads those alone who read that topic."""
 FOREIGN = "geometry_msgs/Quaternion q\n"
 """Definition of a message of others that has an attitude."""
 
@@ -97,10 +99,38 @@ def test_a_message_of_others_may_not_give_other_fields_to_a_type_of_ours(how: st
     _, *parts = text.partition(PART)
     foreign = FOREIGN + "".join(parts)
     assert redefined(foreign, "others_msgs/msg/Other") == []
-    if honest in foreign and "package" not in how:
+    if honest in foreign and how not in PRIVATE:
         assert "geometry_msgs/Quaternion" in redefined(foreign.replace(honest, forged), "others_msgs/msg/Other")
     assert redefined(text.replace("Point position", "Point other"), "geometry_msgs/msg/PoseStamped") == [
         "geometry_msgs/Pose"
     ]
     assert redefined("float64 w\n", "geometry_msgs/msg/Quaternion") == ["geometry_msgs/Quaternion"]
-    assert redefined("string text\n# MSG: nothing/Other\n", "others_msgs/msg/Other") == []
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "geometry_msgs//Quaternion",
+        "geometry_msgs/Quaternion/",
+        "geometry_msgs/msg//Quaternion",
+        "geometry_msgs/./Quaternion",
+    ],
+)
+def test_a_type_of_ours_is_known_by_any_name_that_a_reader_takes_for_it(name: str) -> None:
+    """rosbags reads names as paths."""
+    assert redefined(f"string s\n{'=' * 80}\nMSG: {name}\nfloat64 w\n", "others_msgs/msg/Other") == [
+        "geometry_msgs/Quaternion"
+    ]
+    assert redefined("float64 w\n", name) == ["geometry_msgs/Quaternion"]
+
+
+@pytest.mark.parametrize(
+    "comment", ["MSG: geometry_msgs/Quaternion", "a\u2028b", "a\x85b", "a\rb", "a\x0bb", "MSG: nothing/Other"]
+)
+def test_a_comment_in_a_message_of_others_is_of_no_account(comment: str) -> None:
+    _, *parts = definition(definitions.POSE_STAMPED).partition(PART)
+    foreign = f"{FOREIGN}string text # {comment}\n{''.join(parts)}"
+    assert redefined(foreign, "others_msgs/msg/Other") == []
+    assert (
+        redefined(f"{foreign}{PART}float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n", "others_msgs/msg/Other") == []
+    )

@@ -411,7 +411,7 @@ def test_a_flipped_bit_of_the_magic_or_the_header_costs_no_message(whole: dict[s
         broken.write_bytes(flipped(content, at, at % 8))
         recovery = recover(broken, fixed, overwrite=True)
         assert messages(fixed) == everything, at
-        assert recovery.damaged in (((0,),) if at <= begin else ((), (0,))), at
+        assert recovery.damaged in (((0,),) if at < begin else ((), (begin,))), at
 
 
 def test_what_stands_before_zeros_in_a_chunk_without_compression_is_kept(
@@ -657,3 +657,74 @@ def test_a_damaged_name_of_a_topic_comes_from_the_summary(tmp_path: Path) -> Non
     (tmp_path / "broken.mcap").write_bytes(flipped(content, content.rindex(b"/b") + 1, 0))
     recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
     assert messages(tmp_path / "fixed.mcap") == everything
+
+
+def with_another(path: Path, content: bytes, *, is_attached: bool, is_chunked: bool) -> bytes:
+    """A file with what may be another one in it, attached or as a message, between messages of its own."""
+    with path.open("wb") as out:
+        writer = Writer(out, chunk_size=100, use_chunking=is_chunked)
+        writer.start("ros2", "another recorder")
+        channel, blob = (writer.register_channel(topic, "cdr", 0) for topic in ("/a", "/blob"))
+        for k in range(40):
+            if k == 20:
+                if is_chunked:
+                    writer.flush()
+                writer.add_attachment(1, 2, "bag", "", content if is_attached else b"")
+                writer.add_metadata("notes", {"name": "value"})
+                writer.add_message(blob, 1000 * k, b"" if is_attached else content, 1000 * k, k)
+            writer.add_message(channel, 1000 * k, bytes(50), 1000 * k, k)
+        writer.finish()
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("is_chunked", [True, False])
+@pytest.mark.parametrize("summary", [True, False])
+def test_zeros_in_an_attached_bag_cost_that_alone(
+    whole: dict[str, Path], tmp_path: Path, is_chunked: bool, summary: bool
+) -> None:
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    for inner in (whole["zstd"].read_bytes(), loose(tmp_path / "inner.mcap", 40, b"payload")):
+        content = with_another(broken, inner, is_attached=True, is_chunked=is_chunked)
+        everything, end = messages(broken), next(b for opcode, b, _ in records(content) if opcode == Opcode.DATA_END)
+        attachment = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.ATTACHMENT)
+        for first, last in ((26, 226), (39, 99)):
+            zeroed = content[: attachment + first] + bytes(last - first) + content[attachment + last :]
+            broken.write_bytes(zeroed[: None if summary else end])
+            recovery = recover(broken, fixed, overwrite=True)
+            assert (messages(fixed), recovery.damaged) == (everything, (attachment,))
+
+
+@pytest.mark.parametrize("is_chunked", [True, False])
+def test_the_beginning_of_a_bag_in_a_message_hides_nothing_behind_it(
+    whole: dict[str, Path], tmp_path: Path, is_chunked: bool
+) -> None:
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    inner = loose(tmp_path / "inner.mcap", 40, b"payload")[:3000]
+    content = with_another(broken, inner, is_attached=False, is_chunked=is_chunked)
+    everything = [one for one in messages(broken) if one[0] == "/a"]
+    metadata = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.METADATA)
+    end = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    for harmed in (content[: metadata + 20] + content[metadata + 21 : end], flipped(content, metadata + 1, 0)[:end]):
+        broken.write_bytes(harmed)
+        recover(broken, fixed, overwrite=True)
+        found = [one for one in messages(fixed) if one[0] == "/a"]
+        assert len(found) >= len(everything) - is_chunked  # which stands in the chunk with the other
+
+
+@pytest.mark.parametrize("kind", [Opcode.HEADER, Opcode.CHUNK])
+def test_a_record_that_is_gone_costs_what_it_held(whole: dict[str, Path], tmp_path: Path, kind: Opcode) -> None:
+    content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
+    begin, end = next((begin, end) for opcode, begin, end in records(content) if opcode == kind)
+    (tmp_path / "broken.mcap").write_bytes(content[:begin] + content[end:])
+    recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert messages(tmp_path / "fixed.mcap") == everything[whole_in(content, end, "zstd") :]
+
+
+def test_a_kind_of_0_costs_no_message_before_it(tmp_path: Path) -> None:
+    content = loose(tmp_path / "whole.mcap", 40, b"payload")
+    everything = messages(tmp_path / "whole.mcap")
+    begins = [begin for opcode, begin, _ in records(content) if opcode in (Opcode.MESSAGE, Opcode.DATA_END)]
+    for k, begin in enumerate(begins[1:], 1):
+        (tmp_path / "broken.mcap").write_bytes(content[:begin] + b"\0" + content[begin + 1 :])
+        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+        assert messages(tmp_path / "fixed.mcap") == everything[:k] + everything[k + 1 :]
