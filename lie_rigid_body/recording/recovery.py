@@ -261,7 +261,8 @@ class _Salvage:
     def _matches(self, pattern: re.Pattern[bytes], first: int, end: int) -> Iterator[tuple[int, re.Match[bytes]]]:
         """Matches of a pattern between two bytes, each with where the piece begins that is looked through."""
         for begin in range(first, min(end, len(self._given)), _PIECE):
-            for match in pattern.finditer(self._given[begin : begin + _PIECE + HEAD_SIZE]):
+            piece = self._given[begin : begin + _PIECE + HEAD_SIZE]
+            for match in pattern.finditer(piece) if piece.strip(b"\0") else ():  # a file may end in very many zeros
                 if match.start() < _PIECE:  # else it is found again in the next piece
                     yield begin, match
 
