@@ -42,8 +42,7 @@ from lie_rigid_body.recording.records import (
 )
 from lie_rigid_body.recording.sound_records import (
     DAMAGE,
-    HEAD_SIZE,
-    HEADS,
+    OUTSIDE,
     goes_on,
     says_twice,
     sound,
@@ -52,14 +51,13 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
-_OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
-"""Records that stand outside of chunks and are written as they are."""
 _MESSAGE: Final = struct.Struct("<HIQQ")
+_CHUNK: Final = rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd))"
 _CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
     re.compile(re.escape(MAGIC) + rb"\x01|" + head, re.DOTALL)
     for head in (
-        HEADS[Opcode.CHUNK].pattern,
-        HEADS[Opcode.CHUNK].pattern + rb"|[\x09\x0c](?=.{4}(\0{4}))",
+        _CHUNK,
+        _CHUNK + rb"|[\x09\x0c](?=.{4}(\0{4}))",
         rb"[\x03\x04\x05\x09\x0c](?=.{4}\0{4}(.{2}))",
     )
 )
@@ -72,6 +70,8 @@ _BEFORE: Final = Place(0, 0, 0, len(MAGIC))
 """Place of what stands before the first record."""
 _OFFSETS: Final[Mapping[int, int]] = {Opcode.CHUNK_INDEX: 16, Opcode.ATTACHMENT_INDEX: 0, Opcode.METADATA_INDEX: 0}
 """Place in an index of where its record begins."""
+_HEAD_SIZE: Final = 64
+"""Bytes of which the longest of these takes less."""
 _PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
@@ -231,7 +231,7 @@ class _Salvage:
         given, footer = self._given, len(self._given) - _FOOTER_SIZE
         if self._indexed:
             yield from self._indexed[bisect_right(self._indexed, before.start) :]
-        elif says_twice(given, at, Opcode.CHUNK):
+        elif given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at):
             pass
         elif self._has_chunks or (self._is_chunked and not self._whole):
             yield from (begin for begin, _ in self._looked_for(_CHUNKED_HEAD, before))
@@ -261,7 +261,7 @@ class _Salvage:
     def _matches(self, pattern: re.Pattern[bytes], first: int, end: int) -> Iterator[tuple[int, re.Match[bytes]]]:
         """Matches of a pattern between two bytes, each with where the piece begins that is looked through."""
         for begin in range(first, min(end, len(self._given)), _PIECE):
-            piece = self._given[begin : begin + _PIECE + HEAD_SIZE]
+            piece = self._given[begin : begin + _PIECE + _HEAD_SIZE]
             for match in pattern.finditer(piece) if piece.strip(b"\0") else ():  # a file may end in very many zeros
                 if match.start() < _PIECE:  # else it is found again in the next piece
                     yield begin, match
@@ -327,7 +327,7 @@ class _Salvage:
         elif place.opcode == Opcode.CHUNK:
             self._has_chunks = True
             self._take_chunk(parsed(place.opcode, content), place.start)
-        elif place.opcode in _OUTSIDE:
+        elif place.opcode in OUTSIDE:
             record = parsed(place.opcode, content)
             is_repeated = self._repeated.get((place.opcode, content[:2]), content) == content
             is_exact = len(record_bytes(record)) == place.end - place.start

@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-import re
 import struct
-from contextlib import suppress
+from collections.abc import Mapping
 from typing import Final
 
 import zstandard
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
-from lie_rigid_body.recording.records import (
-    LARGEST_RECORD,
-    MAGIC,
-    RECORD_HEAD,
-    FileBytes,
-    Place,
-    parsed,
-    record_bytes,
-    records,
-    require,
-)
+from lie_rigid_body.recording.records import MAGIC, RECORD_HEAD, FileBytes, Place, records
 
-HEADS: Final = {
-    Opcode.CHUNK: re.compile(rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd)(.{8}))", re.DOTALL),
-    Opcode.MESSAGE_INDEX: re.compile(rb"\x07(?=(.{8}).{2}(.{4}))", re.DOTALL),
+_LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
+    Opcode.HEADER: (-4, -4),
+    Opcode.SCHEMA: (2, -4, -4, -4),
+    Opcode.CHANNEL: (4, -4, -4, -4),
+    Opcode.CHUNK: (28, -4, -8),
+    Opcode.MESSAGE_INDEX: (2, -4),
+    Opcode.CHUNK_INDEX: (32, -4, 8, -4, 16),
+    Opcode.ATTACHMENT: (16, -4, -4, -8, 4),
+    Opcode.ATTACHMENT_INDEX: (40, -4, -4),
+    Opcode.STATISTICS: (42, -4),
+    Opcode.METADATA: (-4, -4),
+    Opcode.METADATA_INDEX: (16, -4),
+    Opcode.SUMMARY_OFFSET: (17,),
+    Opcode.DATA_END: (4,),
 }
-"""Beginnings of records that say their length twice: that of the record, and that of its last field."""
-HEAD_SIZE: Final = 64
-"""Bytes of which the longest of these takes less."""
-_DATA_END_SIZE: Final = 4
-"""Bytes of the checksum that ends the data."""
+"""Fields of a record in their order: how many bytes they take, or, below 0, those of a size that stands before them."""
+OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
+"""Records that stand outside of chunks and are written as they are."""
 DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -50,38 +48,27 @@ def sound(given: FileBytes, at: int, *, by_next: bool = True) -> Place | None:
     place = next(records(given, at), None)
     if place is None or place.opcode > Opcode.DATA_END:  # of a kind that is unknown nothing is right
         return None
-    end = place.end
     if place.opcode == Opcode.FOOTER:
-        is_right = given[end : end + len(MAGIC) + 1] == MAGIC
-    elif place.opcode == Opcode.DATA_END:
-        is_right = end - place.begin == _DATA_END_SIZE
-    elif place.opcode in HEADS:
-        is_right = says_twice(given, at, place.opcode)
+        is_right = given[place.end : place.end + len(MAGIC) + 1] == MAGIC
     elif place.opcode == Opcode.MESSAGE:
-        is_right = goes_on(given, end)
+        is_right = goes_on(given, place.end)
     else:
-        is_right = _is_exact(given, place) or (by_next and sound(given, end, by_next=False) is not None)
+        is_told = by_next and place.opcode in OUTSIDE and sound(given, place.end, by_next=False) is not None
+        is_right = is_told or says_twice(given, at)
     return place if is_right else None
 
 
-def says_twice(given: FileBytes, at: int, opcode: int) -> bool:
-    """Whether a record of some kind begins at a byte, and says the same length twice."""
-    found = HEADS[Opcode(opcode)].match(given[at : at + HEAD_SIZE])
-    length, size = (int.from_bytes(each, "little") for each in found.groups()) if found else (0, 0)
-    return found is not None and found.end(2) + size == RECORD_HEAD.size + length
-
-
-def _is_exact(given: FileBytes, place: Place) -> bool:
-    """Whether a record is as long as its fields are."""
-    with suppress(*DAMAGE):
-        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
-        record = parsed(place.opcode, given[place.begin : place.end])
-        return len(record_bytes(record)) == place.end - place.start
-    return False
+def says_twice(given: FileBytes, at: int) -> bool:
+    """Whether the record at a byte, be it finished or not, is as long as its fields say; none of these is read."""
+    opcode, length = RECORD_HEAD.unpack(given[at : at + RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0"))
+    place = begin = at + RECORD_HEAD.size
+    for size in _LAYOUTS.get(opcode, ()):
+        place += int.from_bytes(given[place : place - size], "little") - size if size < 0 else size
+    return opcode in _LAYOUTS and place == begin + length
 
 
 def goes_on(data: bytes | FileBytes, end: int) -> bool:
-    """Whether some data end, or another record may begin, where a record ends, which then is whole.
+    """Whether some data end, or another record begins, where a record ends, which then is whole.
 
     Where a disk lost power, zeros or other data may stand from the midst of a record on.
     """

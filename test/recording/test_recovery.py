@@ -728,3 +728,25 @@ def test_a_kind_of_0_costs_no_message_before_it(tmp_path: Path) -> None:
         (tmp_path / "broken.mcap").write_bytes(content[:begin] + b"\0" + content[begin + 1 :])
         recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
         assert messages(tmp_path / "fixed.mcap") == everything[:k] + everything[k + 1 :]
+
+
+def test_work_for_attachments_that_claim_half_of_the_file_grows_with_the_file_alone(
+    whole: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read, given = list[int](), FileBytes.__getitem__
+
+    def counted(file: FileBytes, part: slice) -> bytes:
+        read.append(len(data := given(file, part)))
+        return data
+
+    monkeypatch.setattr(FileBytes, "__getitem__", counted)
+    content = whole["zstd"].read_bytes()
+    begin = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    sizes = []
+    for count in (1100, 2200):
+        head = RECORD.pack(Opcode.ATTACHMENT, count * 29) + bytes(16) + struct.pack("<IIQ", 0, 0, count * 29 - 36)
+        read.clear()
+        (tmp_path / "broken.mcap").write_bytes(content[:begin] + bytes(9) + count * head.ljust(58, b"x"))
+        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+        sizes.append(sum(read))
+    assert sizes[1] < 2.5 * sizes[0]
