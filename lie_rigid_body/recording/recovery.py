@@ -19,6 +19,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Header, Metadata
 
+from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.output_file import require_other, written
 from lie_rigid_body.recording.bag_writer import CUT_OFF
@@ -154,7 +155,7 @@ class _Salvage:
         first = sound(given, len(MAGIC))
         if first and first.opcode == Opcode.HEADER:
             with suppress(*DAMAGE):
-                header = parsed(Opcode.HEADER, given[first.begin : first.end])
+                header = parsed(Opcode.HEADER, given[first.begin : min(first.end, first.begin + 8 * LONGEST_NAME)])
         self._file, self._records_left = McapFile(out, header), most_records(len(given))
         self._loose, self._whole, self._has_chunks = bytearray(), 0, False
         self._damaged, self._rewritten = [0] * (given[: len(MAGIC)] != MAGIC), list[int]()
