@@ -326,12 +326,12 @@ class _Salvage:
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
-            self._has_chunks = True
             self._take_chunk(parsed(place.opcode, content), place.start)
+            self._has_chunks = True
         elif place.opcode in OUTSIDE:
             record = parsed(place.opcode, content)
             is_repeated = self._repeated.get((place.opcode, content[:2]), content) == content
-            is_exact = len(record_bytes(record)) == place.end - place.start
+            is_exact = hasattr(record, "id") or len(record_bytes(record)) == place.end - place.start
             require(is_exact and is_repeated, "a record is longer than its fields, or another one in the summary")
             self._file.add(record)
         else:

@@ -53,8 +53,8 @@ def sound(given: FileBytes, at: int, *, by_next: bool = True) -> Place | None:
     elif place.opcode == Opcode.MESSAGE:
         is_right = goes_on(given, place.end)
     else:
-        is_told = by_next and place.opcode in OUTSIDE and sound(given, place.end, by_next=False) is not None
-        is_right = is_told or says_twice(given, at)
+        may_be_longer = by_next and place.opcode in (*OUTSIDE, Opcode.CHUNK)  # than its fields
+        is_right = says_twice(given, at) or (may_be_longer and sound(given, place.end, by_next=False) is not None)
     return place if is_right else None
 
 
