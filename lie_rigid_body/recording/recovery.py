@@ -101,8 +101,8 @@ class Recovery:
     rewritten : tuple of int
         Where chunks begin that were more than one compressed frame; they are whole, and written without compression.
     is_altered : bool
-        Whether the checksum of its data, or the number of messages in its summary, is another one, though no record is
-        known to be damaged.
+        Whether the checksum of its data or of its summary, or the number of messages in that, is another one, though no
+        record is known to be damaged.
     """
 
     messages: int
@@ -203,11 +203,13 @@ class _Salvage:
         return end, opcode == Opcode.FOOTER
 
     def _agrees(self, end: Place) -> bool:
-        """Whether the checksum that ends the data, and the number of messages in the summary, are right if given."""
+        """Whether the checksum of the data, the summary, and the number of messages in that, are right if given."""
+        has_summary = any(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8])
         declared = int.from_bytes(self._given[end.begin : end.end], "little")
         begins = (place.begin for place in self._summary if place.opcode == Opcode.STATISTICS)
         counts = {int.from_bytes(self._given[begin : begin + 8], "little") for begin in begins}
-        return (not declared or declared == self._crc(0, end.start)) and counts <= {self._whole}
+        is_right = (not declared or declared == self._crc(0, end.start)) and has_summary == bool(self._summary)
+        return is_right and counts <= {self._whole}
 
     def _crc(self, begin: int, end: int) -> int:
         crc = 0

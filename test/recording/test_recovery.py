@@ -655,8 +655,9 @@ def test_a_damaged_name_of_a_topic_comes_from_the_summary(tmp_path: Path) -> Non
     recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
     assert (messages(tmp_path / "fixed.mcap"), len(recovery.damaged)) == (everything, 1)
     (tmp_path / "broken.mcap").write_bytes(flipped(content, content.rindex(b"/b") + 1, 0))
-    recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
-    assert messages(tmp_path / "fixed.mcap") == everything
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+    assert (messages(tmp_path / "fixed.mcap"), recovery.is_altered) == (everything, True)
+    assert not recover(tmp_path / "whole.mcap", tmp_path / "fixed.mcap", overwrite=True).is_altered
 
 
 def with_another(path: Path, content: bytes, *, is_attached: bool, is_chunked: bool) -> bytes:
