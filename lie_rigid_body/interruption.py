@@ -129,8 +129,12 @@ class Interruption:
         if not issubclass(lost.exc_type, KeyboardInterrupt):
             self._hook(lost)
             return
+        threading.Timer(_AGAIN_S, self._interrupt_again).start()
+
+    def _interrupt_again(self) -> None:
+        """Count the signal that was lost as the first once more: until then another one is the second, and is noted."""
         self._count, self.requested = 0, False
-        threading.Timer(_AGAIN_S, interrupt_main, [self._number]).start()
+        interrupt_main(signal.Signals(self._number))
 
 
 def _in_main_thread() -> bool:
