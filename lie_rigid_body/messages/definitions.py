@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import PurePosixPath
@@ -117,9 +116,9 @@ def redefined(text: str, message_type: str) -> list[str]:
     fields_only = re.sub(r"#[^\n]*", "", text)
     named = {*map(_normal, (message_type, *re.findall(r"MSG:\s*(\S+)", fields_only)))} & _FIELDS.keys()
     found = [(_normal(name), fields) for name, fields in _fields(fields_only, message_type)]
-    right = [name for name, fields in found if name in named and [(name, fields)] == _fields(_FIELDS[name], name)]
-    wrong = Counter(name for name, _ in found if name in named) - Counter(right)
-    return sorted({*wrong, *(named - {*right})} if _has_plain_lines(fields_only) else named)
+    wrong = {name for name, fields in found if name in named and [(name, fields)] != _fields(_FIELDS[name], name)}
+    unread = named - {name for name, _ in found}
+    return sorted(wrong | unread if _has_plain_lines(fields_only) else named)
 
 
 def _normal(name: str) -> str:

@@ -17,7 +17,7 @@ from typing import Any, BinaryIO, Final
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Chunk, Header, Metadata
+from mcap.records import Channel, Chunk, Header, Metadata, Schema
 
 from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
@@ -333,7 +333,7 @@ class _Salvage:
         elif place.opcode in OUTSIDE:
             record = parsed(place.opcode, content)
             is_repeated = self._repeated.get((place.opcode, content[:2]), content) == content
-            is_exact = hasattr(record, "id") or len(record_bytes(record)) == place.end - place.start
+            is_exact = isinstance(record, Schema | Channel) or len(record_bytes(record)) == place.end - place.start
             require(is_exact and is_repeated, "a record is longer than its fields, or another one in the summary")
             self._file.add(record)
         else:

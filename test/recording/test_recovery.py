@@ -538,18 +538,24 @@ def test_a_chunk_in_an_attachment_whose_length_is_damaged_is_none_of_the_file(
         assert attachment in (*recovery.damaged, recovery.broken_at)
 
 
-def test_work_for_damaged_records_grows_with_the_file_alone(
-    whole: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Heads that claim what is behind them, each in the one before, and ever new ones where the last one ended."""
-    read, broken = list[int](), tmp_path / "broken.mcap"
-    given = FileBytes.__getitem__
+@pytest.fixture
+def read(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Sizes of what is read of files, as it is."""
+    sizes, given = list[int](), FileBytes.__getitem__
 
     def counted(file: FileBytes, part: slice) -> bytes:
-        read.append(len(data := given(file, part)))
+        sizes.append(len(data := given(file, part)))
         return data
 
     monkeypatch.setattr(FileBytes, "__getitem__", counted)
+    return sizes
+
+
+def test_work_for_damaged_records_grows_with_the_file_alone(
+    whole: dict[str, Path], tmp_path: Path, read: list[int]
+) -> None:
+    """Heads that claim what is behind them, each in the one before, and ever new ones where the last one ended."""
+    broken = tmp_path / "broken.mcap"
     head = whole["zstd"].read_bytes()
     begin = next(begin for opcode, begin, _ in records(head) if opcode == Opcode.DATA_END)
     for size in (0, 1000):
@@ -732,15 +738,8 @@ def test_a_kind_of_0_costs_no_message_before_it(tmp_path: Path) -> None:
 
 
 def test_work_for_attachments_that_claim_half_of_the_file_grows_with_the_file_alone(
-    whole: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    whole: dict[str, Path], tmp_path: Path, read: list[int]
 ) -> None:
-    read, given = list[int](), FileBytes.__getitem__
-
-    def counted(file: FileBytes, part: slice) -> bytes:
-        read.append(len(data := given(file, part)))
-        return data
-
-    monkeypatch.setattr(FileBytes, "__getitem__", counted)
     content = whole["zstd"].read_bytes()
     begin = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
     sizes = []
