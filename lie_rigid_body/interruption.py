@@ -11,7 +11,7 @@ import time
 from _thread import interrupt_main
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import FrameType
+from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Interruption:
         self.requested = False
         self._allowed = False
         self._count, self._first_s = 0, math.inf
-        self._hook = sys.unraisablehook
+        self._unraisable, self._uncaught = sys.unraisablehook, sys.excepthook
 
     @classmethod
     def current(cls) -> Interruption:
@@ -69,7 +69,7 @@ class Interruption:
         former = {number: signal.getsignal(number) for number in ENDING}
         defaults = (signal.SIG_DFL, signal.default_int_handler)
         taken = [n for n, f in former.items() if f in defaults or (f == signal.SIG_IGN and n.name != "SIGHUP")]
-        sys.unraisablehook = interruption._raise_again
+        sys.unraisablehook, sys.excepthook = interruption._ignored, interruption._printed
         for number in taken:
             signal.signal(number, interruption._handle)
         if to_the_end:
@@ -83,7 +83,7 @@ class Interruption:
             if not to_the_end:
                 for number in taken:
                     signal.signal(number, former[number])
-                sys.unraisablehook = interruption._hook
+                sys.unraisablehook, sys.excepthook = interruption._unraisable, interruption._uncaught
 
     @contextmanager
     def allowed(self) -> Iterator[None]:
@@ -124,17 +124,30 @@ class Interruption:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
 
-    def _raise_again(self, lost: UnraisableHookArgs) -> None:
-        """Raise a KeyboardInterrupt in a moment again, where a finaliser or a callback from C would lose it."""
-        if not issubclass(lost.exc_type, KeyboardInterrupt):
-            self._hook(lost)
-            return
-        threading.Timer(_AGAIN_S, self._interrupt_again).start()
+    def _ignored(self, lost: UnraisableHookArgs) -> None:
+        """Handle what a finaliser or a callback from C raises, which would lose an interrupt."""
+        if not self._raises_again(lost.exc_type):
+            self._unraisable(lost)
+
+    def _printed(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        """Handle what would be printed, as a library in C does with an interrupt amid its import."""
+        if not self._raises_again(kind):
+            self._uncaught(kind, error, trace)
+
+    def _raises_again(self, kind: type[BaseException]) -> bool:
+        """Raise an exception again in a moment, if it is a KeyboardInterrupt, and tell whether it is."""
+        is_interrupt = issubclass(kind, KeyboardInterrupt)
+        if is_interrupt:
+            threading.Timer(_AGAIN_S, self._interrupt_again).start()
+        return is_interrupt
 
     def _interrupt_again(self) -> None:
         """Count the signal that was lost as the first once more: until then another one is the second, and is noted."""
         self._count, self.requested = 0, False
-        interrupt_main(signal.Signals(self._number))
+        if hasattr(signal, "pthread_kill"):  # which also ends a wait
+            signal.pthread_kill(threading.main_thread().ident or 0, self._number)
+        else:
+            interrupt_main(signal.Signals(self._number))
 
 
 def _in_main_thread() -> bool:

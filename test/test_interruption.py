@@ -79,8 +79,27 @@ def lost():
             send(INT)
     last = Last()
     del last
-    time.sleep(5)
+    signal.pause()
 ends_with(lambda: waiting(lost))
+""",
+        130,
+    ),
+    "while a library in C is imported, which prints it, and is done without": (
+        """
+import builtins, numpy
+def printed():
+    find = builtins.__import__
+    def struck(name, *given):
+        if name.endswith("_multiarray_umath"):  # imported from C
+            builtins.__import__ = find
+            send(INT)
+        return find(name, *given)
+    builtins.__import__ = struck
+    try:
+        import scipy.linalg._fblas
+    except ImportError:
+        signal.pause()
+ends_with(lambda: waiting(printed))
 """,
         130,
     ),
@@ -92,7 +111,7 @@ def test_the_first_signal_decides_and_the_fourth_ends(name: str, tmp_path: Path)
     program, status = PROGRAMS[name]
     (tmp_path / "program.py").write_text(f"{BEGIN}{program}\n")
     command = [sys.executable, "-m", "program"]
-    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
     assert ended.returncode == status, ended.stderr
     assert ended.stderr == ("test: error: interrupted\n" if status == 130 else "")
 
@@ -153,9 +172,9 @@ def test_handlers_are_again_what_they_were_and_those_of_others_stay() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGHUP, own)
-    before = [*(signal.getsignal(number) for number in numbers), sys.unraisablehook]
+    before = [*(signal.getsignal(number) for number in numbers), sys.unraisablehook, sys.excepthook]
     assert status_of("test", lambda: status_of("test", action)) == 130
-    assert [*(signal.getsignal(number) for number in numbers), sys.unraisablehook] == before
+    assert [*(signal.getsignal(number) for number in numbers), sys.unraisablehook, sys.excepthook] == before
     assert heard == [signal.SIGHUP]
     assert inside[0][1] not in before
 

@@ -181,7 +181,7 @@ def places(message_type: str) -> Mapping[str, range]:
 
 def _full(kind: str, package: str) -> str:
     """Name of a type with its package, which is that of the type that it is part of if it has none; or of numbers."""
-    return kind.replace("/msg/", "/") if "/" in kind or kind[0].islower() else f"{package}/{kind}"
+    return kind.replace("/msg/", "/") if "/" in kind or kind[:1].islower() else f"{package}/{kind}"
 
 
 def offered_qos_profiles(*, latched: bool, depth: int) -> str:

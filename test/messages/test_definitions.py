@@ -124,6 +124,11 @@ def test_a_type_of_ours_is_known_by_any_name_that_a_reader_takes_for_it(name: st
     assert redefined("float64 w\n", name) == ["geometry_msgs/Quaternion"]
 
 
+def test_a_type_without_a_name_is_none_of_ours() -> None:
+    assert redefined(definition(definitions.POSE_STAMPED), "") == []
+    assert redefined("Quaternion q\n", "") == []
+
+
 @pytest.mark.parametrize(
     "comment", ["MSG: geometry_msgs/Quaternion", "a\u2028b", "a\x85b", "a\rb", "a\x0bb", "MSG: nothing/Other"]
 )
