@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 from lie_rigid_body.errors import PACKAGE, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.system import limit
 from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
 
 if TYPE_CHECKING:
@@ -184,13 +185,9 @@ def _open_standard_streams() -> None:
 
 def _require_memory() -> None:
     """Refuse a limit of memory, as by ``ulimit -v``, within which the libraries cannot work."""
-    try:
-        import resource
-    except ImportError:
-        return
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if resource.RLIM_INFINITY != limit < _LEAST_MEMORY:
-        raise InputError(f"memory is limited to {size(limit)} (ulimit -v): allow {size(_LEAST_MEMORY)} at least")
+    memory = limit("RLIMIT_AS")
+    if memory < _LEAST_MEMORY:
+        raise InputError(f"memory is limited to {size(int(memory))} (ulimit -v): allow {size(_LEAST_MEMORY)} at least")
 
 
 def seconds(stamp_ns: int) -> str:

@@ -5,6 +5,7 @@ Each part is asked for by its name, not by that of the system.
 
 from __future__ import annotations
 
+import math
 import os
 import stat
 from contextlib import ExitStack
@@ -53,6 +54,16 @@ def lock(file: IO[Any], *, wait: bool = False) -> ExitStack:
 def cores() -> int:
     """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def limit(name: str) -> float:
+    """A limit of this process by its name in `resource`, such as RLIMIT_NOFILE; infinite where there is none."""
+    try:
+        import resource
+    except ImportError:
+        return math.inf
+    found, _ = resource.getrlimit(getattr(resource, name))
+    return math.inf if found == resource.RLIM_INFINITY else found
 
 
 def open_itself(path: str, flags: int, mode: int = 0o666) -> int:

@@ -26,7 +26,7 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.interpreters import safe_path, variable
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.output_file import write_file
-from lie_rigid_body.system import cores
+from lie_rigid_body.system import cores, limit
 from lie_rigid_body.wording import shortened, shown
 
 if TYPE_CHECKING:
@@ -43,6 +43,13 @@ LARGEST_PORT: Final = 65535
 LONGEST_CLOSING_S: Final = 15.0
 """Longest wait for a cluster to close, s; Dask kills a worker that has not ended after 9."""
 
+_FILES: Final = 24
+"""Most files and connections that are open in the process that starts workers, besides those of each of them.
+
+Measured with 1, 2, 4 and 6 workers: 32, 45, 69 and 93 in all. With fewer Dask may wait for itself.
+"""
+_FILES_OF_A_WORKER: Final = 13
+"""Most files and connections that are open for a worker, in the process that starts it."""
 _ANSWERING_S: Final = 10.0
 """Time that a scheduler of one's own has to answer, s, and as long again for the handshake."""
 _NOISY: Final = ("distributed", "distributed.client", "tornado.application", "asyncio")
@@ -269,6 +276,9 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
     import dask
     from distributed import LocalCluster, Security
 
+    files, least = limit("RLIMIT_NOFILE"), _FILES + _FILES_OF_A_WORKER * workers
+    if files < least:
+        raise BagError(f"open files are limited to {files:g} (ulimit -n): allow {least} at least, or fewer workers")
     # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
     settings: dict[str, object] = {f"distributed.{of}.http.routes": [] for of in ("scheduler", "worker")}
     # of the scheduler too, which puts its folder onto the path of modules: the default is one that all users share

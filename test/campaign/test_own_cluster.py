@@ -171,13 +171,12 @@ def test_its_processes_import_nothing_of_the_working_folder(tmp_path: Path) -> N
     assert not (tmp_path / "imported").exists()
 
 
-@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no limits of processes here")
 def test_a_limit_that_keeps_workers_from_starting_is_one_line(tmp_path: Path) -> None:
     import resource
 
     def few_files() -> None:
-        resource.setrlimit(resource.RLIMIT_NOFILE, (20, 20))
+        resource.setrlimit(resource.RLIMIT_NOFILE, (16, 16))  # with which Dask waits for itself
 
     (tmp_path / "campaign.yaml").write_text("{runs: 1, seed: 1, duration: 0.1}", encoding="utf-8")
     command = [sys.executable, "-m", "lie_rigid_body", "campaign", "campaign.yaml", "--out", "out", "--workers", "1"]
