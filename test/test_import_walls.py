@@ -58,7 +58,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "league": SCENARIO | {"estimates", "evaluation", "runs", "diagnosis"},
     "testing": SCENARIO | {"estimates", "evaluation", "runs", "report"},
     "interruption": set(),
-    "console": {"parameters", "interruption"},
+    "console": {"parameters", "interruption", "system"},
     "command_line": {"console", "scenario", "system"},
     "report": EDGE - {"report", "interruption"} | {"diagnosis", "campaign", "league"},
     "cli": EDGE | {"campaign", "diagnosis", "interpreters", "league", "system"},
