@@ -159,15 +159,24 @@ class KeptAttitudes:
         pieces = [track[rows] for rows in np.split(np.arange(len(track)), leaps) if len(rows)]
         return self._counted(AttitudeTrack.joined([track[:0], *map(self._believed, pieces)]), truth_ns)
 
-    def end(self, truth_ns: int = 0) -> None:
-        """Take the waiting attitudes if nothing else has come, and else leave them out."""
+    def end(self, truth_ns: int = 0, until_ns: int | None = None) -> None:
+        """Take the waiting attitudes if nothing else has come, or the truth goes on so far, and else leave them out.
+
+        Parameters
+        ----------
+        truth_ns, until_ns : int, optional
+            Begin and end of the truth, ns.
+        """
         if self.followed is None and self.frames:
             for track in self.of_one_body({}, max(self.frames, key=lambda frames: self.frames[frames])):
                 self.add(track, truth_ns)
         if self._waiting and self.last_ns is None:
             self._counted(self._agreeing(slow=True), truth_ns)
         for track in self._waiting:
-            self.leave_out(STRAY, track.stamps_ns)
+            inside = track.stamps_ns <= (-np.inf if until_ns is None else until_ns + LENIENCE_NS)
+            self._counted(self._ordered(track[inside]), truth_ns)
+            self.leave_out(STRAY, track.stamps_ns[~inside])
+        self._waiting = []
 
     def track(self) -> AttitudeTrack:
         """The attitudes that are kept, and the last; of at least one that came."""

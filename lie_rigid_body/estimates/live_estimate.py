@@ -220,8 +220,8 @@ class LiveEstimate:
         if most is None:
             self.judge()
             self.judge()
-            kept.end(self.truth.begin_ns)
             poses.end()
+            kept.end(self.truth.begin_ns, poses.last_ns)
         if not self.truth.is_known:
             raise InputError(f"nothing tells the truth of {self._topic}: neither a scenario nor a pose came")
         if fault := self._fault():

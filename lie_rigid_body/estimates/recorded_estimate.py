@@ -159,7 +159,7 @@ def recorded_estimate(
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
     kept.add(track)
-    kept.end()
+    kept.end(until_ns=None if motion.poses is None else int(motion.poses.stamps_ns[-1]))
     if kept.number_of(UNUSABLE):
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()

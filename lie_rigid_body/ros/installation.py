@@ -17,6 +17,8 @@ REQUIRED_PACKAGES: Final = (
 """Packages without which no node starts."""
 LARGEST_DOMAIN: Final = 232
 """Largest ROS domain for which DDS has ports."""
+_SWITCHES: Final = ("RCUTILS_COLORIZED_OUTPUT", "RCUTILS_LOGGING_BUFFERED_STREAM", "RCUTILS_LOGGING_USE_STDOUT")
+"""Variables of rcutils that are 0, 1 or empty; of another value it prints a line of its own."""
 _MIDDLEWARES: Final = "share/ament_index/resource_index/rmw_typesupport"
 
 
@@ -59,6 +61,11 @@ def require_environment() -> None:
         ),
         "ROS_SECURITY_STRATEGY is Enforce, and ROS_SECURITY_KEYSTORE is empty: name the folder of the keys, or set "
         "ROS_SECURITY_ENABLE to false": security == ["true", "Enforce", ""],
+        **{
+            f"{name} is {shown(given[name])}: give 0 or 1, or unset it": given[name] not in ("", "0", "1")
+            for name in _SWITCHES
+            if name in given
+        },
     }
     for fault, is_there in faults.items():
         if is_there:

@@ -176,6 +176,7 @@ class Run(_NamedSensors, Shown):
         What a recorder heard of a running node stays its recording. The new bag names the recorder as well, claims no
         samples before its first and after its last. It is certified by the same laws as the old one. Messages are
         logged at their stamps there, and the scenarios are in the words of the old bag, with the software's version.
+        Biases of readings that the old one lacks are left out.
 
         Parameters
         ----------

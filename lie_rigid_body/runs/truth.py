@@ -222,7 +222,7 @@ class TrueMotion:
     def _events_of(self, track: AttitudeTrack) -> Iterator[str]:
         """Sentences about what scenarios declare, and no filter can help: resets, lost readings, an erring clock."""
         begin, end = track.stamps_ns[[0, -1]].tolist()
-        resets = [segment.start_ns for segment in self.segments if begin < segment.start_ns <= end]
+        resets = [segment.start_ns for segment in self.segments[1:] if begin < segment.start_ns <= end]
         if resets:
             yield f"The motion began anew at {resets[0] / 1e9:.13g} s, {counted(len(resets), 'reset')} in all."
         of_imu = [imu.delivery for segment in self.segments if (imu := segment.scenario.sensors.imu) and imu.delivery]

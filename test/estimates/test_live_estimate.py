@@ -615,3 +615,16 @@ def test_stamps_are_believed_that_agree(seconds, left_out, batch):
     kept.end()
     assert kept.track().stamps_ns.tolist() == np.delete(stamps, left_out).tolist()
     assert kept.number_of("stray", "disordered") == len(left_out)
+
+
+@pytest.mark.parametrize("batch", [1, 100])
+def test_what_waits_at_the_end_counts_within_the_truth(batch):
+    """A few after a pause, and one that nothing near it confirms."""
+    stamps = np.round(np.array([0.0, 0.1, 0.2, 4.0, 8.0, 1e9]) * 1e9).astype(np.int64)
+    track = AttitudeTrack("/pose", POSE_STAMPED, stamps, np.tile(IDENTITY, (len(stamps), 1)), None, "world")
+    kept = KeptAttitudes()
+    for i in range(0, len(stamps), batch):
+        kept.add(track[i : i + batch])
+    kept.end(until_ns=8 * NS)
+    assert kept.track().stamps_ns.tolist() == stamps[:-1].tolist()
+    assert kept.number_of("stray", "disordered") == 1

@@ -114,6 +114,8 @@ ENVIRONMENTS = [
     ({"ROS_DOMAIN_ID": "99999"}, phrase("domain", given=99999)),
     ({"RMW_IMPLEMENTATION": "rmw_nope"}, phrase("middleware", given="rmw_nope")),
     ({"HOME": "", "ROS_LOG_DIR": ""}, phrase("log folder")),
+    ({"RCUTILS_COLORIZED_OUTPUT": "7"}, phrase("a switch", name="RCUTILS_COLORIZED_OUTPUT", given="7")),
+    ({"RCUTILS_LOGGING_USE_STDOUT": "yes"}, phrase("a switch", name="RCUTILS_LOGGING_USE_STDOUT", given="yes")),
     ({"ROS_LOG_DIR": "/dev/null"}, "'/dev/null': 20" + phrase("log folder")),
     ({"ROS_LOG_DIR": "/proc/1"}, phrase("log folder")),
     ({"ROS_STATIC_PEERS": "no..where"}, "no..where" + phrase("peers")),
