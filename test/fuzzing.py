@@ -216,7 +216,8 @@ def forged(case: Case, bags: dict[str, bytes]) -> Iterator[str]:
     stamps = {topic: {said[:2] for each, said, _ in found if each == topic} for topic in ("/pose", "/twist")}
     alone = stamps["/pose"] ^ stamps["/twist"]  # of a recorder that began or ended amid a sample: told, and not held
     for topic, said, numbers in found:
-        if not (topic in stamps and said[:2] in alone) and not any(_near(numbers, known) for known in truth.get((topic, said), [])):
+        is_alone = topic in stamps and said[:2] in alone
+        if not is_alone and not any(_near(numbers, known) for known in truth.get((topic, said), [])):
             yield f"certified another {topic}: {said}: {numbers}"[:300]
 
 
