@@ -9,6 +9,7 @@ import signal
 import sys
 import tempfile
 import time
+import warnings
 from asyncio import TimeoutError as Late  # before Python 3.11 not the built-in one
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
@@ -201,6 +202,7 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     others = active_children()
     with safe_path(), ThreadPoolExecutor(1, initializer=_deafen) as thread:  # before the mark
         thread.submit(resource_tracker.ensure_running).result()
+    warnings.filterwarnings("ignore", "resource_tracker")  # where somebody kills it, another one takes its place
     # neither half of a cluster nor one that closes may be interrupted
     with (
         Interruption.current().noted() as interruption,

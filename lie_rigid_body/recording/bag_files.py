@@ -102,22 +102,27 @@ def is_one_bag(folder: Path) -> bool:
     """
     if os.path.exists(folder / METADATA):
         return True
-    suffix = next((suffix for suffix in SUFFIXES if any(folder.glob(f"*{suffix}"))), "")
+    suffix = next((suffix for suffix in SUFFIXES if _ending(folder, suffix)), "")
     numbers = _numbers(folder, suffix) if suffix else set()
     return bool(numbers) and numbers == {*range(len(numbers))}
+
+
+def _ending(folder: Path, *suffixes: str) -> list[Path]:
+    """Files of a folder whose names end so, in capitals or not."""
+    return [path for path in folder.glob("*") if path.name.lower().endswith(suffixes)]
 
 
 def _numbers(folder: Path, suffix: str) -> set[int]:
     """Numbers of the files of a folder, if all are called as those of one recording; else none."""
     of_one = re.compile(rf"{re.escape(real_path(folder).name)}_(0|[1-9]\d{{0,5}}){re.escape(suffix)}")
-    found = [of_one.fullmatch(path.name) for path in folder.glob(f"*{suffix}")]
+    found = [of_one.fullmatch(path.name) for path in _ending(folder, suffix)]
     return {int(match[1]) for match in found if match} if all(found) else set()
 
 
 def whole_of(file: Path) -> Path | None:
     """The folder of the bag that was split into several files, of which this is one; None if it is not."""
     folder = file.parent
-    parts = [*folder.glob(f"*{file.suffix}")] if file.suffix in SUFFIXES and file.is_file() else []
+    parts = _ending(folder, file.suffix) if file.suffix in SUFFIXES and file.is_file() else []
     return folder if len(parts) > 1 and is_one_bag(folder) else None
 
 
@@ -130,7 +135,7 @@ def missing_beside(file: Path) -> str | None:
 
 def left_out(folder: Path, names: Iterable[str]) -> list[str]:
     """The names of bags in a folder that are none of those given."""
-    return sorted({path.name for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")} - {*names})
+    return sorted({path.name for path in _ending(folder, *SUFFIXES)} - {*names})
 
 
 def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
@@ -139,9 +144,9 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
         return [path]
     if information is not None:
         return [path / str(name) for name in information["relative_file_paths"]]
-    if packed := sorted(path.glob(f"*{_PACKED}"), key=natural_order):
+    if packed := sorted(_ending(path, _PACKED), key=natural_order):
         raise BagError(f"{packed[0]} is compressed as a whole: unpack all such files with 'unzstd'")
-    files = sorted((file for suffix in SUFFIXES for file in path.glob(f"*{suffix}")), key=natural_order)
+    files = sorted(_ending(path, *SUFFIXES), key=natural_order)
     if not files:
         raise BagError(f"{path} is a folder without MCAP files: give a bag")
     if len(files) > 1 and not is_one_bag(path):
@@ -149,7 +154,7 @@ def _files(path: Path, information: Mapping[str, Any] | None) -> list[Path]:
     here = real_path(path)
     if away := [file.name for file in files if not real_path(file).is_relative_to(here)]:
         raise BagError(f"{path} holds {shown(away[0])}, a link out of it: give a whole bag")
-    return [file for file in files if file.suffix == SUFFIXES[0]] or files
+    return [file for file in files if file.suffix.lower() == SUFFIXES[0]] or files
 
 
 def _information(metadata: Path) -> Mapping[str, Any] | None:
@@ -280,7 +285,8 @@ def bags_in(folder: Path) -> list[Path]:
             found.append(Path(here))
             folders.clear()
         else:
-            found.extend(Path(here, name) for name in files if name.endswith(_FOUND) and not name.startswith("."))
+            seen = (name for name in files if not name.startswith("."))
+            found.extend(Path(here, name) for name in seen if name.lower().endswith(_FOUND))
             folders[:] = [name for name in folders if not name.startswith(".")]
     return sorted(found, key=natural_order) or [folder]
 
@@ -293,4 +299,4 @@ def files_of(bag: str | Path) -> Iterator[Path]:
     for each in bags_in(Path(bag)):
         with suppress(BagError):
             yield from BagFiles(each).files
-        yield from (file for file in each.glob("*") if file.suffix in SUFFIXES or file.name == METADATA)
+        yield from (file for file in each.glob("*") if file.suffix.lower() in SUFFIXES or file.name == METADATA)

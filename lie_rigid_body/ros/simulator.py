@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from functools import partial
 from typing import Any
@@ -23,6 +23,7 @@ from lie_rigid_body.ros.session import destroying, initialised, spinning
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.lockstep import Lockstep
 from lie_rigid_body.ros.timing.requests import Mailbox
+from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import counted
@@ -37,6 +38,7 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
         values, scenario, mailbox = node.parameters.values(), node.parameters.scenario(), Mailbox()
         with (
             destroying(node),
+            _started(scenario) as wall,
             spinning(node),
             _lockstep(node, values, mailbox) as lockstep,
             closing(node.publisher),
@@ -47,7 +49,7 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
                 [*node.sinks, *([recorder] if recorder else [])],
                 mailbox,
                 interruption,
-                wall=None if scenario.epoch_ns else time.time_ns,
+                wall=wall,
                 factor=values["real_time_factor"],
                 paused=values["paused"],
                 lockstep=lockstep,
@@ -57,6 +59,15 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
             _say(announcement(scenario, node.names, node.context.get_domain_id(), values["record_path"]))
             run.run()
             _say(farewell(node.names["~"], run.punctuality))
+
+
+@contextmanager
+def _started(scenario: Scenario) -> Iterator[Callable[[], int] | None]:
+    """The time of day if that stamps the first sample, ns; a start without a stamp is refused before a bag is made."""
+    wall = None if scenario.epoch_ns else time.time_ns
+    first = Simulation(scenario, wall and wall())
+    first.require_stamps(first.next_stamp_ns)
+    yield wall
 
 
 @contextmanager

@@ -214,6 +214,15 @@ def test_a_packed_file_among_bags_is_found_and_refused(tmp_path: Path) -> None:
         read_bag(packed)
 
 
+def test_names_may_be_in_capitals(make_bag: MakeBag, tmp_path: Path) -> None:
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    one, two = tmp_path / "a" / "ONE.MCAP", tmp_path / "a" / "b" / "two.Mcap"
+    one.write_bytes(make_bag(count=4).read_bytes())
+    two.write_bytes(one.read_bytes())
+    assert bags_in(tmp_path / "a") == [one, two]
+    assert len(read_bag(two.parent).poses.stamps_ns) == 4
+
+
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     with refused("no file", name="none.mcap"):
         read_bag(tmp_path / "none.mcap")

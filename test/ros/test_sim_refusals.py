@@ -52,6 +52,13 @@ CASES = {
     "own: bad inertia": (["-p", "inertia:=[1.0, 1.0, 3.0]"], ["inertia", " 3.0 "]),
     "own: unknown scenario": (["--scenario", "perpetual"], ["scenario 'perpetual'", "dzhanibekov"]),
     "own: unknown option": (["--fast"], ["--fast", "--help"]),
+    "own: clock before 1970, with a bag": (
+        [
+            *("-p", "epoch_ns:=5", "-p", "record_path:={folder}/new.mcap"),
+            *("-p", "sun_sensor_rate:=33.3", "-p", "sun_sensor_clock_offset:=-100.0"),
+        ],
+        ["sun_sensor_clock_offset", " -99999999995 ns"],
+    ),
     "ros: unknown option": (["--ros-args", "--fast"], [phrase("refused by ROS", given="--fast")]),
     "own: quality of service": (["-p", "qos_overrides./pose.publisher.depth:=5"], ["depth", phrase("for every node")]),
     "own: simulated time": (["-p", "use_sim_time:=true"], ["use_sim_time", phrase("for every node")]),
