@@ -97,7 +97,7 @@ class Standing:
         if not len(values):
             return np.nan
         place = share * len(values)
-        return float(0.5 * (values[math.ceil(place) - 1] + values[min(int(place), len(values) - 1)]))
+        return float(0.5 * values[math.ceil(place) - 1] + 0.5 * values[min(int(place), len(values) - 1)])
 
     def worst(self, count: int) -> list[int]:
         """Numbers of the runs of the largest errors, first those in which it failed."""

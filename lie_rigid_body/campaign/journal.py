@@ -18,7 +18,7 @@ from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, BagFolder, Judgement, Row, bag_name
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.output_file import remedy, written
+from lie_rigid_body.output_file import NO_ROOM, remedy, written
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system import is_others, lock, open_itself
 
@@ -26,6 +26,8 @@ JOURNAL: Final = "runs.jsonl"
 """File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""
 RESUMED: Final = "the same command does the rest"
 """Remedy at the end of a line about a campaign that is not finished."""
+_BEGIN: Final = b'{"campaign": '
+"""First bytes of the file."""
 _NONE: Final = -1
 """Place of a row that is not in the file."""
 _SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
@@ -81,6 +83,8 @@ class Journal(AbstractContextManager["Journal"]):
         except BlockingIOError:
             raise BagError(f"another process works on {folder}: wait for its end, or give another folder") from None
         except OSError as error:
+            if error.errno in NO_ROOM:
+                raise self._unwritten(error) from None
             path = error.filename or self.path
             raise BagError(f"{path} cannot be used: {error.strerror}: give another folder") from None
 
@@ -112,12 +116,18 @@ class Journal(AbstractContextManager["Journal"]):
             place += len(line)
 
     def _is_bare(self, first: bytes) -> bool:
-        """Whether a campaign was begun here, and ended before it had a run, as where there was no scheduler."""
-        try:
-            begun = {"campaign", "software"} == {*load_json(first, JOURNAL)}
-        except (TypeError, ValueError):
-            return False
-        return begun and first.endswith(b"\n") and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
+        """Whether a campaign was begun here, and ended before it had a run, as where there was no scheduler.
+
+        It may have ended within its first line, where the disk was full.
+        """
+        if not first.endswith(b"\n"):
+            begun = first[: len(_BEGIN)] == _BEGIN[: len(first)]
+        else:
+            try:
+                begun = {"campaign", "software"} == {*load_json(first, JOURNAL)}
+            except (TypeError, ValueError):
+                return False
+        return begun and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _row(self, line: bytes, place: int) -> Row:
         with suppress(*NOT_NUMBERS):
@@ -175,18 +185,18 @@ class Journal(AbstractContextManager["Journal"]):
         """
         self.require_intact()
         place = self._file.seek(0, os.SEEK_END)
-        try:
-            self._write(f"{json.dumps(vars(row))}\n".encode())
-        except OSError as error:
-            raise self._unwritten(error) from None
+        self._write(f"{json.dumps(vars(row))}\n".encode())
         self._places[row.run] = place
 
     def _unwritten(self, error: OSError) -> BagError:
         return BagError(f"{self.path} cannot be written: {error.strerror}: {remedy(error)}, and {RESUMED}")
 
     def _write(self, line: bytes) -> None:
-        self._file.write(line)
-        self._file.flush()
+        try:
+            self._file.write(line)
+            self._file.flush()
+        except OSError as error:
+            raise self._unwritten(error) from None
 
     def require_intact(self) -> None:
         """Check that the file is still there under its name: else rows and bags are kept for nobody.

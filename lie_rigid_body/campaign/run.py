@@ -264,6 +264,7 @@ class Judgement:
             or not {*map(type, numbers)} <= {float, type(None)}
             or not isinstance(scores[ERROR], str | None)
             or found.axes not in AXES
+            or {*map(type, (found.curve_deg, found.covariance, found.gyro_bias))} != {list}
             or len(found.curve_deg) not in (0, CURVE)
             or not {*map(type, found.curve_deg)} <= {float, type(None)}
             or any(rows and not _is_finite(rows, (SERIES, columns)) for rows, columns in series)

@@ -342,6 +342,8 @@ RIGHT = vars(
         ("reading_s", "1"),
         ("curve_deg", [1.0]),
         ("curve_deg", ["1"] * CURVE),
+        ("curve_deg", {}),
+        ("gyro_bias", ""),
         ("axes", "moon"),
         ("covariance", [[0.0] * 12] * SERIES),
         ("covariance", [[float("nan")] * 13] * SERIES),

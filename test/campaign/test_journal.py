@@ -102,11 +102,47 @@ def test_a_campaign_that_ended_before_its_journal_began_is_begun_again(
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), path)
 
     monkeypatch.setattr("lie_rigid_body.campaign.journal.open_itself", fail)
-    with refused("not used", why="No space left on device"):
+    with refused("not written", why="No space left on device"):
         Journal(campaign, tmp_path / "new")
     monkeypatch.undo()
     with Journal(campaign, tmp_path / "new") as journal:
         assert len(journal) == 0
+
+
+@pytest.mark.parametrize("length", [1, 20, -1])
+def test_a_campaign_that_ended_within_its_first_line_is_begun_again(journal: Journal, length: int) -> None:
+    line = journal.path.read_bytes().partition(b"\n")[0] + b"\n"
+    out = journal.folder.with_name("new")
+    out.mkdir()
+    (out / "runs.jsonl").write_bytes(line[:length])
+    with Journal(journal._campaign, out) as again:
+        assert len(again) == 0
+    assert (out / "runs.jsonl").read_bytes() == line
+
+
+@pytest.mark.parametrize("text", [b"{", b'{"campaigns": 1', b"notes of mine", b'{"campaign": \n'])
+def test_a_file_of_others_stays_where_bags_are_beside_it_or_it_says_something_else(
+    journal: Journal, text: bytes
+) -> None:
+    out = journal.folder.with_name("new")
+    (out / "bags").mkdir(parents=True)
+    (out / "bags" / "0.mcap").touch()
+    (out / "runs.jsonl").write_bytes(text)
+    with refused("another campaign"):
+        Journal(journal._campaign, out)
+    assert (out / "runs.jsonl").read_bytes() == text
+
+
+def test_a_first_line_for_which_there_is_no_room_is_told(journal: Journal) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20, before[1]))
+    try:
+        with refused("not written", why="File too large"):
+            Journal(journal._campaign, journal.folder.with_name("new"))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    with Journal(journal._campaign, journal.folder.with_name("new")) as again:
+        assert len(again) == 0
 
 
 @pytest.mark.parametrize("kind", ["pipe", "folder", "device"])

@@ -32,14 +32,13 @@ refused = refusals(
         BagError: {
             "not written": f"cannot be written: {{why}}: .*{RESUMED}",
             "not read": "runs.jsonl cannot be read: {why}",
-            "not used": "runs.jsonl cannot be used: {why}",
             "no file": "runs.jsonl is no regular file: move it away, or give another folder",
             "moved": "was deleted or moved meanwhile",
             "another user": "another user's",
             "no row": "byte [0-9]+ begins no row of this campaign",
             "changed bags": rf"{{count}} of {{of}} bags were deleted or changed meanwhile \({{which}}\): .*{RESUMED}",
         },
-        InputError: {"distribution": "^{name}"},
+        InputError: {"distribution": "^{name}", "another campaign": "holds the runs of another campaign or version"},
     }
 )
 """Errors that other tests name."""
