@@ -7,6 +7,7 @@ import os
 import shlex
 import sys
 import traceback
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -240,6 +241,8 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
     to_the_end : bool, optional
         Whether the process ends with this status, whatever signals still come. See `Interruption.heeded`.
     """
+    if to_the_end and not sys.warnoptions:  # numbers beyond doubles are infinite in what is printed, and that is all
+        warnings.simplefilter("ignore", RuntimeWarning)
     with Interruption.heeded(to_the_end=to_the_end) as interruption:
         try:
             _open_standard_streams()

@@ -242,6 +242,23 @@ def test_what_is_no_name_is_refused_by_every_verb(
     assert not list(tmp_path.iterdir())
 
 
+OVERFLOW = """
+import numpy as np
+from lie_rigid_body import console
+raise SystemExit(console.status_of("verb", lambda: int(np.isinf(np.full(2, 1e308) * 10.0).all()), to_the_end=True))
+"""
+
+
+@pytest.mark.parametrize(("options", "lines"), [((), 0), (("-W", "default"), 2)])
+def test_numbers_beyond_doubles_are_no_lines_on_stderr_unless_python_is_told_so(
+    options: tuple[str, ...], lines: int, tmp_path: Path
+) -> None:
+    (tmp_path / "program.py").write_text(OVERFLOW, encoding="utf-8")
+    command = [sys.executable, *options, "program.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.count("\n")) == (1, lines)
+
+
 LACKING = "not enough memory"
 
 

@@ -207,9 +207,9 @@ def certify(
             )
         ),
         whole_bag.laws(bag, surveyed, sensors),
-        whole_bag.not_certified(bag, surveyed, sensors),
+        whole_bag.not_certified(bag, surveyed, sensors, inertia),
         sensors.topics,
-        whole_bag.uncovered(bag, surveyed, sensors),
+        whole_bag.uncovered(bag, surveyed, sensors, inertia),
         _to_the_bit(bag, surveyed, held, sensors),
     )
 

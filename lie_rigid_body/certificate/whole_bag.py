@@ -9,6 +9,7 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.parameters import Vector
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
@@ -89,7 +90,9 @@ def impossible(error: ParameterError) -> LawResult:
     return _flag("declaration", 1, f"the bag declares an impossible scenario: {error}")
 
 
-def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
+def not_certified(
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Vector | None = None
+) -> tuple[str, ...]:
     """Parts of a bag that are not certified, in words.
 
     Parameters
@@ -98,6 +101,8 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFinding
     surveyed : Survey
     sensors : SensorFindings
         Of the same bag.
+    inertia : tuple of float, optional
+        That which was used in place of the declared one, kg m².
     """
     return (
         f"who wrote it (it says {bag.library!r:.50})",
@@ -106,13 +111,15 @@ def not_certified(bag: Bag | Recording, surveyed: Survey, sensors: SensorFinding
         "the scale of the inertia, which no torque-free motion shows",
         *_ends(bag, surveyed),
         *_unshown(surveyed),
-        *uncovered(bag, surveyed, sensors),
+        *uncovered(bag, surveyed, sensors, inertia),
         *_unread(bag),
         "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
     )
 
 
-def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tuple[str, ...]:
+def uncovered(
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Vector | None = None
+) -> tuple[str, ...]:
     """Parts of a bag that are not certified, though a bag as its scenarios determine it has no such parts.
 
     Topics that no scenario determines, those that the scenarios have and the bag has not, and the like. See
@@ -122,6 +129,7 @@ def uncovered(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -
     repeated = len(bag.scenario_texts) - len(surveyed.declared)
     alone = sum(surveyed.counts.messages) - 2 * sum(found.count for found in surveyed.segments)
     return (
+        *([f"the inertia that it declares: {', '.join(f'{v:g}' for v in inertia)} is used instead"] if inertia else []),
         *([f"scenarios without a sample: {unused}"] if unused else []),
         *([f"scenario messages that repeat another one: {repeated}"] if repeated else []),
         *([f"poses and twists without the other of their stamp: {alone}"] if alone else []),

@@ -87,7 +87,8 @@ class HeardTruth:
         BagError
             If one cannot be read: then none is taken.
         """
-        self.recent += map(self.poses.add, self.poses.of_one_body(attitudes_of(topic, message_type, payloads)))
+        counted = map(self.poses.add, self.poses.of_one_body(attitudes_of(topic, message_type, payloads)))
+        self.recent += filter(len, counted)
 
     @property
     def is_known(self) -> bool:

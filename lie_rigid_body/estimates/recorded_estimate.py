@@ -12,7 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.kept_attitudes import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.estimates.kept_biases import KeptBiases
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
@@ -20,6 +20,7 @@ from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_cova
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
+from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
@@ -158,8 +159,13 @@ def recorded_estimate(
     motion = _true_motion(*own, topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
-    kept.add(track)
-    kept.end(until_ns=None if motion.poses is None else int(motion.poses.stamps_ns[-1]))
+    until_ns = MAX_EPOCH_NS if motion.poses is None else int(motion.poses.stamps_ns.max(initial=0))
+    within = track.stamps_ns <= until_ns + LENIENCE_NS
+    last = np.flatnonzero(within)[-1:]
+    within[int(last[0]) if len(last) else 0 :] = True  # what goes on behind the truth is a part of the estimate
+    kept.leave_out(STRAY, track.stamps_ns[~within])
+    kept.add(track[within])
+    kept.end(until_ns=None if motion.poses is None else until_ns)
     if kept.number_of(UNUSABLE):
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()

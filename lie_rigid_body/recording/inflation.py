@@ -20,6 +20,14 @@ COMPRESSED_ONE_BY_ONE: Final = (
     "its messages are compressed one by one: record without '--compression-mode message', or unpack it with "
     "'ros2 bag convert'"
 )
+_OTHER_FORMATS: Final = {
+    b"SQLite format 3\x00": (
+        "it is an SQLite bag: convert it with 'ros2 bag convert', or record in MCAP, the default of Jazzy"
+    ),
+    b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
+    ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
+}
+"""What files are that are no MCAP files, and what to do with them, by their first bytes."""
 _LZ4_MAGIC: Final = b"\x04\x22\x4d\x18"
 _RUN_OF_ONE_BYTE: Final = 1
 """Type number of a zstd block that repeats one byte, as often as its head says."""
@@ -27,6 +35,11 @@ _RUN_OF_ONE_BYTE: Final = 1
 
 class NotOneFrameError(ContradictionError):
     """The compressed bytes of a chunk that are more than one frame: readers differ in what they make of them."""
+
+
+def other_format(data: bytes) -> str:
+    """What a file of such first bytes is, and what to do with it; empty if that is not known."""
+    return next((text for magic, text in _OTHER_FORMATS.items() if data.startswith(magic)), "")
 
 
 def most_records(size: int) -> int:

@@ -21,7 +21,7 @@ from mcap.records import Chunk, Footer, Header, Metadata, Schema
 from lie_rigid_body.arrays import windows
 from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.recording.inflation import ZSTD_MAGIC, inflated, most_records
+from lie_rigid_body.recording.inflation import inflated, most_records, other_format
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
     Found,
@@ -74,13 +74,6 @@ _NO_SCHEMA: Final = Schema(data=b"", encoding="", id=0, name="")
 _Place: TypeAlias = tuple[int, int, dict[TrackKey, list[int]]]
 """Bytes where a part with messages begins and ends, and the channels in it by their tracks."""
 _PROFILES: Final = ("ros2", "")
-_OTHER_FORMATS: Final = {
-    b"SQLite format 3\x00": (
-        "it is an SQLite bag: convert it with 'ros2 bag convert', or record in MCAP, the default of Jazzy"
-    ),
-    b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
-    ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
-}
 
 
 def read_file(path: Path, contents: McapContents) -> Parts:
@@ -211,8 +204,8 @@ class _FileReader:
         if not start:
             raise BagError(f"{path} is empty: record it again, it holds nothing to rescue")
         if not start.startswith(MAGIC):
-            hint = next((text for magic, text in _OTHER_FORMATS.items() if start.startswith(magic)), "")
-            raise BagError(f"{path} is not an MCAP file: {hint or 'it does not begin as one: give a bag'}")
+            hint = other_format(start) or "it does not begin as one: give a bag"
+            raise BagError(f"{path} is not an MCAP file: {hint}")
 
     def _parts(self) -> Iterator[tuple[int, int, int]]:
         """Opcode of the first record of each part, and where the part begins and ends.

@@ -23,7 +23,7 @@ from lie_rigid_body.bounded_input import LONGEST_NAME
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.output_file import require_other, written
 from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, salvaged
+from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, other_format, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.records import (
     LARGEST_RECORD,
@@ -172,7 +172,8 @@ class _Salvage:
         if not found.counts:
             lost = "is damaged in the definitions of its topics" if self._whole else "holds no whole message"
             lost = lost if self._given[: len(MAGIC)] == MAGIC else "does not begin as an MCAP file, nor holds a message"
-            raise NothingWholeError(f"{self._given.path} {lost}: record it again")
+            hint = (other := other_format(self._given[:16])) and f"is not an MCAP file: {other}"
+            raise NothingWholeError(f"{self._given.path} {hint or f'{lost}: record it again'}")
         self._file.finish()
         return Recovery(
             found.counts.total(),

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.system import limit
 from lie_rigid_body.wording import shown
 
 REQUIRED_PACKAGES: Final = (
@@ -17,6 +18,10 @@ REQUIRED_PACKAGES: Final = (
 """Packages without which no node starts."""
 LARGEST_DOMAIN: Final = 232
 """Largest ROS domain for which DDS has ports."""
+_LEAST_FILES: Final = 32
+"""Least number of files that a node may need open at once, measured: from 22 on it runs."""
+_LEAST_MEMORY: Final = 750_000_000
+"""Least memory that a node may need, bytes, measured: from 680 MB on it runs; with less a library ends the process."""
 _SWITCHES: Final = ("RCUTILS_COLORIZED_OUTPUT", "RCUTILS_LOGGING_BUFFERED_STREAM", "RCUTILS_LOGGING_USE_STDOUT")
 """Variables of rcutils that are 0, 1 or empty; of another value it prints a line of its own."""
 _MIDDLEWARES: Final = "share/ament_index/resource_index/rmw_typesupport"
@@ -48,6 +53,7 @@ def require_environment() -> None:
     """
     given = os.environ
     domain, middleware = given.get("ROS_DOMAIN_ID", ""), given.get("RMW_IMPLEMENTATION", "")
+    files, memory = limit("RLIMIT_NOFILE"), limit("RLIMIT_AS")
     security = [given.get(f"ROS_SECURITY_{name}", "") for name in ("ENABLE", "STRATEGY", "KEYSTORE")]
     faults = {
         f"ROS_DOMAIN_ID {domain} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}": (
@@ -61,6 +67,10 @@ def require_environment() -> None:
         ),
         "ROS_SECURITY_STRATEGY is Enforce, and ROS_SECURITY_KEYSTORE is empty: name the folder of the keys, or set "
         "ROS_SECURITY_ENABLE to false": security == ["true", "Enforce", ""],
+        f"open files are limited to {files:g} (ulimit -n): allow {_LEAST_FILES} at least": files < _LEAST_FILES,
+        f"memory is limited to {memory / 1e6:g} MB (ulimit -v): allow a node {_LEAST_MEMORY // 10**6} MB at least": (
+            memory < _LEAST_MEMORY
+        ),
         **{
             f"{name} is {shown(given[name])}: give 0 or 1, or unset it": given[name] not in ("", "0", "1")
             for name in _SWITCHES

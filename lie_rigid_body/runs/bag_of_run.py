@@ -135,6 +135,8 @@ def _messages(
     topic: str, kind: str, frame: str, stamps_ns: Integers, fields: Mapping[str, Array]
 ) -> tuple[Messages, str]:
     """Messages of a type with a header, of which some fields are set and all other numbers are 0, and their type."""
+    if len(stamps_ns) and (first := int(stamps_ns.min())) < 0:
+        raise InputError(f"{topic}: a stamp of {first} ns: those of ROS 2 are not negative: leave it out, or shift all")
     where = places(kind)
     layout = Layout(header(frame), [0.0] * len(where[""]), [where[name] for name in fields])
     return Messages(topic, stamps_ns, layout.encode(stamps_ns, *fields.values())), kind

@@ -203,6 +203,17 @@ def test_inertia_given_by_hand(bag):
     assert not certify(read_bag(bag), [1.5, 2.25, 3.0]).passed
 
 
+def test_an_inertia_that_is_used_instead_is_told(bag, tmp_path):
+    """The bag goes on to say the other one to whoever reads it."""
+    plain = certify(read_bag(bag))
+    path = tamper(bag, tmp_path / "tampered.mcap", with_inertia(lambda value: value * 1.01))
+    instead = certify(read_bag(path), plain.segments[0].segment.scenario.inertia)
+    assert not certify(read_bag(path)).passed
+    assert instead.passed
+    assert len(instead.not_certified) == len(plain.not_certified) + 1
+    assert len(instead.uncovered) == len(plain.uncovered) + 1
+
+
 @pytest.mark.parametrize("inertia", [5, "1,2,3", [1.0, 2.0], [1.0, 1.0, 5.0], [1.0, np.nan, 1.0], np.eye(3), {}])
 def test_no_bag_is_accused_of_an_inertia_given_by_hand_that_no_body_has(bag, inertia):
     with pytest.raises(ParameterError) as caught:

@@ -17,7 +17,7 @@ from refused_runs import refused
 from lie_rigid_body import Estimate, Run, Scenario, simulate
 from lie_rigid_body.estimates import live_estimate
 from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
-from lie_rigid_body.estimates.live_estimate import LiveEstimate
+from lie_rigid_body.estimates.live_estimate import RECENT, LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate
 from lie_rigid_body.lie import quaternion
@@ -628,3 +628,27 @@ def test_what_waits_at_the_end_counts_within_the_truth(batch):
     kept.end(until_ns=8 * NS)
     assert kept.track().stamps_ns.tolist() == stamps[:-1].tolist()
     assert kept.number_of("stray", "disordered") == 1
+
+
+@pytest.mark.parametrize("rows", [range(3), range(60, 80), range(0, 149, 2)])
+def test_stamps_beyond_the_truth_cost_themselves_where_later_ones_are_within(rows, own, stamps, noisy, tmp_path):
+    """As of a filter that begins by the time of day, before it hears of a simulated one."""
+    wrong = stamps.copy()
+    wrong[rows] += 10**18
+    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", wrong, noisy))
+    read = recorded_estimate(bag, "/estimate")
+    assert read.track.stamps_ns.tolist() == np.delete(stamps, rows).tolist()
+    assert read.left_out == len(rows)
+
+
+def test_a_truth_that_begins_anew_many_times_is_counted_and_the_score_stays(own, stamps, noisy, tmp_path):
+    """As where its recording is played in a loop."""
+    topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:70], noisy[:70])
+    bag = beside(own, tmp_path / "bag.mcap", topic, without="/twist /lie_rigid_body/scenario")
+    live = followed(bag, POSE_STAMPED)
+    again = [payload for topic, payload in of(bag) if topic == "/pose"][:5]
+    for _ in range(2 * RECENT):
+        live.truth.hear_poses("/pose", POSE_STAMPED, again)
+    live.judge()
+    assert live.truth.poses.number_of(DISORDERED) == 10 * RECENT
+    assert live.score()[1].total_deg == scored(bag).total_deg

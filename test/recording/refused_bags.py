@@ -37,6 +37,7 @@ refused = refusals(
             "files": "does not fit its files: files: ",
             "mixed indexes": "some chunks have indexes of their messages, and some have none",
             "packed": "{name} is compressed as a whole: unpack all such files with 'unzstd'",
+            "packed as a whole": "is not an MCAP file: .* 'unzstd'",
             "link": "holds '{name}', a link out of it",
             # its content
             "cut off": r"cut off.* holds? (at least \d+ )?whole messages.* recover",

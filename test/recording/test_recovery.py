@@ -342,6 +342,14 @@ def test_a_header_that_is_no_text_or_missing_leaves_nothing(tmp_path: Path) -> N
         assert not (tmp_path / "fixed.mcap").exists()
 
 
+def test_a_file_that_is_packed_as_a_whole_has_the_remedy_of_one(whole: dict[str, Path], tmp_path: Path) -> None:
+    """Whoever were told to record it again would give it up."""
+    packed = tmp_path / "one.mcap.zstd"
+    packed.write_bytes(zstandard.ZstdCompressor().compress(whole["zstd"].read_bytes()))
+    with refused("packed as a whole"):
+        recover(packed, tmp_path / "fixed.mcap", overwrite=False)
+
+
 @pytest.mark.parametrize("opcode", [0, Opcode.CHUNK, Opcode.ATTACHMENT])
 def test_room_that_was_kept_for_more_is_not_read(whole: dict[str, Path], tmp_path: Path, opcode: int) -> None:
     """Some file systems leave a long tail of zeros, which takes no room on the disk, but would in memory."""

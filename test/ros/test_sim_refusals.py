@@ -188,6 +188,25 @@ def test_an_environment_in_which_ros_does_not_start_is_refused(settings: dict[st
     assert said in line
 
 
+@pytest.mark.parametrize(("name", "limit"), [("RLIMIT_NOFILE", 20), ("RLIMIT_AS", 600_000_000)])
+def test_a_limit_within_which_no_node_works_is_refused(name: str, limit: int, tmp_path: Path) -> None:
+    import resource
+
+    number, path = getattr(resource, name), tmp_path / "new.mcap"
+    done = subprocess.run(
+        sim_command("-p", f"record_path:={path}"),
+        preexec_fn=lambda: resource.setrlimit(number, (limit, limit)),
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+        check=False,
+    )
+    assert done.returncode == 2
+    [line] = done.stderr.splitlines()
+    assert phrase("limited", what={"RLIMIT_NOFILE": "20", "RLIMIT_AS": "600 MB"}[name]) in line
+    assert not path.exists()
+
+
 @pytest.mark.usefixtures("own_signals")
 def test_a_pipe_is_refused_where_rclpy_would_find_it_empty(capfd: pytest.CaptureFixture[str]) -> None:
     ours, theirs = os.pipe()

@@ -51,6 +51,7 @@ PHRASES = {
     "domain": "ROS_DOMAIN_ID {given} is above 232",
     "middleware": "RMW_IMPLEMENTATION '{given}' is not installed",
     "log folder": ": name a folder that can be written as ROS_LOG_DIR",
+    "limited": "limited to {what} (ulimit -",
     "a switch": "{name} is '{given}': give 0 or 1",
     "peers": ": name machines that are known as ROS_STATIC_PEERS",
     "no keys": "ROS_SECURITY_KEYSTORE is empty",

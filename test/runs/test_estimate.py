@@ -96,6 +96,13 @@ def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
     assert not (tmp_path / "x.mcap").exists()
 
 
+def test_a_stamp_that_no_bag_can_have_is_refused(run, attitude, tmp_path):
+    """It would be in none of the bag's segments."""
+    with refused("before 0", topic="/estimate", stamp=-1):
+        run.to_bag(tmp_path / "x.mcap", estimates={"/estimate": (run.t_ns - 1, attitude)})
+    assert not (tmp_path / "x.mcap").exists()
+
+
 def test_only_an_estimate_has_its_stamps_filled_in(run, attitude):
     np.testing.assert_array_equal(run.stamped(Estimate(attitude)).t_ns, run.t_ns)
     for given in (attitude, (run.t_ns, attitude), None):
