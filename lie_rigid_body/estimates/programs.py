@@ -118,7 +118,8 @@ class CommandEstimator:
         """
         program = words(self.command)[0]
         if shutil.which(program) is None:
-            fault = "it is not executable" if os.path.exists(program) else os.strerror(errno.ENOENT)
+            fault = "it is not on PATH" if os.access(program, os.X_OK) else "it is not executable"
+            fault = fault if os.path.exists(program) else os.strerror(errno.ENOENT)
             fault = "it is a folder" if os.path.isdir(program) else fault
             raise InputError(f"{place}{self._name} cannot be started: {fault}: give the path of a program")
 

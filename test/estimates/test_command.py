@@ -156,7 +156,9 @@ def test_what_cannot_be_started_is_told_by_its_kind(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("a_file").touch()
     Path("a_folder").mkdir()
-    for command, fault in [("a_folder", "a folder"), ("./a_folder", "a folder"), ("./a_file", "not executable")]:
+    Path("a_program").touch(mode=0o755)
+    kinds = {"a_folder": "a folder", "./a_folder": "a folder", "./a_file": "not executable", "a_program": "not on PATH"}
+    for command, fault in kinds.items():
         with refused("not started", fault=fault):
             CommandEstimator(command)(run)
 
