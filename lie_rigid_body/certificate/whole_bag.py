@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import Vector
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
@@ -91,7 +90,7 @@ def impossible(error: ParameterError) -> LawResult:
 
 
 def not_certified(
-    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Vector | None = None
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Sequence[float] | None = None
 ) -> tuple[str, ...]:
     """Parts of a bag that are not certified, in words.
 
@@ -101,7 +100,7 @@ def not_certified(
     surveyed : Survey
     sensors : SensorFindings
         Of the same bag.
-    inertia : tuple of float, optional
+    inertia : sequence of float, optional
         That which was used in place of the declared one, kg m².
     """
     return (
@@ -118,7 +117,7 @@ def not_certified(
 
 
 def uncovered(
-    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Vector | None = None
+    bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings, inertia: Sequence[float] | None = None
 ) -> tuple[str, ...]:
     """Parts of a bag that are not certified, though a bag as its scenarios determine it has no such parts.
 
