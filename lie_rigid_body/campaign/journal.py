@@ -26,8 +26,6 @@ JOURNAL: Final = "runs.jsonl"
 """File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""
 RESUMED: Final = "the same command does the rest"
 """Remedy at the end of a line about a campaign that is not finished."""
-_BEGIN: Final = b'{"campaign": '
-"""First bytes of the file."""
 _NONE: Final = -1
 """Place of a row that is not in the file."""
 _SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
@@ -121,7 +119,7 @@ class Journal(AbstractContextManager["Journal"]):
         It may have ended within its first line, where the disk was full.
         """
         if not first.endswith(b"\n"):
-            begun = first[: len(_BEGIN)] == _BEGIN[: len(first)]
+            begun = self._heading.startswith(first)
         else:
             try:
                 begun = {"campaign", "software"} == {*load_json(first, JOURNAL)}

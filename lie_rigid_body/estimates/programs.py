@@ -118,9 +118,10 @@ class CommandEstimator:
         """
         program = words(self.command)[0]
         if shutil.which(program) is None:
-            fault = "it is not on PATH" if os.access(program, os.X_OK) else "it is not executable"
-            fault = fault if os.path.exists(program) else os.strerror(errno.ENOENT)
-            fault = "it is a folder" if os.path.isdir(program) else fault
+            fault = os.strerror(errno.ENOENT)
+            if os.path.exists(program):
+                fault = "it is not on PATH" if os.access(program, os.X_OK) else "it is not executable"
+                fault = "it is a folder" if os.path.isdir(program) else fault
             raise InputError(f"{place}{self._name} cannot be started: {fault}: give the path of a program")
 
     def load(self) -> CommandEstimator:

@@ -20,7 +20,6 @@ from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_cova
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
-from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
 from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
@@ -159,13 +158,15 @@ def recorded_estimate(
     motion = _true_motion(*own, topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
     kept = KeptAttitudes(len(track))
-    until_ns = MAX_EPOCH_NS if motion.poses is None else int(motion.poses.stamps_ns.max(initial=0))
+    # a scenario alone tells the truth at any time: what was recorded ends with the bag
+    ends = motion.poses.stamps_ns if motion.poses is not None else [file.last_ns for file in contents.files]
+    until_ns = int(np.max(ends, initial=0))
     within = track.stamps_ns <= until_ns + LENIENCE_NS
     last = np.flatnonzero(within)[-1:]
     within[int(last[0]) if len(last) else 0 :] = True  # what goes on behind the truth is a part of the estimate
     kept.leave_out(STRAY, track.stamps_ns[~within])
     kept.add(track[within])
-    kept.end(until_ns=None if motion.poses is None else until_ns)
+    kept.end(until_ns=until_ns)
     if kept.number_of(UNUSABLE):
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()

@@ -195,7 +195,7 @@ class Layout:
         words = np.empty((len(stamps_ns), self._columns[-1].stop), dtype="<i8")
         if self._stamped:
             seconds, nanoseconds = np.divmod(stamps_ns, NS)
-            words[:, 0] = nanoseconds << 32 | seconds
+            words[:, 0] = nanoseconds << 32 | seconds & 0xFFFF_FFFF  # 32 bits each, of either sign
         numbers = words.view("<f8")
         for columns, values in zip(self._columns, vectors, strict=True):
             numbers[:, columns] = values

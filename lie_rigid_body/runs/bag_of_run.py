@@ -134,12 +134,13 @@ def _attitudes(topic: str, estimate: Estimate, frame: str) -> tuple[Messages, st
 def _messages(
     topic: str, kind: str, frame: str, stamps_ns: Integers, fields: Mapping[str, Array]
 ) -> tuple[Messages, str]:
-    """Messages of a type with a header, of which some fields are set and all other numbers are 0, and their type."""
-    if len(stamps_ns) and (first := int(stamps_ns.min())) < 0:
-        raise InputError(f"{topic}: a stamp of {first} ns: those of ROS 2 are not negative: leave it out, or shift all")
+    """Messages of a type with a header, of which some fields are set and all other numbers are 0, and their type.
+
+    They are logged at their stamps, and at 0 where these are before it, as no time of MCAP is.
+    """
     where = places(kind)
     layout = Layout(header(frame), [0.0] * len(where[""]), [where[name] for name in fields])
-    return Messages(topic, stamps_ns, layout.encode(stamps_ns, *fields.values())), kind
+    return Messages(topic, np.maximum(stamps_ns, 0), layout.encode(stamps_ns, *fields.values())), kind
 
 
 def _of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, str]]:

@@ -641,6 +641,15 @@ def test_stamps_beyond_the_truth_cost_themselves_where_later_ones_are_within(row
     assert read.left_out == len(rows)
 
 
+@pytest.mark.parametrize("without", ["", "/pose /twist"])
+def test_the_last_after_a_pause_count(without, own, stamps, noisy, tmp_path):
+    """Within the poses, or without these within the bag."""
+    rows = np.r_[:70, 147, 148]
+    estimate = POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[rows], noisy[rows]
+    read = recorded_estimate(beside(own, tmp_path / "bag.mcap", estimate, without=without), "/estimate")
+    assert read.track.stamps_ns.tolist() == stamps[rows].tolist()
+
+
 def test_a_truth_that_begins_anew_many_times_is_counted_and_the_score_stays(own, stamps, noisy, tmp_path):
     """As where its recording is played in a loop."""
     topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:70], noisy[:70])

@@ -46,7 +46,6 @@ refused = refusals(
             "integers": "{name}: stamps of type {kind}: give integer nanoseconds",
             "no bias": "does not tell the bias",
             "stamps": "all of its {count} stamps are {stamp}",
-            "before 0": "{topic}: a stamp of {stamp} ns: ",
             "transposed": "transpose",
             "angles": "Euler",
             "matrices": "from_matrix",
