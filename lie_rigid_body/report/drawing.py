@@ -37,7 +37,6 @@ SURFACE, FRAME = "#C9D6E8", "#8A97A8"
 _SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap"}
 
 
-@np.errstate(all="ignore")  # recorded numbers may be anything
 def png(draw: Callable[[], Figure]) -> bytes:
     """PNG of the figure that a function draws with Matplotlib."""
     with _own_style():
@@ -68,7 +67,7 @@ def _own_style() -> Iterator[None]:
     """Context in which figures are drawn in Matplotlib's own style, whatever a ``matplotlibrc`` of some folder says."""
     import matplotlib
 
-    with matplotlib.rc_context():
+    with np.errstate(all="ignore"), matplotlib.rc_context():  # recorded numbers may be anything
         matplotlib.rcdefaults()
         matplotlib.rcParams["svg.hashsalt"], matplotlib.rcParams["svg.fonttype"] = "lie_rigid_body", "none"
         yield

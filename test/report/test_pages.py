@@ -17,6 +17,7 @@ from browser import PROGRAM, Browser
 from tampering import at, on, tamper, with_numbers
 from test_check import write_bag
 
+from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.cli.record import main as record
@@ -25,7 +26,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report import figures as of_pages
-from lie_rigid_body.report import html_page
+from lie_rigid_body.report import html_page, write_report
 from lie_rigid_body.report.html_page import badge, escaped, paragraph, table
 from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import extremes, path
@@ -195,6 +196,16 @@ def test_any_recorded_number_makes_a_page(number: float, tmp_path: Path, capsys:
     assert capsys.readouterr().err == ""
     for content in re.findall(r"json\">(.*?)</script>", (tmp_path / "out.html").read_text(encoding="utf-8")):
         json.loads(content, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+
+
+@pytest.mark.filterwarnings("error")
+def test_any_estimate_makes_a_page(tmp_path: Path) -> None:
+    run = simulate("tumbling_cubesat", duration=2.0, imu_rate=20.0, sensor_grade="mems")
+    assert run.imu is not None
+    bias = run.imu.gyro_bias.copy()
+    bias[10] = 1e308
+    write_report(run.score(run.attitude().at(run.imu.t_ns), gyro_bias=bias), tmp_path / "out.html")
+    assert "<svg" in (tmp_path / "out.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
