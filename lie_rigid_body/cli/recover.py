@@ -70,7 +70,8 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
         found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
     if damaged:
         found.append(
-            f"has {counted(len(damaged), 'damaged or foreign record')}, left out, the first at byte {damaged[0]}"
+            f"has {counted(len(damaged), 'damaged or foreign record')}, left out or taken in part, the first at byte "
+            f"{damaged[0]}"
         )
     if rewritten:
         chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"

@@ -29,7 +29,7 @@ from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.output_file import reason
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.runs.run import Run
+from lie_rigid_body.runs.run import Run, require_run
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SensorSamples
@@ -137,6 +137,7 @@ class CommandEstimator:
             If it cannot be started, ends with a status other than 0, prints nothing or a line that is no attitude, or
             does not end in time.
         """
+        require_run(run)
         with _file() as errors:
             try:
                 return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""]), errors))
@@ -336,6 +337,7 @@ def readings_of(run: Run) -> tuple[Reading, ...]:
     InputError
         If there is no IMU.
     """
+    require_run(run)
     if run.imu is None:
         raise InputError("a run without an IMU cannot be played to a node: give imu_rate")
     return tuple(sorted(_readings(run), key=lambda reading: (reading.arrival_ns, reading.sensor == IMU)))

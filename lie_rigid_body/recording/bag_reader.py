@@ -358,7 +358,7 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     """What a bag holds besides some bodies, in words."""
     own = [track for body in known for track in body.tracks.values()]
     shared = {track.topic for track in own}
-    besides = [track for track in contents.tracks.values() if track.count and not any(track is each for each in own)]
+    besides = [track for track in contents.tracks.values() if not any(track is each for each in own)]
     topics = [
         f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
         "which no scenario determines"

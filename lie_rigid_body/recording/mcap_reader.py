@@ -51,6 +51,7 @@ from lie_rigid_body.recording.records import (
     records,
     require,
 )
+from lie_rigid_body.recording.sound_records import DAMAGE
 from lie_rigid_body.recording.summary import Summary, SummaryCheck
 from lie_rigid_body.wording import counted
 
@@ -137,7 +138,9 @@ def _told(error: Exception, at: int) -> str:
     """Words for an error. No variable of a frame that it keeps may keep it, as both would stay, with all their data."""
     if isinstance(error, ContradictionError):
         return error.sentence.format(at=at, what=error)
-    return ContradictionError.sentence.format(at=at, what=f"{type(error).__name__}: {error}".removesuffix(": "))
+    words = f"{type(error).__name__}: {error}".removesuffix(": ")
+    what = "a record that is none of its kind" if isinstance(error, DAMAGE) else words
+    return ContradictionError.sentence.format(at=at, what=what)
 
 
 def _chunk_of(raw: bytes) -> tuple[Chunk | None, list[Place]]:

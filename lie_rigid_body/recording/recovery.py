@@ -6,7 +6,7 @@ import re
 import struct
 import zlib
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import replace
 from functools import cached_property, partial
@@ -41,13 +41,7 @@ from lie_rigid_body.recording.records import (
     records,
     require,
 )
-from lie_rigid_body.recording.sound_records import (
-    DAMAGE,
-    OUTSIDE,
-    goes_on,
-    says_twice,
-    sound,
-)
+from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, goes_on, says_twice, sound
 from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
@@ -97,7 +91,7 @@ class Recovery:
     of_the_last : int
         How many of the messages come from that record.
     damaged : tuple of int
-        Where records begin that are left out because their content is damaged.
+        Where records begin that are left out, or of which a part is, because their content is damaged.
     rewritten : tuple of int
         Where chunks begin that were more than one compressed frame; they are whole, and written without compression.
     is_altered : bool
@@ -325,7 +319,9 @@ class _Salvage:
             channel, _, *times = _MESSAGE.unpack_from(content)
             self._whole += 1
             require(not self._has_chunks, "a message stands outside of the chunks")
-            require(self._knows({channel}), "a message is on no channel")
+            if channel not in self._file.summary.channels:
+                self._declare()
+            require(channel in self._file.summary.channels, "a message is on no channel")
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
@@ -359,16 +355,19 @@ class _Salvage:
             self._take_before_zeros(chunk)
             raise
         table = self._whole_messages(data)
-        require(len(table.data) == len(data), "a record in it is not whole")
-        first_ns, last_ns = table.span_ns
-        self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
+        chunk.message_start_time, chunk.message_end_time = table.span_ns
+        try:
+            require(len(table.data) == len(data), "a record in it is not whole")
+            self._file.add_chunk(chunk, table)
+        except ContradictionError:
+            self._take_known(table, chunk.compression)
+            raise
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk without compression that ends in zeros, as after a loss of power."""
         found = find_messages(chunk.data, NO_HINTS, self._records_left)
         if not (chunk.compression or chunk.data[len(found.data) :].strip(b"\0")) and len(found.data) < len(chunk.data):
-            table = self._whole_messages(chunk.data[: found.starts[-1]])  # the last may be of zeros in part
-            self._file.add_chunk(compressed(table, ""), table)
+            self._take_known(self._whole_messages(chunk.data[: found.starts[-1]]))  # the last may be of zeros in part
 
     def _take_part(self, begin: int) -> None:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
@@ -380,21 +379,19 @@ class _Salvage:
                 found = find_messages(data, NO_HINTS, self._records_left)
                 is_whole = goes_on(data, len(found.data))
                 table = self._whole_messages(data if is_whole else data[: found.starts[-1]])
-                self._file.add_chunk(compressed(table, chunk.compression), table)
+                self._take_known(table, chunk.compression)
+
+    def _take_known(self, table: MessageTable, compression: str = "") -> None:
+        """Take the messages of a chunk that are of known topics."""
+        self._declare()
+        known = self._file.summary.known(table)
+        self._file.add_chunk(compressed(known, compression), known)
+        self._has_chunks = True
 
     def _whole_messages(self, data: bytes) -> MessageTable:
         """Table of the messages in the whole records at the start of some data; at least one must be a message."""
         table = find_messages(data, NO_HINTS, self._records_left)
         self._records_left -= len(table.starts) + len(table.others)
         self._whole += len(table.starts)
-        require(bool(table.index), "no message is whole")
-        channels = (place.begin for place in table.others if place.opcode == Opcode.CHANNEL)
-        own = {int.from_bytes(table.data[begin : begin + 2], "little") for begin in channels}
-        require(self._knows(table.index.keys() - own), "a message is on no channel")
+        require(len(table.starts) > 0, "no message is whole")
         return table
-
-    def _knows(self, channels: Set[int]) -> bool:
-        """Whether channels are declared, be it by records that come later."""
-        if channels - self._file.summary.channels.keys():
-            self._declare()
-        return channels <= self._file.summary.channels.keys()

@@ -9,6 +9,7 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping
 from typing import Any, Final
 
+import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -27,8 +28,10 @@ from mcap.records import (
 from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
 from lie_rigid_body.recording.records import (
     LAST_TIME,
+    NO_HINTS,
     ExcessError,
     MessageTable,
+    find_messages,
     parsed,
     record_bytes,
     require,
@@ -146,6 +149,9 @@ class Summary:
                 # in a chunk the `mcap` library takes what follows the fields of a record for another one
                 is_exact = record_bytes(record) == table.data[place.start : place.end]
                 require(is_exact, "a definition in a chunk is longer than its fields")
+                rows = table.index.get(record.id) if place.opcode == Opcode.CHANNEL else None
+                is_late = rows is not None and record.id not in self.channels and rows[0, 1] < place.start
+                require(not is_late, "a channel is declared behind its first message")
                 self.add(record, place.start, 0)
             table.require_times()
             unknown = min(table.index.keys() - self.channels.keys(), default=None)
@@ -156,6 +162,27 @@ class Summary:
         self.counts.update({channel: len(rows) for channel, rows in table.index.items()})
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
+
+    def known(self, table: MessageTable) -> MessageTable:
+        """Those messages of a chunk whose channels are declared here or in it, behind the complete declarations in it.
+
+        Raises
+        ------
+        ContradictionError
+            If there are none, or the chunk has other records.
+        """
+        schemas, channels, kept = {0, *self.schemas}, {*self.channels}, list[bytes]()
+        for place in table.others:
+            record = parsed(place.opcode, table.data[place.begin : place.end])
+            require(isinstance(record, Schema | Channel), f"a record of kind {place.opcode:#04x} in a chunk")
+            if isinstance(record, Schema) or record.schema_id in schemas:
+                (schemas if isinstance(record, Schema) else channels).add(record.id)
+                kept.append(record_bytes(record))
+        rows = np.flatnonzero(np.isin(table.heads["channel"], [*channels]))
+        kept += [table.data[table.starts[row] : table.ends[row]] for row in rows.tolist()]
+        found = find_messages(b"".join(kept), NO_HINTS, len(kept))
+        require(len(found.starts) > 0, "no message in a chunk is whole, and of a known topic")
+        return found
 
     def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], end: int) -> None:
         """Add a chunk whose messages were added.

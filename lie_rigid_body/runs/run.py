@@ -393,3 +393,14 @@ class Run(_NamedSensors, Shown):
                 )
         faults = tuple(fault for fault in self.faults if begin_ns <= fault.begin_ns < end_ns)
         return Taken(Samples(self.t_ns, self.truth)[kept], sensors, faults)
+
+
+def require_run(run: object) -> None:
+    """Refuse what is no run.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(run, Run):
+        raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")

@@ -254,11 +254,10 @@ def assert_attitude(
     """
     __tracebackhide__ = True
     from lie_rigid_body.evaluation import Limits
-    from lie_rigid_body.runs import Run
+    from lie_rigid_body.runs.run import require_run
 
     try:
-        if not isinstance(run, Run):
-            raise InputError(f"run: {shown(run)} is no Run: give one of simulate or Run.from_bag")
+        require_run(run)
         limits = Limits(max_rms_deg, Limits.parse(None, max_after).max_after)
         if limits == Limits():
             raise InputError("assert_attitude needs a limit: give max_rms_deg=1.0 or max_after='10s:2deg'")

@@ -17,6 +17,7 @@ PHRASES = {
     "attachments": "{count} attachments",
     "beside the messages": "what stands beside the messages: attachments, sequence numbers, ",
     "stray": "topic {topic} ({count} messages), which no scenario determines",
+    "another type": "topic {topic} (as {kind}, 0 messages), which no scenario determines",
     "another version": "the scenario is of '{software}'",
     "scenarios again": "scenario messages that repeat another one: {count}",
     "samples in half": "poses and twists without the other of their stamp: {count}",

@@ -13,8 +13,10 @@ from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
 
 
-def rewritten(bag: Path, target: Path, names: dict[str, str], twice: dict[str, str] | None = None) -> Path:
-    """A bag with other names of topics, and with copies of topics under other names."""
+def rewritten(
+    bag: Path, target: Path, names: dict[str, str], twice: dict[str, str] | None = None, silent: tuple[str, ...] = ()
+) -> Path:
+    """A bag with other names of topics, copies of topics under other names, and topics without messages."""
     with bag.open("rb") as stream, target.open("wb") as out:
         writer, reader, channels = Writer(out), make_reader(stream), {}
         writer.start("ros2", "someone else")
@@ -26,6 +28,9 @@ def rewritten(bag: Path, target: Path, names: dict[str, str], twice: dict[str, s
                     kind = writer.register_schema(schema.name, schema.encoding, schema.data)
                     channels[topic] = writer.register_channel(topic, "cdr", kind, channel.metadata)
                 writer.add_message(channels[topic], message.log_time, message.data, message.publish_time)
+        nothing = writer.register_schema("std_msgs/msg/Empty", "ros2msg", b"")
+        for topic in silent:
+            writer.register_channel(topic, "cdr", nothing)
         writer.finish()
     return target
 
@@ -40,5 +45,9 @@ def test_topics_are_found_beside_the_poses_and_others_are_listed(bag, tmp_path):
     elsewhere = {topic: f"/a{topic}" for topic in ("/pose", "/twist", "/lie_rigid_body/scenario", *TOPICS)}
     found = certify(Bag(rewritten(bag, tmp_path / "elsewhere.mcap", elsewhere, {MAG: "/b/imu/mag"})))
     assert found.sensors == ("/a/imu/data_raw", "/a/imu/bias", "/a/imu/mag")
+    silent = certify(Bag(rewritten(bag, tmp_path / "silent.mcap", {}, silent=("/twist", "/another/twist"))))
+    assert silent.passed
+    assert telling(silent, "stray", topic="/another/twist", count=0)
+    assert telling(silent, "another type", topic="/twist", kind="std_msgs/msg/Empty")
     apart = certify(Bag(rewritten(bag, tmp_path / "apart.mcap", {"/pose": "/truth/pose"})))
     assert apart.sensors == (IMU, BIAS, MAG)

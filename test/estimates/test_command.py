@@ -163,6 +163,12 @@ def test_what_cannot_be_started_is_told_by_its_kind(run, tmp_path, monkeypatch):
             CommandEstimator(command)(run)
 
 
+@pytest.mark.parametrize("make", [command_estimator, node_estimator])
+def test_what_is_no_run_is_refused(make):
+    with pytest.raises(InputError):
+        make("cat")(None)
+
+
 STILL = """awk -F, 'NR > 1 && $2 {print $1 ",0,0,0,1"}'"""
 """A program that starts at once, as it is started hundreds of times."""
 WITH_AWK = pytest.mark.skipif(shutil.which("awk") is None, reason="awk is not installed")

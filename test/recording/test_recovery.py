@@ -14,8 +14,8 @@ import zstandard
 from bags import COMPRESSIONS
 from lz4.frame import LZ4FrameDecompressor
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, Header, Message
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.records import Channel, Chunk, Header, Message, Schema
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import Writer
 from refused_bags import refused
@@ -264,8 +264,8 @@ def test_definitions_in_a_damaged_chunk_are_taken_from_the_summary(
         recover(broken, fixed, overwrite=True)
 
 
-def test_a_topic_of_a_chunk_that_is_left_out_is_not_declared_by_it(tmp_path: Path) -> None:
-    """What is recovered is whole in itself, also where a chunk declares a topic and has messages of one that is not."""
+def test_a_topic_whose_definition_is_lost_costs_no_other_a_message(tmp_path: Path) -> None:
+    """A chunk may hold messages of a topic of which nothing tells any more, beside others, and declare topics."""
     head = record_bytes(Header(profile="ros2", library="another recorder"))
     first, late = (Channel(id=k, topic=f"/{k}", message_encoding="cdr", metadata={}, schema_id=0) for k in (1, 2))
     first_one, late_one = (record_bytes(Message(k, 5, b"data", 5, 0)) for k in (1, 2))
@@ -275,8 +275,34 @@ def test_a_topic_of_a_chunk_that_is_left_out_is_not_declared_by_it(tmp_path: Pat
     damaged = record_bytes(Chunk("zstd", record_bytes(first) + first_one, 5, 5, 0, 99))
     (tmp_path / "broken.mcap").write_bytes(MAGIC + head + damaged + b"".join(chunks))
     recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
-    assert (recovery.messages, recovery.topics, len(recovery.damaged)) == (1, 1, 3)
+    assert (recovery.messages, recovery.topics, len(recovery.damaged)) == (3, 2, 2)
     assert sum(size for size, _ in read_file(tmp_path / "fixed.mcap", McapContents())) > 0
+
+
+def test_a_topic_whose_type_is_lost_costs_no_other_a_message(tmp_path: Path) -> None:
+    """A channel may stand in another chunk than its schema."""
+    types = [Schema(id=k, name=f"a/msg/{k}", encoding="ros2msg", data=b"int8 a") for k in (1, 2)]
+    topics = [Channel(id=k, topic=f"/{k}", message_encoding="cdr", metadata={}, schema_id=k) for k in (1, 2)]
+    ones = [record_bytes(Message(k, 5, b"data", 5, 0)) for k in (1, 2)]
+    part = record_bytes(types[1], *topics[1:]) + ones[1] + record_bytes(topics[0]) + ones[0]
+    chunks = [Chunk("lz4", record_bytes(types[0]), 5, 5, 0, 99), Chunk("", part, 5, 5, 0, len(part))]
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    (tmp_path / "broken.mcap").write_bytes(MAGIC + head + record_bytes(*chunks))
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.topics, len(recovery.damaged)) == (1, 1, 2)
+    with (tmp_path / "fixed.mcap").open("rb") as stream:
+        assert [channel.topic for _, channel, _ in make_reader(stream).iter_messages()] == ["/2"]
+
+
+def test_a_definition_behind_its_messages_costs_none(tmp_path: Path) -> None:
+    """Every reader takes what is recovered, also of a chunk that a reader which does not seek refuses."""
+    topic = Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=0)
+    part = record_bytes(Message(1, 5, b"data", 5, 0), topic)
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    (tmp_path / "broken.mcap").write_bytes(MAGIC + head + record_bytes(Chunk("", part, 5, 5, 0, len(part))))
+    assert recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False).messages == 1
+    with (tmp_path / "fixed.mcap").open("rb") as stream:
+        assert len([*NonSeekingReader(stream).iter_messages()]) == 1
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.mcap_contents import nothing
 
 UNDECLARED = "it has a message of channel 999, which is not declared before it"
+NONE_OF_ITS_KIND = "a record that is none of its kind"
 REMEDY = ": restore a copy, or record again"
 NOISE = np.random.default_rng(0).bytes(1000)
 SKIPPABLE = struct.pack("<II", 0x184D2A50, 4) + b"abcd"
@@ -260,6 +261,7 @@ def frames(name: str) -> dict[str, tuple[bytes, str]]:
     return {f"{name}, {case}": (chunk(name, 1000, packed), words) for case, (packed, words) in data.items()}
 
 
+CHANNEL = record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text("/x") + text("cdr") + bytes(4))
 CHUNKS: dict[str, tuple[bytes, str]] = {
     **frames("zstd"),
     **frames("lz4"),
@@ -292,6 +294,14 @@ CHUNKS: dict[str, tuple[bytes, str]] = {
             ),
         )
     },
+    "a channel behind its message": (  # of which readers that do not seek know nothing yet
+        plain(message(1, time=0), CHANNEL),
+        "a channel is declared behind its first message",
+    ),
+    "a name that is no text": (
+        record(Opcode.SCHEMA, struct.pack("<HI", 1, 1) + b"\xf5" + text("ros2msg") + text("")),
+        NONE_OF_ITS_KIND,
+    ),
     "a short message": (plain(record(5, bytes(21))), "a message record is too short"),
     "zeros": (plain(bytes(9)), "no record that ends in its chunk stands at byte 0 of it"),
     "an unfinished record": (
@@ -300,10 +310,7 @@ CHUNKS: dict[str, tuple[bytes, str]] = {
     ),
     "an unfinished head": (plain(b"\5"), "no record that ends in its chunk stands at byte 0 of it"),
     "a late time": (
-        plain(
-            record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text("/x") + text("cdr") + bytes(4)),
-            message(1, time=2**63),
-        ),
+        plain(CHANNEL, message(1, time=2**63)),
         f"the log_time of a message is {2**63} ns, beyond {2**63 - 1}",
     ),
 }
@@ -339,6 +346,10 @@ OTHERS = {
     "many records": (
         framed(chunk("zstd", 9 * 10**5, zstandard.compress(record(3, b"") * 10**5))),
         "has at byte 37 too many records in chunks for its size, more than is read: record it again",
+    ),
+    "half a row of an index": (
+        framed(plain(CHANNEL) + record(Opcode.MESSAGE_INDEX, struct.pack("<HI", 1, 8) + bytes(8))),
+        f"is damaged at byte {37 + len(plain(CHANNEL))}: {NONE_OF_ITS_KIND}{REMEDY}",
     ),
     "a record beyond the end": (
         framed(struct.pack("<BQ", 4, 2**63)),
