@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 import time
-from _thread import interrupt_main
+from _thread import interrupt_main, start_new_thread
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
@@ -24,7 +24,7 @@ MOST_SIGNALS: Final = 4
 LONGEST_CLOSING_S: Final = 10.0
 """Time after the first signal, s, from which any other ends the process by its default action."""
 _AGAIN_S: Final = 0.005
-"""Time, s, after which a KeyboardInterrupt is raised again that code without a caller has lost."""
+"""Time, s, after which a signal is sent again whose KeyboardInterrupt was lost in code without a caller."""
 
 
 class Interruption:
@@ -40,7 +40,7 @@ class Interruption:
 
     def __init__(self) -> None:
         self.requested = False
-        self._allowed = False
+        self._allowed = self._is_lost = False
         self._count, self._first_s = 0, math.inf
         self._unraisable, self._uncaught = sys.unraisablehook, sys.excepthook
 
@@ -79,7 +79,7 @@ class Interruption:
             yield interruption
         finally:
             _forget_interrupt()
-            cls._current = None
+            cls._current, interruption._is_lost = None, False
             if not to_the_end:
                 for number in taken:
                     signal.signal(number, former[number])
@@ -115,6 +115,10 @@ class Interruption:
             raise KeyboardInterrupt
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
+        if self._is_lost:
+            if self._is_hooked(frame):
+                return
+            self._count, self.requested, self._is_lost = 0, False, False
         count = self._count = self._count + 1  # another signal may be handled amid this
         if count == 1:
             self.requested, self._first_s, self._number = True, time.monotonic(), number
@@ -138,16 +142,26 @@ class Interruption:
         """Raise an exception again in a moment, if it is a KeyboardInterrupt, and tell whether it is."""
         is_interrupt = issubclass(kind, KeyboardInterrupt)
         if is_interrupt:
-            threading.Timer(_AGAIN_S, self._interrupt_again).start()
+            self._is_lost = True
+            start_new_thread(self._interrupt_again, ())  # a `Thread` takes locks, which the main thread may hold
         return is_interrupt
 
     def _interrupt_again(self) -> None:
-        """Count the signal that was lost as the first once more: until then another one is the second, and is noted."""
-        self._count, self.requested = 0, False
-        if hasattr(signal, "pthread_kill"):  # which also ends a wait
-            signal.pthread_kill(threading.main_thread().ident or 0, self._number)
-        else:
-            interrupt_main(signal.Signals(self._number))
+        """Send the signal that was lost until it counts as the first once more."""
+        time.sleep(_AGAIN_S)
+        while self._is_lost:
+            if hasattr(signal, "pthread_kill"):  # which also ends a wait
+                signal.pthread_kill(threading.main_thread().ident or 0, self._number)
+            else:
+                interrupt_main(signal.Signals(self._number))
+            time.sleep(_AGAIN_S)
+
+    def _is_hooked(self, frame: FrameType | None) -> bool:
+        """Whether code runs within one of the hooks here, where an exception would be lost."""
+        hooks = (Interruption._ignored.__code__, Interruption._printed.__code__)
+        while frame is not None and frame.f_code not in hooks:
+            frame = frame.f_back
+        return frame is not None
 
 
 def _in_main_thread() -> bool:

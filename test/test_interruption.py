@@ -84,6 +84,23 @@ ends_with(lambda: waiting(lost))
 """,
         130,
     ),
+    "where no exception leaves the code, and what handles that takes long": (
+        """
+def begin(*given):
+    begun(*given)
+    time.sleep(0.1)
+begun, module.start_new_thread = module.start_new_thread, begin
+class Last:
+    def __del__(self):
+        send(INT)
+def lost():
+    last = Last()
+    del last
+    signal.pause()
+ends_with(lambda: waiting(lost))
+""",
+        130,
+    ),
     "while a library in C is imported, which prints it, and is done without": (
         """
 import builtins, numpy
