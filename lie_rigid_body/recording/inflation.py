@@ -5,7 +5,8 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Final
+from io import BytesIO
+from typing import Any, Final
 
 from mcap.records import Chunk
 
@@ -13,7 +14,9 @@ from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.recording.records import ContradictionError, ExcessError, UnknownCompressionError, require
 
 _MOST_RECORDS: Final = 65_536
-_PIECE: Final = 65_536
+_PIECE: Final = 64
+"""Bytes that are given to a decompressor at a time where some are damaged: less than most blocks take, which are lost
+with it."""
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of a frame of zstd, and so of whatever it compressed."""
 COMPRESSED_ONE_BY_ONE: Final = (
@@ -101,14 +104,16 @@ def _from_zstd(data: bytes, most: int) -> tuple[bytes, int]:
     import zstandard  # only where it is needed: apt may have one of the two
 
     def read(piece: int) -> Iterator[bytes]:
-        reader, left = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True), most
+        source, left = zstandard.ZstdDecompressor().stream_reader(BytesIO(data), piece, read_across_frames=True), most
         with suppress(zstandard.ZstdError):
-            while left > 0 and (found := reader.read(min(left, piece))):
+            while left > 0 and (found := source.read1(left)):
                 left -= len(found)
                 yield found
 
-    # at once, or what comes before damage piece by piece, which takes twice as long
-    return b"".join(read(most)) or b"".join(read(_PIECE)), _zstd_frame_size(data)
+    with suppress(zstandard.ZstdError):
+        reader = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
+        return reader.read(most), _zstd_frame_size(data)
+    return b"".join(read(_PIECE)), _zstd_frame_size(data)
 
 
 def _zstd_frame_size(data: bytes) -> int:
@@ -133,15 +138,28 @@ def _from_lz4(data: bytes, most: int) -> tuple[bytes, int]:
     from lz4.frame import LZ4FrameDecompressor
 
     content, rest, frames = b"", data, list[int]()
-    with suppress(RuntimeError):  # what came before is whole
+    try:
         while rest and len(content) < most:
             decompressor = LZ4FrameDecompressor()
             content += decompressor.decompress(rest, max_length=most - len(content))
             rest = decompressor.unused_data or b""
             # it has not come to the end of what is too long, either
             frames.append(len(data) - len(rest) + (not decompressor.eof))
+    except RuntimeError:
+        content += b"".join(_before_damage(LZ4FrameDecompressor(), rest, most - len(content)))
     frames.append(len(data) + 1)
     return content, frames[0] if data.startswith(_LZ4_MAGIC) else 0
+
+
+def _before_damage(decompressor: Any, data: bytes, most: int) -> Iterator[bytes]:
+    """What a decompressor of lz4 gives of a damaged frame, at most so many bytes."""
+    with suppress(RuntimeError, EOFError):
+        for begin in range(0, len(data), _PIECE):
+            found = decompressor.decompress(data[begin : begin + _PIECE], max_length=most)
+            most -= len(found)
+            yield found
+            if not most:
+                break
 
 
 _INFLATE: Final[dict[str, Callable[[bytes, int], tuple[bytes, int]]]] = {

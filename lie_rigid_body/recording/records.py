@@ -244,7 +244,7 @@ class MessageTable:
     starts : ndarray of int64, shape (N,)
         Where the record of each message begins.
     others : tuple of Place
-        The records that are no messages, where they were looked for.
+        The records that are no messages, or too short to be one, where they were looked for.
     """
 
     data: bytes
@@ -306,8 +306,6 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
 
     Raises
     ------
-    ContradictionError
-        If a message is too short to be one.
     ExcessError
         If there are more records.
     """
@@ -320,8 +318,7 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
             position, left = place.end, left - 1
             if left < 0:
                 raise ExcessError("too many records in chunks for its size")
-            if place.opcode == Opcode.MESSAGE:
-                require(place.end - place.begin >= _SHORTEST, "a message record is too short")
+            if place.opcode == Opcode.MESSAGE and place.end - place.begin >= _SHORTEST:
                 starts.append(place.start)
             else:
                 others.append(place)

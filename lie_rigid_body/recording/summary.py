@@ -5,8 +5,10 @@ A reader that seeks believes a summary: a message that an index leaves out would
 
 from __future__ import annotations
 
+import struct
 from collections import Counter, defaultdict
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any, Final
 
 import numpy as np
@@ -144,6 +146,7 @@ class Summary:
         try:
             for place in table.others:
                 is_declaration = place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL)
+                require(place.opcode != Opcode.MESSAGE, "a message record is too short")
                 require(is_declaration, f"a record of kind {place.opcode:#04x} in a chunk")
                 record = parsed(place.opcode, table.data[place.begin : place.end])
                 # in a chunk the `mcap` library takes what follows the fields of a record for another one
@@ -163,22 +166,27 @@ class Summary:
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
 
-    def known(self, table: MessageTable) -> MessageTable:
-        """Those messages of a chunk whose channels are declared here or in it, behind the complete declarations in it.
+    def known(self, table: MessageTable, span_ns: tuple[int, int]) -> MessageTable:
+        """Those messages of a damaged chunk that were written: on channels declared here or in it, within its times.
+
+        They stand behind those declarations in it that are complete.
 
         Raises
         ------
         ContradictionError
-            If there are none, or the chunk has other records.
+            If there are none.
         """
         schemas, channels, kept = {0, *self.schemas}, {*self.channels}, list[bytes]()
         for place in table.others:
-            record = parsed(place.opcode, table.data[place.begin : place.end])
-            require(isinstance(record, Schema | Channel), f"a record of kind {place.opcode:#04x} in a chunk")
-            if isinstance(record, Schema) or record.schema_id in schemas:
-                (schemas if isinstance(record, Schema) else channels).add(record.id)
-                kept.append(record_bytes(record))
-        rows = np.flatnonzero(np.isin(table.heads["channel"], [*channels]))
+            with suppress(ValueError, EOFError, struct.error):
+                record = parsed(place.opcode, table.data[place.begin : place.end])
+                if isinstance(record, Schema) or (isinstance(record, Channel) and record.schema_id in schemas):
+                    (schemas if isinstance(record, Schema) else channels).add(record.id)
+                    kept.append(record_bytes(record))
+        heads, (first_ns, last_ns) = table.heads, span_ns
+        is_within = (heads["log_time"] >= first_ns) & (heads["log_time"] <= min(last_ns, LAST_TIME))
+        is_known = np.isin(heads["channel"], [*channels]) & is_within & (heads["publish_time"] <= LAST_TIME)
+        rows = np.flatnonzero(is_known)
         kept += [table.data[table.starts[row] : table.ends[row]] for row in rows.tolist()]
         found = find_messages(b"".join(kept), NO_HINTS, len(kept))
         require(len(found.starts) > 0, "no message in a chunk is whole, and of a known topic")

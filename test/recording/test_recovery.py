@@ -15,9 +15,9 @@ from bags import COMPRESSIONS
 from lz4.frame import LZ4FrameDecompressor
 from mcap.opcode import Opcode
 from mcap.reader import NonSeekingReader, make_reader
-from mcap.records import Channel, Chunk, Header, Message, Schema
+from mcap.records import Channel, Chunk, DataEnd, Footer, Header, Message, Schema
 from mcap.writer import MCAP0_MAGIC as MAGIC
-from mcap.writer import Writer
+from mcap.writer import CompressionType, Writer
 from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
@@ -303,6 +303,122 @@ def test_a_definition_behind_its_messages_costs_none(tmp_path: Path) -> None:
     assert recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False).messages == 1
     with (tmp_path / "fixed.mcap").open("rb") as stream:
         assert len([*NonSeekingReader(stream).iter_messages()]) == 1
+
+
+ODD = {
+    "of a private kind": lambda content: bytes([0x85]) + content[1:],
+    "of a kind that has no place": lambda content: bytes([9]) + content[1:],
+    "logged beyond all times": lambda content: content[:22] + b"\x80" + content[23:],
+    "published beyond all times": lambda content: content[:30] + b"\x80" + content[31:],
+    "on a channel that nothing declares": lambda content: content[:9] + b"\x4d" + content[10:],
+    "too short to be one": lambda content: record_bytes(Message(1, 0, b"", 0, 0))[:1] + RECORD.pack(0, 3)[1:] + b"abc",
+}
+"""Changes of the record of a message."""
+
+
+@pytest.mark.parametrize("case", ODD)
+def test_an_odd_record_in_a_chunk_without_checksum_costs_itself(tmp_path: Path, case: str) -> None:
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    topic = record_bytes(Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=0))
+    ones = [record_bytes(Message(1, time, b"data", time, 0)) for time in range(5, 15)]
+    ones[4] = ODD[case](ones[4])
+    data = topic + b"".join(ones)
+    content = MAGIC + head + record_bytes(Chunk("", data, 14, 5, 0, len(data)), DataEnd(0), Footer(0, 0, 0)) + MAGIC
+    (tmp_path / "broken.mcap").write_bytes(content)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.damaged) == (9, (len(MAGIC + head),))
+
+
+def test_a_message_that_is_logged_outside_of_its_chunk_is_told(tmp_path: Path) -> None:
+    """Neither it nor the head of the chunk stands under a checksum: one of them is altered."""
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    topic = record_bytes(Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=0))
+    data = topic + b"".join(record_bytes(Message(1, time, b"data", time, 0)) for time in (5, 0, 7))
+    content = MAGIC + head + record_bytes(Chunk("", data, 7, 5, 0, len(data)), DataEnd(0), Footer(0, 0, 0)) + MAGIC
+    (tmp_path / "broken.mcap").write_bytes(content)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.damaged, recovery.is_altered) == (3, (), True)
+
+
+@pytest.mark.parametrize("has_summary", [True, False])
+def test_a_chunk_of_definitions_alone_is_kept(tmp_path: Path, has_summary: bool) -> None:
+    topic = record_bytes(Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=0))
+    ones = b"".join(record_bytes(Message(1, time, b"data", time, 0)) for time in range(5, 15))
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    chunks = record_bytes(Chunk("", topic, 0, 0, 0, len(topic)), Chunk("", ones, 14, 5, 0, len(ones)))
+    end = record_bytes(DataEnd(0)), record_bytes(Footer(0, 0, 0)) + MAGIC
+    data = MAGIC + head + chunks + end[0]
+    summary = topic + record_bytes(Footer(len(data), 0, 0)) + MAGIC if has_summary else end[1]
+    (tmp_path / "broken.mcap").write_bytes(data + summary)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.damaged, recovery.is_altered) == (10, (), False)
+    assert len(messages(tmp_path / "fixed.mcap")) == 10
+
+
+@pytest.mark.parametrize("lost", [1, 512])
+def test_the_summary_is_found_where_bytes_were_lost_before_it(tmp_path: Path, lost: int) -> None:
+    """It tells of the topics whose definitions are damaged in the first chunk."""
+    path = tmp_path / "whole.mcap"
+    with path.open("wb") as out:
+        writer = Writer(out, chunk_size=2000)
+        writer.start("ros2", "another recorder")
+        topic = writer.register_channel("/1", "cdr", writer.register_schema("a/msg/B", "ros2msg", b"int8 a"))
+        for k in range(300):
+            writer.add_message(topic, k, np.random.default_rng(k).bytes(30), k)
+        writer.finish()
+    content, everything = bytearray(path.read_bytes()), messages(path)
+    chunks = [(begin, end) for opcode, begin, end in records(content) if opcode == Opcode.CHUNK]
+    content[chunks[0][0] + 100] ^= 1
+    del content[chunks[-2][0] + 200 : chunks[-2][0] + 200 + lost]
+    path.write_bytes(content)
+    recover(path, tmp_path / "fixed.mcap", overwrite=False)
+    found = messages(tmp_path / "fixed.mcap")
+    assert 200 < len(found) < 300
+    assert [one for one in everything if one in found] == found
+
+
+def test_a_definition_in_a_damaged_summary_is_none_beside_that_in_a_chunk(tmp_path: Path) -> None:
+    """A chunk that is left out makes definitions be looked for, first where a checksum is right."""
+    path = tmp_path / "whole.mcap"
+    with path.open("wb") as out:
+        writer = Writer(out, chunk_size=500)
+        writer.start("ros2", "another recorder")
+        schema = writer.register_schema("a/msg/B", "ros2msg", b"int8 a")
+        topics = [writer.register_channel(f"/{name}", "cdr", schema, {"says": "hello"}) for name in "ab"]
+        for k in range(100):
+            writer.add_message(topics[k > 50], k, bytes(30), k)
+        writer.finish()
+    content = bytearray(path.read_bytes())
+    second = [begin for opcode, begin, _ in records(content) if opcode == Opcode.CHUNK][1]
+    content[second + 60] ^= 1
+    content[content.rindex(b"hello")] ^= 2
+    path.write_bytes(content)
+    assert len(recover(path, tmp_path / "fixed.mcap", overwrite=False).damaged) == 1
+    with (tmp_path / "fixed.mcap").open("rb") as stream:
+        found = [(channel.topic, channel.metadata["says"]) for _, channel, _ in make_reader(stream).iter_messages()]
+    assert found.count(("/b", "hello")) == 49
+
+
+@pytest.mark.parametrize("behind", [b"\0", b"\xff", b""])
+@pytest.mark.parametrize("compression", ["lz4", "zstd"])
+def test_whole_blocks_of_an_unfinished_chunk_are_kept_whatever_follows(
+    tmp_path: Path, compression: str, behind: bytes
+) -> None:
+    """Other data, or zeros and then the file as it was to be."""
+    path, noise = tmp_path / "whole.mcap", np.random.default_rng(0)
+    with path.open("wb") as out:
+        writer = Writer(out, chunk_size=2**21, compression=CompressionType[compression.upper()])
+        writer.start("ros2", "another recorder")
+        topic = writer.register_channel("/1", "cdr", writer.register_schema("a/msg/B", "ros2msg", b"int8 a"))
+        for k in range(2000):
+            writer.add_message(topic, k, noise.bytes(200) + bytes(200), k)
+        writer.finish()
+    content = path.read_bytes()
+    (chunk,) = [(begin, end) for opcode, begin, end in records(content) if opcode == Opcode.CHUNK]
+    cut, zeros = (chunk[0] + chunk[1]) // 2, bytes(chunk[1] - (chunk[0] + chunk[1]) // 2)
+    path.write_bytes(content[:cut] + (1000 * behind or zeros + content[chunk[1] :]))
+    recovery = recover(path, tmp_path / "fixed.mcap", overwrite=False)
+    assert recovery.messages > 2000 * (0.5 - 2 * 2**17 / 862_000)
 
 
 @pytest.mark.parametrize(
