@@ -5,8 +5,8 @@
 - `mcap_file`: messages laid out as arrays, many at once, in chunks, with their indexes and the summary;
 - `bag_writer`: messages into an MCAP file, in batches or a whole run;
 - `inflation`: the records of a chunk, within bounds;
-- `recovery`, `recovered_folder`: what is whole of a file, or of a folder of them, that was cut off; `damaged_file`: where
-  its records stand;
+- `recovery`, `recovered_folder`: what is whole of a file, or of a folder of them, that was cut off;
+- `damaged_file`: where the records of a damaged file stand;
 - `mcap_contents`, `mcap_reader`: a file as raw messages;
 - `bag_files`: the files of a bag, held against the metadata of their folder, and the bags of a folder;
 - `topic_messages`: raw messages of a topic as arrays;

@@ -36,7 +36,7 @@ from lie_rigid_body.recording.records import (
     record_bytes,
     require,
 )
-from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, goes_on, sound
+from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, begins_well, sound
 from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
@@ -283,7 +283,7 @@ class _Salvage:
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
                 data = salvaged(chunk)
                 found = find_messages(data, NO_HINTS, self._records_left)
-                is_whole = goes_on(data, len(found.data))
+                is_whole = begins_well(data[len(found.data) :], chunk.uncompressed_size)
                 self._take_known(chunk, self._found(data if is_whole else data[: found.starts[-1]]))
 
     def _take_known(self, chunk: Chunk, table: MessageTable) -> None:

@@ -75,3 +75,9 @@ def goes_on(data: bytes | FileBytes, end: int) -> bool:
     head = data[end : end + RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0")
     opcode, length = RECORD_HEAD.unpack(head)
     return end >= len(data) or 0 < opcode <= Opcode.DATA_END or 0 < length <= len(data) - end - RECORD_HEAD.size
+
+
+def begins_well(data: bytes, size: int) -> bool:
+    """Whether some data, if any, may be the beginning of another record in a chunk of some size."""
+    opcode, length = RECORD_HEAD.unpack(data[: RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0"))
+    return not data or (opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE) and length <= size)

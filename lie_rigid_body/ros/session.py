@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
-from threading import Thread
+from threading import Event, Thread
 from typing import Final
 
 import rclpy
@@ -32,6 +32,8 @@ LONGEST_NAME: Final = 200
 """Longest name of a node and longest namespace, characters: those of its services are longer, and may have 247."""
 LARGEST_DEPTH: Final = 2**31 - 1
 """Most messages of a topic that can be kept."""
+LONGEST_LOOK: Final = 0.05
+"""Longest wait for the next callback, s, before it is seen whether the node ends."""
 LONGEST_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
@@ -103,22 +105,29 @@ def own_node(name: str, arguments: Sequence[str] = ()) -> Iterator[Node]:
 
 @contextmanager
 def spinning(node: Node) -> Iterator[None]:
-    """Answer the node's services in background threads. At the end rclpy is shut down, which ends these threads."""
-    executor = MultiThreadedExecutor(THREADS)
+    """Answer the node's services in background threads. At the end those that are called are answered, and no others.
+
+    Then rclpy is shut down.
+    """
+    executor, ended = MultiThreadedExecutor(THREADS), Event()
     executor.add_node(node)
-    thread = Thread(target=_spin, args=(executor, node), name="services", daemon=True)
+    thread = Thread(target=_spin, args=(executor, node, ended), name="services", daemon=True)
     thread.start()
     try:
         yield
     finally:
-        rclpy.try_shutdown()
+        ended.set()
+        thread.join(LONGEST_JOIN)
+        # rclpy's own shutdown waits for no callback, and one that goes on without ROS prints its error
+        executor._executor.shutdown()
+        rclpy.try_shutdown()  # which also ends a wait for the next callback, should a clock have been set back
         thread.join(LONGEST_JOIN)
 
 
-def _spin(executor: MultiThreadedExecutor, node: Node) -> None:
-    while rclpy.ok():
+def _spin(executor: MultiThreadedExecutor, node: Node, ended: Event) -> None:
+    while rclpy.ok() and not ended.is_set():
         try:
-            executor.spin()
+            executor.spin_once(LONGEST_LOOK)
         except ExternalShutdownException:
             return
         except Exception as error:

@@ -162,7 +162,7 @@ def test_cuts_at_every_boundary_and_at_1000_random_places(
     cuts_recover_what_is_whole(whole[compression], compression, sizes, tmp_path)
 
 
-@pytest.mark.parametrize("rest", [b"\0" * 500, b"\xff" * 500])
+@pytest.mark.parametrize("rest", [b"\0" * 500, b"\xff" * 500, b"\x05" * 500, bytes([5, 200, 0, 0, 0, 0, 1, 0]) * 60])
 def test_what_a_disk_without_power_leaves_behind_a_cut_is_no_content(
     whole: dict[str, Path], tmp_path: Path, rest: bytes
 ) -> None:
