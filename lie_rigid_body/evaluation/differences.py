@@ -82,7 +82,12 @@ def _both(first: ArrayLike, second: ArrayLike) -> Array:
     one, other = real_numbers("first", first, "(N,)"), real_numbers("second", second, "(N,)")
     if one.ndim != 1 or one.shape != other.shape:
         raise InputError(f"second: shape {other.shape} beside {one.shape}: give two flat lists that are as long")
-    return np.stack([one, other])
+    both = np.stack([one, other])
+    with np.errstate(over="ignore"):
+        squares = np.sum(np.square(both[np.isfinite(both)]))
+    if not np.isfinite(squares):
+        raise InputError("first, second: their squares are beyond double precision, 1.8e308: give smaller errors")
+    return both
 
 
 def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
-from typing import Any, Final, ParamSpec, TypeVar
+from typing import Final, ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.wording import shown
 
 Kind = TypeVar("Kind")
 Given = ParamSpec("Given")
-Numbers = TypeVar("Numbers", bound=NDArray[Any])
+Result = TypeVar("Result")
 
 MADE_BY: Final = "SO(n), SU(n), U1(), product(group, …) or MatrixLieGroup.from_generators(matrices)"
 """How groups are made, for messages."""
@@ -78,8 +78,8 @@ def require_batches(**shapes: tuple[int, ...]) -> None:
         raise InputError(f"leading axes {told} do not go together: give equal ones, or 1 for all") from None
 
 
-def within_doubles(function: Callable[Given, Numbers]) -> Callable[Given, Numbers]:
-    """A function of finite arguments whose results are finite, or refused in place of a warning of NumPy.
+def within_doubles(function: Callable[Given, Result]) -> Callable[Given, Result]:
+    """A function of finite arguments whose results, if they are arrays, are finite, or refused in place of a warning.
 
     Raises
     ------
@@ -88,13 +88,11 @@ def within_doubles(function: Callable[Given, Numbers]) -> Callable[Given, Number
     """
 
     @wraps(function)
-    def checked(*arguments: Given.args, **named: Given.kwargs) -> Numbers:
-        with np.errstate(all="ignore"):  # what goes wrong is said below
+    def checked(*arguments: Given.args, **named: Given.kwargs) -> Result:
+        with np.errstate(all="ignore"), suppress(np.linalg.LinAlgError):  # what goes wrong is said below
             result = function(*arguments, **named)
-        if not np.isfinite(result).all():
-            raise ParameterError(
-                function.__name__, "a result is beyond double precision, 1.8e308: give smaller numbers"
-            )
-        return result
+            if not isinstance(result, np.ndarray | np.number) or np.isfinite(result).all():
+                return result
+        raise ParameterError(function.__name__, "a result is beyond double precision, 1.8e308: give smaller numbers")
 
     return checked

@@ -87,6 +87,7 @@ def metric_derivative(group: MatrixLieGroup, metric: ArrayLike) -> Array:
     return -change - np.swapaxes(change, 1, 2)
 
 
+@np.errstate(over="ignore")
 def require_metric(metric: ArrayLike, dimension: int, name: str = "metric") -> Array:
     """A given metric, checked to be symmetric and positive definite.
 
@@ -111,14 +112,21 @@ def require_metric(metric: ArrayLike, dimension: int, name: str = "metric") -> A
     """
     refuse_whole(name, metric, "inertia")
     m = symmetric_matrix(name, real_array(name, metric, f"({dimension}, {dimension})"))
-    eigenvalues = np.linalg.eigvalsh(m)
-    if not eigenvalues[0] > ROUND_OFF * eigenvalues[-1]:
+    own = eigenvalues(m)
+    least, largest = own[0], own[-1]
+    if not least > ROUND_OFF * largest:
         raise ParameterError(
             name,
-            f"smallest eigenvalue {eigenvalues[0]:.6g} is not positive beside the largest, {eigenvalues[-1]:.6g} "
+            f"smallest eigenvalue {least:.6g} is not positive beside the largest, {largest:.6g} "
             f"(limit: {ROUND_OFF:.2g} of that): give inertia about every axis, or rescale",
         )
     return m
+
+
+@within_doubles
+def eigenvalues(symmetric: Array) -> Array:
+    """Eigenvalues of a symmetric matrix, ascending; refused where they leave double precision."""
+    return np.linalg.eigvalsh(symmetric)
 
 
 def _antisymmetric_generators(generators: ArrayLike, n: int) -> Array:

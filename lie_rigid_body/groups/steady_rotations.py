@@ -107,6 +107,7 @@ def steady_axes(lagrangian: Lagrangian) -> Array:
     return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
 
+@within_doubles
 def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibrium:
     """The steady rotation at a given rate, with its stability.
 

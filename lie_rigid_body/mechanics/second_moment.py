@@ -72,6 +72,7 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
         )
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def rotated_second_moment(second_moment: ArrayLike, rotation: ArrayLike) -> Array:
     """The second moment A K Aᵀ of a body in world axes: the A₀ K A₀ᵀ of Lucas (arXiv 1111.1275), eqs. (12), (13).
 
@@ -157,6 +158,7 @@ def inertia_from_second_moment(second_moment: ArrayLike) -> Array:
     return inertia
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def second_moment_from_inertia(inertia: ArrayLike) -> Array:
     """The second moment K = ½ tr(I) 1 − I of a given inertia tensor: Lucas (arXiv 1111.1275), eq. (28) solved for K.
 

@@ -19,6 +19,7 @@ THINNEST: Final = 0.02
 """Shortest side of a box that is to be seen, as a share of the longest."""
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
     """A ball in n dimensions: K = m r²/(n + 2) 1, eq. (10).
 
@@ -43,6 +44,7 @@ def ball(mass: float, radius: float, dimension: int = 3) -> MassMoments:
     return ellipsoid(mass, np.full(whole_number("dimension", dimension, 1), positive("radius", radius, "m")))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
     """A solid ellipsoid in n dimensions: K = m diag(aᵢ²)/(n + 2), eq. (10).
 
@@ -66,6 +68,7 @@ def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
     return _centred(mass, a**2 / (len(a) + 2))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def box(mass: float, edges: ArrayLike) -> MassMoments:
     """A rectangular box in n dimensions: K = m diag(lᵢ²)/12, eq. (10).
 
@@ -112,6 +115,7 @@ def box_sides(principal_moments: ArrayLike) -> Array:
     return visible
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def cylinder(mass: float, radius: float, height: float) -> MassMoments:
     """A solid circular cylinder about the z axis: K = m diag(r²/4, r²/4, h²/12), eq. (10).
 
@@ -137,6 +141,7 @@ def cylinder(mass: float, radius: float, height: float) -> MassMoments:
     return _centred(mass, np.array([r**2 / 4, r**2 / 4, h**2 / 12]))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def rod(mass: float, length: float) -> MassMoments:
     """A thin rod along the z axis: K = m diag(0, 0, l²/12), eq. (10).
 
@@ -161,6 +166,7 @@ def rod(mass: float, length: float) -> MassMoments:
     return _centred(mass, np.array([0.0, 0.0, positive("length", length, "m") ** 2 / 12]))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
 def disc(mass: float, radius: float) -> MassMoments:
     """A thin circular disc across the z axis: K = m diag(r²/4, r²/4, 0), eq. (10).
 

@@ -74,7 +74,15 @@ def test_runs_in_which_either_failed_are_left_out():
 @pytest.mark.parametrize("of", [of_run, of_runs])
 @pytest.mark.parametrize(
     ("first", "second"),
-    [([1.0], [1.0, 2.0]), ([[1.0]], [[1.0]]), (1.0, 2.0), (["a"], ["b"]), (None, [1.0]), ([1j], [1.0])],
+    [
+        ([1.0], [1.0, 2.0]),
+        ([[1.0]], [[1.0]]),
+        (1.0, 2.0),
+        (["a"], ["b"]),
+        (None, [1.0]),
+        ([1j], [1.0]),
+        ([1e308], [1.0]),
+    ],
 )
 def test_what_does_not_go_together_is_refused(of, first, second):
     with pytest.raises(InputError):

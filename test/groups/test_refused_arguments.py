@@ -145,6 +145,13 @@ def test_what_leaves_double_precision_is_refused_without_a_warning(function):
         function(HUGE)
 
 
+def test_metrics_and_rates_whose_eigenvalues_leave_double_precision_are_refused():
+    with pytest.raises(ParameterError):
+        groups.Lagrangian(SO(4), 1e308 * np.eye(6))
+    with pytest.raises(ParameterError):
+        groups.steady_rotation(groups.Lagrangian(SO(4), 2.0 * np.eye(6)), [0.3, -1e200, 0.5, 0.1, 0.4, -0.6])
+
+
 @pytest.mark.parametrize("moments", [np.full(4, 1e308), np.array([1e308, -1e308, 1.0, 1.0]), np.full(4, -1e308)])
 def test_second_moments_whose_sums_leave_double_precision_are_refused(moments):
     with pytest.raises(ParameterError) as caught:

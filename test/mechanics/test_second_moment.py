@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -92,11 +94,16 @@ def test_shapes_in_any_attitude_make_rigid_bodies(body):
         (lambda: RigidBody.from_second_moment(np.diag([1, 1, -1])), "second moment"),
         (lambda: inertia_from_second_moment(1e308 * np.eye(3)), "second moment"),
         (lambda: rotated_second_moment(1e308 * np.ones((3, 3)), UNIT), "second moment"),
+        (lambda: rotated_second_moment(UNIT, 1e160 * UNIT), "rotation"),
+        (lambda: second_moment_from_inertia(np.diag([1e308, 2, 3])), "second moment ½ tr(I) 1 − I of the inertia"),
+        (lambda: rod(1.0, 1e308), "second moment"),
     ],
 )
 def test_impossible_second_moments_are_refused(build, name):
-    with pytest.raises(ParameterError) as caught:
-        build()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ParameterError) as caught:
+            build()
     assert caught.value.name == name
 
 
