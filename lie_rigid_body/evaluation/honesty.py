@@ -267,6 +267,7 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
     )
 
 
+@np.errstate(over="ignore")  # what is repaired may leave double precision, and is then no cause
 def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
     """Cause whose repair makes errors likelier and the covariance honest: the likeliest, a factor if no other."""
     runs, dimension = len(errors), errors.shape[-1]

@@ -99,7 +99,8 @@ class CompactElements(Elements):
     def distance(self, A: Matrix) -> Array:
         """The larger of the Frobenius norm of A†A − 1, eqs. (4) and (5), and |det A − 1|, eq. (6)."""
         off = frobenius(self.inverse(A) @ A - np.eye(self._n))
-        return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
+        with np.errstate(divide="ignore"):  # the logarithm of a determinant of 0
+            return np.asarray(np.maximum(off, np.abs(np.linalg.det(A) - 1.0)))
 
     def inverse(self, A: Matrix) -> Matrix:
         """The conjugate transpose."""

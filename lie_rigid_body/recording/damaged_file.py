@@ -47,6 +47,8 @@ _PIECE: Final = 2**12
 """Bytes that are looked through at a time."""
 _FOOTER_SIZE: Final = RECORD_HEAD.size + 20 + len(MAGIC)
 """Bytes of the footer, and of what follows it."""
+_LARGEST_SUMMARY: Final = 2**24
+"""Bytes before the end of a file in which a displaced summary is looked for: the indexes of some 100 000 chunks."""
 _CRC_PIECE: Final = 2**18
 """Bytes of which a checksum is computed at a time."""
 
@@ -107,16 +109,22 @@ class DamagedFile:
         if indexed:
             yield from self._chunks_within(before, until)
             yield from map(indexed.__getitem__, range(number, len(indexed)))
-        elif given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at):
-            pass
+        elif not self._has_footer and given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at):
+            return
         elif self.has_chunks or (self._is_chunked and not self.messages):
             yield from (begin for begin, _ in self._looked_for(_CHUNKED_HEAD, before))
         else:
             known, message = self._known(), bytes([Opcode.MESSAGE])
             found = self._looked_for(_LOOSE_HEAD, before)
             yield from (begin for begin, of in found if of in known or given[begin : begin + 1] != message)
-        if footer > at and given[footer : footer + 1] == bytes([Opcode.FOOTER]):
+        if self._has_footer and footer > at:
             yield footer
+
+    @cached_property
+    def _has_footer(self) -> bool:
+        """Whether the file was written to its end."""
+        last = sound(self._given, max(0, len(self._given) - _FOOTER_SIZE))
+        return last is not None and last.opcode == Opcode.FOOTER
 
     def _chunks_within(self, before: Place, end: int) -> Iterator[int]:
         """Bytes behind the beginning of a record where what looks like a chunk, attachment or metadata begins.
@@ -163,9 +171,11 @@ class DamagedFile:
         None if it is not read to its end, or its checksum is another one.
         """
         footer = self._given[RECORD_HEAD.size - _FOOTER_SIZE :]
-        declared = int.from_bytes(footer[16:20], "little")
+        declared, tried = int.from_bytes(footer[16:20], "little"), set[int]()
         for begin in chain([int.from_bytes(footer[:8], "little")], self._ends_of_data()):
-            found = [*records(self._given, begin)] if self._is_end_of_data(begin) else []
+            known = records(self._given, begin) if self._is_end_of_data(begin) else ()
+            found = [*takewhile(lambda place: place.start not in tried, known)]  # those lead nowhere
+            tried.update(place.start for place in found)
             if found[1:] and found[-1].opcode == Opcode.FOOTER and found[-1].end == len(self._given) - len(MAGIC):
                 return found if declared in (0, self.crc(begin, found[-1].end - 4)) else []
         return []
@@ -177,7 +187,7 @@ class DamagedFile:
     def _ends_of_data(self) -> Iterator[int]:
         """Bytes behind what may be the end of the data, the last first."""
         size = len(self._given)
-        for begin in range(size - _PIECE, max(0, size - LARGEST_RECORD), -_PIECE):
+        for begin in range(size - _PIECE, max(0, size - _LARGEST_SUMMARY), -_PIECE):
             piece = self._given[begin : begin + _PIECE + len(_DATA_END) - 1]
             yield from reversed([begin + found.end() + 4 for found in re.finditer(re.escape(_DATA_END), piece)])
 

@@ -6,7 +6,7 @@ import zlib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from io import BytesIO
-from typing import Any, Final
+from typing import Final
 
 from mcap.records import Chunk
 
@@ -137,29 +137,32 @@ def _zstd_frame_size(data: bytes) -> int:
 def _from_lz4(data: bytes, most: int) -> tuple[bytes, int]:
     from lz4.frame import LZ4FrameDecompressor
 
-    content, rest, frames = b"", data, list[int]()
-    try:
-        while rest and len(content) < most:
-            decompressor = LZ4FrameDecompressor()
-            content += decompressor.decompress(rest, max_length=most - len(content))
-            rest = decompressor.unused_data or b""
+    if not data.startswith(_LZ4_MAGIC):
+        return b"", 0
+    decompressor = LZ4FrameDecompressor()
+    with suppress(RuntimeError):
+        content = decompressor.decompress(data, max_length=most)
+        behind = len(decompressor.unused_data or b"")
+        if not behind:
             # it has not come to the end of what is too long, either
-            frames.append(len(data) - len(rest) + (not decompressor.eof))
-    except RuntimeError:
-        content += b"".join(_before_damage(LZ4FrameDecompressor(), rest, most - len(content)))
-    frames.append(len(data) + 1)
-    return content, frames[0] if data.startswith(_LZ4_MAGIC) else 0
+            return content, len(data) + (not decompressor.eof)
+        return b"".join(_lz4_pieces(data, most)), len(data) - behind
+    return b"".join(_lz4_pieces(data, most)), len(data) + 1
 
 
-def _before_damage(decompressor: Any, data: bytes, most: int) -> Iterator[bytes]:
-    """What a decompressor of lz4 gives of a damaged frame, at most so many bytes."""
-    with suppress(RuntimeError, EOFError):
-        for begin in range(0, len(data), _PIECE):
-            found = decompressor.decompress(data[begin : begin + _PIECE], max_length=most)
+def _lz4_pieces(data: bytes, most: int) -> Iterator[bytes]:
+    """What frames of lz4 hold, piece by piece, at most so many bytes; of a damaged one what comes before."""
+    from lz4.frame import LZ4FrameDecompressor
+
+    decompressor, at = LZ4FrameDecompressor(), 0
+    with suppress(RuntimeError):
+        while at < len(data) and most > 0:
+            piece = data[at : at + _PIECE]
+            found = decompressor.decompress(piece, max_length=most)
+            at += len(piece) - len(decompressor.unused_data or b"")
             most -= len(found)
             yield found
-            if not most:
-                break
+            decompressor = LZ4FrameDecompressor() if decompressor.eof else decompressor
 
 
 _INFLATE: Final[dict[str, Callable[[bytes, int], tuple[bytes, int]]]] = {

@@ -162,10 +162,7 @@ class _Salvage:
             data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
             if place.opcode == Opcode.DATA_END and not self._damaged:
                 self._is_altered |= not self._there.agrees(place)
-            try:
-                if not data_ended:
-                    self._take(place)
-            except DAMAGE:
+            if not (data_ended or self._is_taken(place)):
                 self._leave_out(place.start)
                 self._there.doubt(place)
             end, opcode = place.end, place.opcode
@@ -207,6 +204,14 @@ class _Salvage:
                     found = find_messages(data, NO_HINTS, self._records_left).others
                     yield from ((own.opcode, data[own.begin : own.end]) for own in found if own.opcode in kinds)
         yield from ((place.opcode, self._given[place.begin : place.end]) for place in outside)
+
+    def _is_taken(self, place: Place) -> bool:
+        """Take a record; whether it is not damaged. The error that tells so would keep its bytes."""
+        try:
+            self._take(place)
+        except DAMAGE:
+            return False
+        return True
 
     def _take(self, place: Place) -> None:
         require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
@@ -261,10 +266,12 @@ class _Salvage:
             require(len(table.data) == len(data), "a record in it is not whole")
             self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
             self._is_altered |= bool(table.index) and span_ns != told_ns
+            return
         except DAMAGE:
-            self._declare()
-            self._take_known(chunk, table)
-            raise
+            del table, data  # which the chunks that are looked through for definitions have no room beside
+        self._declare()
+        self._take_known(chunk, find_messages(inflated(chunk), NO_HINTS, most_records(chunk.uncompressed_size)))
+        raise ContradictionError("not all of its records are those of a chunk")
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""

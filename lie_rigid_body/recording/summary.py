@@ -176,7 +176,7 @@ class Summary:
         ContradictionError
             If there are none.
         """
-        schemas, channels, kept = {0, *self.schemas}, {*self.channels}, list[bytes]()
+        schemas, channels, kept = {0, *self.schemas}, {*self.channels}, list[bytes | memoryview]()
         for place in table.others:
             with suppress(ValueError, EOFError, struct.error):
                 record = parsed(place.opcode, table.data[place.begin : place.end])
@@ -187,7 +187,8 @@ class Summary:
         is_within = (heads["log_time"] >= first_ns) & (heads["log_time"] <= min(last_ns, LAST_TIME))
         is_known = np.isin(heads["channel"], [*channels]) & is_within & (heads["publish_time"] <= LAST_TIME)
         rows = np.flatnonzero(is_known)
-        kept += [table.data[table.starts[row] : table.ends[row]] for row in rows.tolist()]
+        view = memoryview(table.data)
+        kept += [view[table.starts[row] : table.ends[row]] for row in rows.tolist()]
         found = find_messages(b"".join(kept), NO_HINTS, len(kept))
         require(len(found.starts) > 0, "no message in a chunk is whole, and of a known topic")
         return found
