@@ -25,6 +25,7 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
+from lie_rigid_body.recording.inflation import salvaged
 from lie_rigid_body.recording.mcap_contents import McapContents
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.recording.records import FileBytes, record_bytes
@@ -720,6 +721,52 @@ def test_work_for_damaged_records_grows_with_the_file_alone(
                 recover(broken, tmp_path / "fixed.mcap", overwrite=True)
                 sizes.append(sum(read))
             assert sizes[1] < 2.5 * sizes[0]
+
+
+def test_work_for_false_ends_of_the_data_grows_with_the_file_alone(
+    whole: dict[str, Path], tmp_path: Path, read: list[int]
+) -> None:
+    """Behind each may stand the summary, should bytes have been lost or won before it."""
+    content, sizes = whole["zstd"].read_bytes(), list[int]()
+    begin = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    end = record_bytes(DataEnd(0)) + RECORD.pack(Opcode.METADATA, 0)
+    for count in (1000, 2000):
+        read.clear()
+        (tmp_path / "broken.mcap").write_bytes(content[:begin] + count * end + record_bytes(Footer(0, 0, 0)) + MAGIC)
+        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+        sizes.append(sum(read))
+    assert sizes[1] < 2.5 * sizes[0]
+
+
+def test_work_for_frames_of_lz4_grows_with_them_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = list[int]()
+
+    class Counting(LZ4FrameDecompressor):
+        def decompress(self, data: bytes, max_length: int = -1) -> bytes:
+            given.append(len(data))
+            return bytes(super().decompress(data, max_length))
+
+    monkeypatch.setattr(lz4.frame, "LZ4FrameDecompressor", Counting)
+    sums, frame = list[int](), lz4.frame.compress(b"x")
+    for count in (1000, 2000):
+        given.clear()
+        assert salvaged(Chunk("lz4", count * frame, 0, 0, 0, count)) == count * b"x"
+        sums.append(sum(given))
+    assert sums[1] < 2.5 * sums[0]
+
+
+def test_a_chunk_that_lost_more_than_follows_it_costs_itself(tmp_path: Path) -> None:
+    """A file that ends with a footer has no unfinished chunk, with a summary or without one."""
+    topic = record_bytes(Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=0))
+    noise = np.random.default_rng(0)
+    data = [b"".join(record_bytes(Message(1, 5, noise.bytes(30), 5, 0)) for _ in range(count)) for count in (1, 30, 2)]
+    data[0] = topic + data[0]
+    chunks = [record_bytes(Chunk("lz4", lz4.frame.compress(part), 5, 5, 0, len(part))) for part in data]
+    head = MAGIC + record_bytes(Header(profile="ros2", library="another recorder"))
+    end = record_bytes(DataEnd(0), Footer(0, 0, 0)) + MAGIC
+    (tmp_path / "broken.mcap").write_bytes(head + chunks[0] + chunks[1][:300] + chunks[1][-300:] + chunks[2] + end)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, recovery.broken_at) == (3, None)
 
 
 def test_an_altered_message_in_no_chunk_is_told_by_the_checksum_of_the_data(tmp_path: Path) -> None:
