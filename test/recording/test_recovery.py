@@ -732,7 +732,7 @@ def test_work_for_false_ends_of_the_data_grows_with_the_file_alone(
     end = record_bytes(DataEnd(0)) + RECORD.pack(Opcode.METADATA, 0)
     for count in (1000, 2000):
         read.clear()
-        (tmp_path / "broken.mcap").write_bytes(content[:begin] + count * end + record_bytes(Footer(0, 0, 0)) + MAGIC)
+        (tmp_path / "broken.mcap").write_bytes(content[:begin] + count * end + RECORD.pack(Opcode.METADATA, 2**40))
         recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
         sizes.append(sum(read))
     assert sizes[1] < 2.5 * sizes[0]
