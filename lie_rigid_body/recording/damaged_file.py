@@ -1,4 +1,4 @@
-"""Where the records of a damaged MCAP file stand: behind each other, where its summary says, or where one begins."""
+"""Search for the records of a damaged MCAP file: behind each other, where its summary says, or where one begins."""
 
 from __future__ import annotations
 
