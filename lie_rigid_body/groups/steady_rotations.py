@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
@@ -146,6 +146,8 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     momentum, f = lagrangian.momenta(w), lagrangian.group.structure_constants
     directions = coadjoint_directions(lagrangian.group, momentum)
     size = float(np.linalg.norm(momentum) * np.abs(f).max(initial=0.0))
+    if not np.isfinite(size):
+        raise ParameterError("rates", "their squares are beyond double precision, 1.8e308: give smaller numbers")
     tangent, algebra, normal = _orbit(directions, STEADY_TOLERANCE * size)
     whole = linearisation(lagrangian, w)
     linear, off = tangent.T @ whole @ tangent, normal.T @ whole @ normal
