@@ -180,8 +180,10 @@ class Summary:
         for place in table.others:
             with suppress(ValueError, EOFError, struct.error):
                 record = parsed(place.opcode, table.data[place.begin : place.end])
-                if isinstance(record, Schema) or (isinstance(record, Channel) and record.schema_id in schemas):
-                    (schemas if isinstance(record, Schema) else channels).add(record.id)
+                own = schemas if isinstance(record, Schema) else channels
+                is_channel = isinstance(record, Channel) and record.schema_id in schemas
+                if (isinstance(record, Schema) or is_channel) and record.id not in own:  # what is declared is right
+                    own.add(record.id)
                     kept.append(record_bytes(record))
         heads, (first_ns, last_ns) = table.heads, span_ns
         is_within = (heads["log_time"] >= first_ns) & (heads["log_time"] <= min(last_ns, LAST_TIME))
