@@ -356,6 +356,21 @@ def test_a_chunk_of_definitions_alone_is_kept(tmp_path: Path, has_summary: bool)
     assert len(messages(tmp_path / "fixed.mcap")) == 10
 
 
+def test_a_damaged_definition_in_a_chunk_is_none_beside_that_in_the_summary(tmp_path: Path) -> None:
+    right, wrong = (Schema(id=1, name="a/msg/B", encoding="ros2msg", data=text) for text in (b"int8 a", b"int8 b"))
+    topic = Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=1)
+    ones = b"".join(record_bytes(Message(1, time, b"data", time, 0)) for time in range(5, 15))
+    part = record_bytes(wrong, topic) + ones + RECORD.pack(0x85, 0)
+    head = record_bytes(Header(profile="ros2", library="another recorder"))
+    content = MAGIC + head + record_bytes(Chunk("", part, 14, 5, 0, len(part)), DataEnd(0))
+    summary = record_bytes(right, topic, Footer(len(content), 0, 0)) + MAGIC
+    (tmp_path / "broken.mcap").write_bytes(content + summary)
+    recovery = recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.messages, len(recovery.damaged)) == (10, 1)
+    with (tmp_path / "fixed.mcap").open("rb") as stream:
+        assert {schema and schema.data for schema, *_ in make_reader(stream).iter_messages()} == {b"int8 a"}
+
+
 @pytest.mark.parametrize("lost", [1, 512])
 def test_the_summary_is_found_where_bytes_were_lost_before_it(tmp_path: Path, lost: int) -> None:
     """It tells of the topics whose definitions are damaged in the first chunk."""
