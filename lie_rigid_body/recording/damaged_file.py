@@ -187,7 +187,7 @@ class DamagedFile:
     def _ends_of_data(self) -> Iterator[int]:
         """Bytes behind what may be the end of the data, the last first."""
         size = len(self._given)
-        for begin in range(size - _PIECE, max(0, size - _LARGEST_SUMMARY), -_PIECE):
+        for begin in reversed(range(max(0, size - _LARGEST_SUMMARY), size, _PIECE)):
             piece = self._given[begin : begin + _PIECE + len(_DATA_END) - 1]
             yield from reversed([begin + found.end() + 4 for found in re.finditer(re.escape(_DATA_END), piece)])
 

@@ -222,9 +222,8 @@ class _Salvage:
             channel, _, *times = _MESSAGE.unpack_from(content)
             self._there.messages += 1
             require(not self._there.has_chunks, "a message stands outside of the chunks")
-            if channel not in self._file.summary.channels:
-                self._declare()
-            require(channel in self._file.summary.channels, "a message is on no channel")
+            is_known = channel in self._file.summary.channels or channel in self._declared()
+            require(is_known, "a message is on no channel")
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
@@ -235,9 +234,9 @@ class _Salvage:
             is_repeated = self._there.repeated.get((place.opcode, content[:2]), content) == content
             is_exact = isinstance(record, Schema | Channel) or len(record_bytes(record)) == place.end - place.start
             require(is_exact and is_repeated, "a record is longer than its fields, or another one in the summary")
-            is_held = not isinstance(record, Attachment) or any(content[-4:])  # by its checksum
-            is_followed = place.end == len(self._given) or sound(self._given, place.end) is not None
-            require(is_held or is_followed, "an attachment is damaged, or what follows it")
+            if isinstance(record, Attachment) and not any(content[-4:]):  # it has no checksum
+                is_followed = place.end == len(self._given) or sound(self._given, place.end) is not None
+                require(is_followed, "an attachment is damaged, or what follows it")
             self._file.add(record)
         else:
             is_first = place.opcode == Opcode.HEADER and place.start == len(MAGIC)

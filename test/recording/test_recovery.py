@@ -17,7 +17,7 @@ from mcap.opcode import Opcode
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.records import Channel, Chunk, DataEnd, Footer, Header, Message, Schema
 from mcap.writer import MCAP0_MAGIC as MAGIC
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType, IndexType, Writer
 from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
@@ -391,6 +391,26 @@ def test_the_summary_is_found_where_bytes_were_lost_before_it(tmp_path: Path, lo
     found = messages(tmp_path / "fixed.mcap")
     assert 200 < len(found) < 300
     assert [one for one in everything if one in found] == found
+
+
+def test_the_summary_of_a_small_file_is_found_where_a_byte_was_lost_before_it(tmp_path: Path) -> None:
+    path = tmp_path / "whole.mcap"
+    with path.open("wb") as out:
+        writer = Writer(out, chunk_size=300, index_types=IndexType.CHUNK)
+        writer.start("ros2", "another recorder")
+        topic = writer.register_channel("/1", "cdr", writer.register_schema("a/msg/B", "ros2msg", b"int8 a"))
+        for k in range(40):
+            writer.add_message(topic, k, np.random.default_rng(k).bytes(8), k)
+        writer.finish()
+    content = bytearray(path.read_bytes())
+    chunks = [(begin, end) for opcode, begin, end in records(content) if opcode == Opcode.CHUNK]
+    assert len(content) < 4000
+    content[chunks[0][0] + 60] ^= 1
+    del content[chunks[-1][0] + 60]
+    path.write_bytes(content)
+    recovery = recover(path, tmp_path / "fixed.mcap", overwrite=False)
+    assert chunks[0][0] in recovery.damaged
+    assert recovery.messages == len(messages(tmp_path / "fixed.mcap")) > 20
 
 
 def test_a_definition_in_a_damaged_summary_is_none_beside_that_in_a_chunk(tmp_path: Path) -> None:
