@@ -63,14 +63,14 @@ HEAD: Final = np.dtype(
     ]
 )
 """Fields before the payload of a message record."""
+MESSAGE: Final = struct.Struct("<HIQQ")
+"""Channel, sequence, log time and publish time at the beginning of the content of a message."""
 LAST_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
 LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
 """Largest size of a record, bytes."""
 _CRC_SIZE: Final = 4
 """Bytes of the checksum at the end of an attachment."""
-_SHORTEST: Final = HEAD.itemsize - RECORD_HEAD.size
-"""Length of the content of a message without payload."""
 NO_HINTS: Final = np.empty(0, dtype=np.int64)
 Rows: TypeAlias = NDArray[np.uint64]
 """Log time, ns, and place in the uncompressed chunk of each message, shape (N, 2), as an index has them."""
@@ -318,7 +318,7 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
             position, left = place.end, left - 1
             if left < 0:
                 raise ExcessError("too many records in chunks for its size")
-            if place.opcode == Opcode.MESSAGE and place.end - place.begin >= _SHORTEST:
+            if place.opcode == Opcode.MESSAGE and place.end - place.begin >= MESSAGE.size:
                 starts.append(place.start)
             else:
                 others.append(place)
@@ -336,6 +336,6 @@ def _hinted(data: bytes, hints: Integers) -> MessageTable:
     """Table of the messages to which hints point, perhaps within each other; empty if what stands there is none."""
     table = MessageTable(data, np.sort(hints))
     is_within = len(hints) and table.starts[0] >= 0 and table.starts[-1] <= len(data) - HEAD.itemsize
-    if is_within and ((table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= _SHORTEST)).all():
+    if is_within and ((table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= MESSAGE.size)).all():
         return table
     return MessageTable(data, NO_HINTS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import replace
@@ -25,6 +24,7 @@ from lie_rigid_body.recording.records import (
     LARGEST_RECORD,
     LAST_TIME,
     MAGIC,
+    MESSAGE,
     NO_HINTS,
     RECORD_HEAD,
     ContradictionError,
@@ -34,16 +34,16 @@ from lie_rigid_body.recording.records import (
     find_messages,
     parsed,
     record_bytes,
+    records,
     require,
 )
-from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, begins_well, sound
+from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, sound
 from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
 _ZEROS: Final = 64
 """Zeros in which no compressed data end."""
-_MESSAGE: Final = struct.Struct("<HIQQ")
 
 
 class NothingWholeError(BagError):
@@ -127,6 +127,7 @@ class _Salvage:
         self._there, self._loose = DamagedFile(given, self._declared), bytearray()
         self._damaged, self._rewritten = [0] * (given[: len(MAGIC)] != MAGIC), list[int]()
         self._knows_all = self._is_altered = False
+        self._in_part: int | None = None
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -157,6 +158,7 @@ class _Salvage:
         """Take record after record; return where the last ends, and whether the file does."""
         end, opcode, data_ended = len(MAGIC), 0, False
         for place in self._there.places():
+            self._take_in_part(place.start)
             if place.start != end:
                 self._leave_out(end)
             data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
@@ -166,6 +168,7 @@ class _Salvage:
                 self._leave_out(place.start)
                 self._there.doubt(place)
             end, opcode = place.end, place.opcode
+        self._take_in_part(end)
         self._close_loose()
         return end, opcode == Opcode.FOOTER
 
@@ -219,7 +222,7 @@ class _Salvage:
         if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
             self._close_loose()
         if place.opcode == Opcode.MESSAGE:
-            channel, _, *times = _MESSAGE.unpack_from(content)
+            channel, _, *times = MESSAGE.unpack_from(content)
             self._there.messages += 1
             require(not self._there.has_chunks, "a message stands outside of the chunks")
             is_known = channel in self._file.summary.channels or channel in self._declared()
@@ -264,13 +267,22 @@ class _Salvage:
         try:
             require(len(table.data) == len(data), "a record in it is not whole")
             self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
-            self._is_altered |= bool(table.index) and span_ns != told_ns
-            return
         except DAMAGE:
-            del table, data  # which the chunks that are looked through for definitions have no room beside
-        self._declare()
-        self._take_known(chunk, find_messages(inflated(chunk), NO_HINTS, most_records(chunk.uncompressed_size)))
-        raise ContradictionError("not all of its records are those of a chunk")
+            self._in_part, self._there.has_chunks = at, True
+            raise
+        self._is_altered |= bool(table.index) and span_ns != told_ns
+
+    def _take_in_part(self, end: int) -> None:
+        """Take the whole messages of a chunk that does not add up, if the last record is one; the next one is known.
+
+        Where it won some bytes, others that were in it stand between the two.
+        """
+        at, self._in_part = self._in_part, None
+        for place in records(self._given, at) if at is not None else ():
+            with suppress(*DAMAGE):
+                chunk = parsed(place.opcode, self._given[place.begin : place.end])
+                self._take_known(chunk, salvaged(chunk) + (b"" if chunk.compression else self._given[place.end : end]))
+            return
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""
@@ -279,7 +291,7 @@ class _Salvage:
             found = find_messages(data, NO_HINTS, self._records_left)
             rest = data[len(found.data) :]
             if chunk.compression or (rest and not rest.strip(b"\0")):
-                self._take_known(chunk, self._found(data[: found.starts[-1]]))  # the last may be of zeros in part
+                self._take_known(chunk, data[: found.starts[-1]])  # the last may be of zeros in part
 
     def _take_part(self, begin: int) -> None:
         """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
@@ -287,14 +299,12 @@ class _Salvage:
             raw = self._given[begin + RECORD_HEAD.size : begin + LARGEST_RECORD]
             with suppress(*DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
-                data = salvaged(chunk)
-                found = find_messages(data, NO_HINTS, self._records_left)
-                is_whole = begins_well(data[len(found.data) :], chunk.uncompressed_size)
-                self._take_known(chunk, self._found(data if is_whole else data[: found.starts[-1]]))
+                self._take_known(chunk, salvaged(chunk))
 
-    def _take_known(self, chunk: Chunk, table: MessageTable) -> None:
-        """Take those of the messages that were found in a damaged chunk which were written there."""
-        known = self._file.summary.known(table, (chunk.message_start_time, chunk.message_end_time))
+    def _take_known(self, chunk: Chunk, data: bytes) -> None:
+        """Take those of the messages in a damaged chunk which were written there."""
+        known = self._found(self._file.summary.known(data, (chunk.message_start_time, chunk.message_end_time)))
+        require(len(known.starts) > 0, "no message in a chunk is whole, and of a known topic")
         self._file.add_chunk(compressed(known, chunk.compression), known)
         self._there.has_chunks = True
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 import zstandard
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
-from lie_rigid_body.recording.records import MAGIC, RECORD_HEAD, FileBytes, Place, records
+from lie_rigid_body.recording.records import HEAD, LARGEST_RECORD, MAGIC, RECORD_HEAD, FileBytes, Place, records
 
 _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
     Opcode.HEADER: (-4, -4),
@@ -30,6 +31,7 @@ _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
 """Fields of a record in their order: how many bytes they take, or, below 0, those of a size that stands before them."""
 OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
+_MESSAGE_HEAD: Final = re.compile(rb"\x05(?=.{4}\0{4})", re.DOTALL)
 DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -77,7 +79,40 @@ def goes_on(data: bytes | FileBytes, end: int) -> bool:
     return end >= len(data) or 0 < opcode <= Opcode.DATA_END or 0 < length <= len(data) - end - RECORD_HEAD.size
 
 
-def begins_well(data: bytes, size: int) -> bool:
-    """Whether some data, if any, may be the beginning of another record in a chunk of some size."""
-    opcode, length = RECORD_HEAD.unpack(data[: RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0"))
-    return not data or (opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE) and length <= size)
+def whole_records(data: bytes, span_ns: tuple[int, int]) -> Iterator[Place]:
+    """Records in the data of a damaged chunk that are whole: behind each of them another one begins, or the data end.
+
+    Another one may have lost or won some bytes: then the search goes on where the next message of the chunk's times
+    begins.
+
+    Parameters
+    ----------
+    data : bytes
+    span_ns : (int, int)
+        The earliest and the latest log time of the chunk.
+    """
+    at = 0
+    while at + RECORD_HEAD.size <= len(data):
+        opcode, length = RECORD_HEAD.unpack_from(data, at)
+        end = at + RECORD_HEAD.size + length
+        is_other = any(data[end : end + RECORD_HEAD.size]) and _begins(data, _end(data, end), span_ns)
+        if _begins(data, end, span_ns) or is_other:  # whose kind is damaged, or unknown
+            yield Place(opcode, at, at + RECORD_HEAD.size, end)
+            at = end
+        else:
+            heads = (found.start() for found in _MESSAGE_HEAD.finditer(data, at + 1))
+            at = next((head for head in heads if _begins(data, head, span_ns)), len(data))
+
+
+def _end(data: bytes, at: int) -> int:
+    """Byte where the record ends that begins at a byte, be it there or not."""
+    return at + RECORD_HEAD.size + int.from_bytes(data[at + 1 : at + RECORD_HEAD.size], "little")
+
+
+def _begins(data: bytes, at: int, span_ns: tuple[int, int]) -> bool:
+    """Whether a record may begin in or behind a chunk, if a message, of its times; or whether the data end there."""
+    head = data[at : at + HEAD.itemsize]
+    if head.startswith(b"\5") and len(head) == HEAD.itemsize:
+        return span_ns[0] <= int.from_bytes(head[15:23], "little") <= span_ns[1]
+    is_kind = b"\0" < head[:1] <= bytes([Opcode.DATA_END])
+    return at == len(data) or (is_kind and _end(data, at) - at <= LARGEST_RECORD)

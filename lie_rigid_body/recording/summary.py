@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, Final
 
-import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import (
     Attachment,
@@ -30,15 +29,15 @@ from mcap.records import (
 from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
 from lie_rigid_body.recording.records import (
     LAST_TIME,
-    NO_HINTS,
+    MESSAGE,
     ExcessError,
     MessageTable,
-    find_messages,
     parsed,
     record_bytes,
     require,
     size_of,
 )
+from lie_rigid_body.recording.sound_records import whole_records
 
 _IN_DATA: Final = frozenset(
     {
@@ -166,34 +165,27 @@ class Summary:
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
 
-    def known(self, table: MessageTable, span_ns: tuple[int, int]) -> MessageTable:
+    def known(self, data: bytes, span_ns: tuple[int, int]) -> bytes:
         """Those messages of a damaged chunk that were written: on channels declared here or in it, within its times.
 
         They stand behind those declarations in it that are complete.
-
-        Raises
-        ------
-        ContradictionError
-            If there are none.
         """
-        schemas, channels, kept = {0, *self.schemas}, {*self.channels}, list[bytes | memoryview]()
-        for place in table.others:
+        schemas, channels, kept = {0, *self.schemas}, {*self.channels}, bytearray()
+        for place in whole_records(data, span_ns):
+            content = data[place.begin : place.end]
             with suppress(ValueError, EOFError, struct.error):
-                record = parsed(place.opcode, table.data[place.begin : place.end])
+                if place.opcode == Opcode.MESSAGE:
+                    channel, _, *times = MESSAGE.unpack_from(content)
+                    is_known = channel in channels and span_ns[0] <= times[0] <= span_ns[1]
+                    kept += data[place.start : place.end] if is_known and max(times) <= LAST_TIME else b""
+                    continue
+                record = parsed(place.opcode, content)
                 own = schemas if isinstance(record, Schema) else channels
                 is_channel = isinstance(record, Channel) and record.schema_id in schemas
                 if (isinstance(record, Schema) or is_channel) and record.id not in own:  # what is declared is right
                     own.add(record.id)
-                    kept.append(record_bytes(record))
-        heads, (first_ns, last_ns) = table.heads, span_ns
-        is_within = (heads["log_time"] >= first_ns) & (heads["log_time"] <= min(last_ns, LAST_TIME))
-        is_known = np.isin(heads["channel"], [*channels]) & is_within & (heads["publish_time"] <= LAST_TIME)
-        rows = np.flatnonzero(is_known)
-        view = memoryview(table.data)
-        kept += [view[table.starts[row] : table.ends[row]] for row in rows.tolist()]
-        found = find_messages(b"".join(kept), NO_HINTS, len(kept))
-        require(len(found.starts) > 0, "no message in a chunk is whole, and of a known topic")
-        return found
+                    kept += record_bytes(record)
+        return bytes(kept)
 
     def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], end: int) -> None:
         """Add a chunk whose messages were added.
