@@ -57,10 +57,11 @@ class SimulatorProcess:
         domain: int | None = None,
         preexec: Callable[[], None] | None = None,
         without: Sequence[str] = (),
+        program: Sequence[str] = (),
     ) -> None:
         self.domain = int(os.environ["ROS_DOMAIN_ID"]) if domain is None else domain
         self.process = subprocess.Popen(
-            sim_command(*arguments, without=without),
+            [sys.executable, *program, *arguments] if program else sim_command(*arguments, without=without),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
