@@ -66,3 +66,7 @@ class ParameterError(InputError):
 
 class BagError(LieRigidBodyError):
     """A recording cannot be written or read."""
+
+
+class ExistsError(BagError):
+    """A file of that name exists, and is kept."""

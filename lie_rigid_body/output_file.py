@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
 from lie_rigid_body.bounded_input import as_path
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.errors import BagError, ExistsError
 from lie_rigid_body.system import is_others, lock, real_path, user
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class OutputFile:
             else:
                 self._written, self._file, self._lock = _beside(self._target)
         except FileExistsError:
-            raise BagError(
+            raise ExistsError(
                 f"{self.path} exists and is kept: give another name, or --force to replace it (Python: overwrite=True)"
             ) from None
         except (OSError, ValueError) as error:
@@ -87,7 +87,7 @@ class OutputFile:
             if link.is_symlink() and is_others(link.lstat()):
                 raise BagError(f"{link} is a link of another user and is not followed: give another name")
         if self.path.is_dir():
-            raise BagError(f"{self.path} is a folder: give the name of a file in it, such as out.mcap")
+            raise BagError(f"{self.path} is a folder: give the name of a file, or move it away")
         if self.path.is_symlink() and not self.path.exists():
             raise BagError(f"{self.path} is a link that leads to no file: remove it, or give another name")
         if not (overwrite and self.path.exists()):

@@ -186,7 +186,7 @@ def test_tables_list_it(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(name in BY_NAME for name in own)
     assert explain.main(assignments(**ON)) == 0
     assert re.search(r"horizon_sensor_noise +0\.01", capsys.readouterr().out)
-    idle = Scenario.from_parameters({"horizon_sensor_noise": 0.1}).without_effect
+    (idle,) = Scenario.from_parameters({"horizon_sensor_noise": 0.1}).without_effect
     assert "horizon_sensor_noise" in idle
     assert "horizon_sensor_rate" in idle
 

@@ -99,8 +99,8 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
         idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    if idle and all(idle):
-        console.complain(console.program("campaign"), f"{path}: {idle[0]}", "warning")
+    for sentence in idle[0] if idle and all(idle) else ():
+        console.complain(console.program("campaign"), f"{path}: {sentence}", "warning")
 
 
 def _look_at_bags(journal: Journal, *, wanted: bool) -> None:

@@ -54,8 +54,8 @@ def main(given: argparse.Namespace) -> int:
 
     require_other(given.out, files_read(given.scenario, given.params_file))
     scenario = scenario_of(given)
-    if scenario.without_effect and not given.quiet:
-        console.complain(console.program("record"), scenario.without_effect, "warning")
+    for sentence in scenario.without_effect if not given.quiet else ():
+        console.complain(console.program("record"), sentence, "warning")
     simulation, out = Simulation(scenario), Path(given.out)
     clock = simulation.clock
     count, last_ns = clock.count_before(duration), clock.last_ns_before(duration)

@@ -100,8 +100,8 @@ class SimulatorNode(Node):
         )
         if self.get_parameter("use_sim_time").value:
             self.get_logger().warning("use_sim_time has no effect here: the samples follow a steady clock of this node")
-        if scenario.without_effect:
-            self.get_logger().warning(scenario.without_effect)
+        for sentence in scenario.without_effect:
+            self.get_logger().warning(sentence)
 
     def _look_for_namesakes(self) -> None:
         """Warn of another node of the same name, once those that were killed are forgotten."""

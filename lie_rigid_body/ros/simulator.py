@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
@@ -11,7 +10,7 @@ from functools import partial
 from typing import Any
 
 from lie_rigid_body import console
-from lie_rigid_body.errors import BagError, InputError, ParameterError
+from lie_rigid_body.errors import BagError, ExistsError, InputError, ParameterError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.parameters import NS
@@ -103,8 +102,6 @@ def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Record
         return
     from lie_rigid_body.recording.bag_writer import BagWriter
 
-    if os.path.lexists(path):
-        raise ParameterError("record_path", f"{path} exists and is kept: give another name, or move it away")
     try:
         writer = BagWriter(
             path,
@@ -115,6 +112,9 @@ def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Record
             scenario_topic=node.names[SCENARIO],
             sensor_topics={topic: node.names[topic] for topic in SENSOR_TOPICS},
         )
+    except ExistsError:
+        kept = f"{path} exists and is kept: give another name, or move it away"
+        raise ParameterError("record_path", kept) from None
     except BagError as error:
         raise ParameterError("record_path", str(error)) from None
     with writer as bag:

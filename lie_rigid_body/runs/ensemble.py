@@ -124,8 +124,8 @@ def simulate(
         chosen = [{"sensor_seed": seed} for seed in _chosen(seeds, most)]
     scenarios = (Scenario.from_parameters({**given, **seed}) for seed in chosen)
     first = next(scenarios)
-    if first.without_effect:
-        warnings.warn(first.without_effect, stacklevel=2)
+    for sentence in first.without_effect:
+        warnings.warn(sentence, stacklevel=2)
     _require_memory(first, length, len(chosen), memory_limit)
     motions = partial(motions_of, clocks=defaultdict(Latest))
     simulations = [Simulation(one, motions=motions) for one in (first, *scenarios)]

@@ -134,8 +134,8 @@ class Scenario:
         return bool(self.sensors.on)
 
     @property
-    def without_effect(self) -> str:
-        """A sentence, without its full stop, about parameters of sensors that are off; empty if there are none."""
+    def without_effect(self) -> list[str]:
+        """Sentences, without their full stops, about parameters of sensors that are off."""
         return without_effect(dict(self.sensor_parameters))
 
     @property

@@ -14,7 +14,6 @@ from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PAR
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import listed
 
 SLOWEST_RATE: Final = 1e-6
 """Smallest sampling rate of a sensor, Hz."""
@@ -129,8 +128,8 @@ def _is_on(name: str, values: Mapping[str, Value]) -> bool:
     return rate > 0.0
 
 
-def without_effect(values: Mapping[str, Value]) -> str:
-    """Say in a sentence without a full stop what is asked of sensors and faults that are off; empty if nothing.
+def without_effect(values: Mapping[str, Value]) -> list[str]:
+    """Sentences, each without a full stop, about what is asked of sensors and faults that are off.
 
     A grade asks for nothing: it is that of whichever sensors there are.
 
@@ -146,17 +145,18 @@ def without_effect(values: Mapping[str, Value]) -> str:
     for sensor in SENSORS.values():
         switches |= sensor.switches
     asked = [name for name, value in values.items() if value != usual[name] and name not in frame_parameters()]
-    sentences = []
+    sentences = list[str]()
     for switch, prefixes in {**switches, **faults}.items():
         names = [name for name in asked if not values[switch] and name.startswith(prefixes)]
         asked = [name for name in asked if name not in names]  # those of a sensor that is off are not told twice
         if names:
-            sentences.append(f"{_idle(names)}, as {switch} is {'false' if values[switch] is False else 0}")
+            sentences.append(_idle(names, f"{switch} is {'false' if values[switch] is False else 0}"))
     window = [parameter.name for parameter in WINDOW_PARAMETERS if parameter.name in asked]
     if window and not any(values[switch] for switch in faults):
-        sentences.append(f"{_idle(window)}, as no fault that comes and goes is on")
-    return f"{'; '.join(sentences)}: give what switches them on" if sentences else ""
+        sentences.append(_idle(window, "no fault that comes and goes is on"))
+    return sentences
 
 
-def _idle(names: list[str]) -> str:
-    return f"{listed(names)} {'have' if len(names) > 1 else 'has'} no effect"
+def _idle(names: list[str], why: str) -> str:
+    more = f" and {len(names) - 1} more have" if len(names) > 1 else " has"
+    return f"{names[0]}{more} no effect, as {why}: give what switches it on"

@@ -128,6 +128,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     for name in ("scenario", "grade"):
         if name in chosen:
             _fail(f"{name}={shown(chosen[name])} is no argument: did you mean {name}s=?")
+    if {"grades", "sensor_grade"} <= chosen.keys():
+        _fail("sensor_grade= is given beside grades=: give one of them")
     scenarios, grades = _names(chosen, "scenarios", scenario_files()), _names(chosen, "grades", GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:

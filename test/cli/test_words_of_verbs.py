@@ -91,7 +91,7 @@ RECORD = {
     "out.mcap --duration 1 --params-file flat.yaml -p rate:=0.0": "error: rate: ",
     "out.mcap --duration 1 --params-file flat.yaml --params-file unknown.yaml": "error: unknown.yaml: speed: ",
     "none/out.mcap --duration 1": "folder none does not exist: make it",
-    ". --duration 1": ". is a folder",
+    ". --duration 1": "error: . is a folder: give the name of a file, or move it away",
     "bad.yaml --duration 1": "bad.yaml exists and is kept: give another name, or --force",
     "bad.yaml/out.mcap --duration 1": "Not a directory",
     "/proc/out.mcap --duration 1": "/proc/out.mcap cannot be created: No such file",

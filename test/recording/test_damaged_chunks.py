@@ -26,9 +26,7 @@ def message_records(path: Path) -> list[bytes]:
 
 
 @pytest.mark.parametrize("change", [-500, -60, -9, -1, 1, 9, 60, 500])
-def test_bytes_that_a_chunk_lost_or_won_cost_the_messages_there_and_the_one_before(
-    tmp_path: Path, change: int
-) -> None:
+def test_bytes_that_a_chunk_lost_or_won_cost_the_messages_there_and_the_one_before(tmp_path: Path, change: int) -> None:
     """The others stand whole in the file, in the chunk or behind its end, and none is altered."""
     broken, fixed, rng = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", random.Random(change)
     with broken.open("wb") as out:

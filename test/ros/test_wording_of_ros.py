@@ -368,10 +368,10 @@ def test_a_refusal_of_a_standard_service_in_one_line(act: Any, said: str) -> Non
         (lambda: triggered("resume"), "time goes on"),
         (lambda: triggered("step"), "sent the sample stamped 0 ns"),
         (lambda: triggered("reset"), "the sample stamped 0 ns begins the motion anew"),
-        (lambda: farewell("/top", Punctuality()), "/top ends: 0 samples sent, none of them late"),
+        (lambda: farewell("/top", Punctuality()), "/top ends: 0 truth samples sent, none of them late"),
         (
             lambda: farewell("/top", Punctuality(2, 1, 0, 3 * 10**6)),
-            "/top ends: 2 samples sent, 1 of them late, by up to 3 ms",
+            "/top ends: 2 truth samples sent, 1 of them late, by up to 3 ms",
         ),
         (lambda: constraints("real_time_factor"), "a change takes effect at once"),
         (lambda: constraints("imu_rate"), "a change takes effect at the next ~/reset"),

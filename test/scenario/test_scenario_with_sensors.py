@@ -54,7 +54,7 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
         ({"gyro_spike_probability": 0.1}, ["gyro_spike_probability", "imu_rate"]),
         (
             {"imu_rate": 9.0, "magnetometer_hard_iron": [1e-6, 0.0, 0.0], "magnetic_disturbance_interval": 5.0},
-            ["magnetometer_hard_iron", "magnetic_disturbance_interval", "magnetometer_rate"],
+            ["magnetometer_hard_iron", "magnetometer_rate"],
         ),
         (
             {"imu_latency": 0.1, "sun_sensor_noise": 0.1, "attitude_sensor_rate": 1.0},
@@ -67,7 +67,7 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
         ({"imu_rate": 9.0, "gyro_spike_size": 2.0}, ["gyro_spike_size", "gyro_spike_probability"]),
         (
             {"magnetometer_rate": 9.0, "magnetic_disturbance_size": 1e-4, "magnetic_disturbance_duration": 2.0},
-            ["magnetic_disturbance_duration", "magnetic_disturbance_size", "magnetic_disturbance_interval"],
+            ["magnetic_disturbance_duration", "magnetic_disturbance_interval"],
         ),
         (
             {"imu_rate": 9.0, "accelerometer_temperature_drift_duration": 9.0, "imu_heading_noise": 0.1},
@@ -86,14 +86,14 @@ def test_what_came_later_is_in_the_text_where_it_is_not_at_its_default() -> None
 )
 def test_what_is_asked_of_sensors_and_faults_that_are_off_is_told(given: dict[str, object], named: list[str]) -> None:
     told = Scenario.from_parameters(given).without_effect
-    assert [word for word in re.findall(r"\w+", told) if word in SENSORS.parameters] == named
+    assert [word for word in re.findall(r"\w+", " ".join(told)) if word in SENSORS.parameters] == named
     assert bool(told) == bool(named)
 
 
 @pytest.mark.parametrize("name", scenario_files())
 def test_no_shipped_scenario_asks_it(name: str) -> None:
     for grade in GRADES:
-        assert Scenario.from_parameters({**gather(name, [], []), "sensor_grade": grade}).without_effect == ""
+        assert Scenario.from_parameters({**gather(name, [], []), "sensor_grade": grade}).without_effect == []
 
 
 def test_integrated_rate_needs_less_than_half_a_turn_between_readings() -> None:

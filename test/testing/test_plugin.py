@@ -243,6 +243,7 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
         "grades=()": "grades=() makes no run: leave it out for all",
         "scenarios=5": "scenarios=5 is no list of names: give such as ['",
         "grades=[['mems']]": "grades=[['mems']] is no list of names: give such as ['",
+        'grades=["mems"], sensor_grade="mems"': "sensor_grade= is given beside grades=: give one of them",
         'grade="mems"': "grade='mems' is no argument: did you mean grades=?",
         '"flat_plate"': "'flat_plate' has no name: give scenarios=, grades= or arguments of simulate by name",
     }

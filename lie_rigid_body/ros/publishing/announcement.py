@@ -50,9 +50,9 @@ def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, reco
 
 
 def farewell(node: str, punctuality: Punctuality) -> str:
-    """The line at the end: how many samples were sent, and how many of them late."""
+    """The line at the end: how many samples of the truth were sent, and how many of them late."""
     late = f"{punctuality.missed} of them late, by up to {punctuality.worst_ns / 1e6:.3g} ms"
-    sent = counted(punctuality.sent, "sample")
+    sent = counted(punctuality.sent, "truth sample")
     return f"{node} ends: {sent} sent, {late if punctuality.missed else 'none of them late'}"
 
 
