@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Final, NoReturn
+from typing import Any, Final, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +44,15 @@ class GroupState:
 
     element: NDArray[Any]
     rate: Array
+
+
+class _Reached(NamedTuple):
+    """Time, ns, and number of steps since the start, with the element and the momentum there."""
+
+    time_ns: int
+    steps: int
+    element: NDArray[Any]
+    momentum: Array
 
 
 class GroupMovingChart:
@@ -86,18 +95,16 @@ class GroupMovingChart:
         max_step: float = DEFAULT_MAX_STEP,
     ) -> None:
         require_stepper(method, max_step, GROUP_METHODS)
-        self._element, rate = _require_start(of_kind(lagrangian, Lagrangian).group, start)
-        self._momentum = lagrangian.momenta(rate)
+        element, rate = _require_start(of_kind(lagrangian, Lagrangian).group, start)
+        self._reached = _Reached(0, 0, element, lagrangian.momenta(rate))
         self._lagrangian = lagrangian
         self._chart = GroupChart(lagrangian)
         self._tableau = GROUP_METHODS[method]
         self._max_step = float(max_step)
-        self._time_ns = 0
-        self._steps = 0
 
     def __repr__(self) -> str:
         stepper = {"method": self._tableau.name, "max_step": self._max_step}
-        return call_repr(self, {"lagrangian": self._lagrangian, **stepper, "reached_ns": self._time_ns})
+        return call_repr(self, {"lagrangian": self._lagrangian, **stepper, "reached_ns": self._reached.time_ns})
 
     def at(self, t_ns: ArrayLike) -> GroupState:
         """The states at the given times.
@@ -119,48 +126,46 @@ class GroupMovingChart:
             integrated then. It is raised as well if the body turns by more than π in a step.
         """
         times = nanoseconds(t_ns)
-        require_order(np.atleast_1d(times), self._time_ns)
-        TimeSteps(self._max_step).through(int(times.max(initial=self._time_ns)), self._time_ns)
+        begin = self._reached.time_ns
+        require_order(np.atleast_1d(times), begin)
+        TimeSteps(self._max_step).through(int(times.max(initial=begin)), begin)
         flat = np.atleast_1d(times).tolist()
         group = self._lagrangian.group
         n, d = group.size, group.dimension
         elements, momenta = np.empty((len(flat), n, n), group.generators.dtype), np.empty((len(flat), d))
         for i, t in enumerate(flat):
-            self._advance_to(t)
-            elements[i], momenta[i] = self._element, self._momentum
+            self._reached = reached = self._advanced(t)  # at once, as a signal may raise an exception anywhere
+            elements[i], momenta[i] = reached.element, reached.momentum
         rates = self._lagrangian.rates(momenta)
         return GroupState(elements, rates) if times.ndim else GroupState(elements[0], rates[0])
 
-    def _advance_to(self, t_ns: int) -> None:
-        span = 1e-9 * (t_ns - self._time_ns)
+    def _advanced(self, t_ns: int) -> _Reached:
+        time_ns, done, element, momentum = self._reached
+        span = 1e-9 * (t_ns - time_ns)
         steps = max(math.ceil(span / self._max_step - 1e-9), int(span > 0.0))
-        for _ in range(steps):
-            self._step(span / steps)
-        self._time_ns = t_ns
+        for count in range(done + 1, done + steps + 1):
+            end = self._end(momentum, span / steps)
+            if not np.isfinite(end).all():
+                self._refuse(momentum, span / steps)
+            d = self._chart.dimension
+            # the element just reached becomes the centre of the next chart
+            element, momentum = self._chart.recentred(element, end[:d]), end[d:]
+            if count % STEPS_BETWEEN_PROJECTIONS == 0:
+                element = self._lagrangian.group.restored(element)
+        return _Reached(t_ns, done + steps, element, momentum)
 
-    def _step(self, h: float) -> None:
-        end = self._end(h)
-        if not np.isfinite(end).all():
-            self._refuse(h)
-        d = self._chart.dimension
-        # the element just reached becomes the centre of the next chart
-        self._element, self._momentum = self._chart.recentred(self._element, end[:d]), end[d:]
-        self._steps += 1
-        if self._steps % STEPS_BETWEEN_PROJECTIONS == 0:
-            self._element = self._lagrangian.group.restored(self._element)
-
-    def _end(self, h: float) -> Array:
+    def _end(self, momentum: Array, h: float) -> Array:
         """Coordinates and momentum at the end of a step from coordinates 0, infinite where a stage overflows."""
-        centre = np.concatenate([np.zeros_like(self._momentum), self._momentum])
+        centre = np.concatenate([np.zeros_like(momentum), momentum])
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 return runge_kutta_step(self._tableau, self._chart.field, centre, h)
         except (ParameterError, np.linalg.LinAlgError):
-            return np.full(2 * len(self._momentum), np.inf)
+            return np.full(2 * len(momentum), np.inf)
 
-    def _refuse(self, h: float) -> NoReturn:
+    def _refuse(self, momentum: Array, h: float) -> NoReturn:
         # at the centre of the chart the rate of its coordinates is that of the motion
-        way = h * float(np.linalg.norm(self._lagrangian.rates(self._momentum)))
+        way = h * float(np.linalg.norm(self._lagrangian.rates(momentum)))
         shorter = min(h / 10.0, GOOD_TURN * h / way) if way else h / 10.0
         raise InputError(
             f"a step of {h:g} s goes {way:.3g} rad at the rate of its start, or more (limit: where its end is finite): "

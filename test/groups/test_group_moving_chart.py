@@ -19,6 +19,7 @@ from lie_rigid_body.groups import (
     Lagrangian,
     MatrixLieGroup,
     casimirs,
+    group_moving_chart,
     manakov_integrals,
     mass_matrix,
     momentum_matrix,
@@ -27,6 +28,7 @@ from lie_rigid_body.groups import (
     spatial_momentum,
     unitary_casimirs,
 )
+from lie_rigid_body.groups.group_moving_chart import runge_kutta_step
 from lie_rigid_body.lie import quaternion, so3
 
 GROUPS = {"SO(4)": SO(4), "SO(5)": SO(5), "SO(6)": SO(6), "SU(2)": SU(2), "SU(3)": SU(3)}
@@ -239,6 +241,28 @@ def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
     assert not group.contains(half.element)
     end = GroupMovingChart(lagrangian, half, max_step=0.01).at(4_000_000_000)
     np.testing.assert_allclose(end.element, group.exp(8.0 * rate), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("calls", [1, 250, 777])
+def test_an_exception_amid_a_motion_changes_nothing_of_it(monkeypatch: pytest.MonkeyPatch, calls: int) -> None:
+    """A signal may raise one anywhere, as an interrupted notebook goes on with the object."""
+    lagrangian = Lagrangian(SO(4), np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
+    start = GroupState(np.eye(4), np.array([0.3, -0.2, 0.5, 0.1, 0.4, -0.6]))
+    stamps, begun = np.arange(0, 10**9, 10**8), list[float]()
+
+    def interrupted(tableau, field, point, h):
+        begun.append(h)
+        if len(begun) == calls:
+            raise KeyboardInterrupt
+        return runge_kutta_step(tableau, field, point, h)
+
+    expected = GroupMovingChart(lagrangian, start, max_step=1e-3).at(stamps)
+    motion = GroupMovingChart(lagrangian, start, max_step=1e-3)
+    monkeypatch.setattr(group_moving_chart, "runge_kutta_step", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        motion.at(stamps)
+    rest = stamps[stamps >= int(repr(motion).split("reached_ns=")[1].rstrip(")"))]
+    np.testing.assert_array_equal(motion.at(rest).element, expected.element[-len(rest) :])
 
 
 def test_so4_splits_into_two_tops():
