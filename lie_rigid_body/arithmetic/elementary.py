@@ -7,7 +7,7 @@ arctangent, which is never compiled, in compiled code.
 from __future__ import annotations
 
 import math
-from decimal import Context, Decimal
+from decimal import Decimal
 from functools import lru_cache
 from typing import Final
 
@@ -30,9 +30,10 @@ from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import kernel
 
 # 2π, its first 26 bits, and the rest
-_RADIANS: Final = float(2 * PI)
-_RADIANS_HI: Final = split(_RADIANS)[0]
-_RADIANS_LO: Final = float(2 * PI - Decimal(float(_RADIANS_HI)))
+with working_precision(40):  # whatever is in force where the module is imported
+    _RADIANS: Final = float(2 * PI)
+    _RADIANS_HI: Final = split(_RADIANS)[0]
+    _RADIANS_LO: Final = float(2 * PI - Decimal(float(_RADIANS_HI)))
 
 # Taylor's coefficients, up to 1/17!: on an eighth of a turn the next terms are below 1e-19
 _S3, _S5, _S7, _S9, _S11, _S13, _S15, _S17 = ((-1.0) ** k / math.factorial(2 * k + 1) for k in range(1, 9))
@@ -41,7 +42,8 @@ _C4, _C6, _C8, _C10, _C12, _C14, _C16 = ((-1.0) ** k / math.factorial(2 * k) for
 # ln 2, and as the sum of a number of few bits and another
 _LN2: Final = math.log(2.0)
 _LN2_HI: Final = 0.693359375
-_LN2_LO: Final = float(Context(prec=40).ln(2) - Decimal(_LN2_HI))
+with working_precision(40):
+    _LN2_LO: Final = float(Decimal(2).ln() - Decimal(_LN2_HI))
 
 _FARTHEST: Final = 800.0
 """Largest x of exp(−x) that is used: exp(−800) is 0 in doubles."""

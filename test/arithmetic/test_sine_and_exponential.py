@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Any
@@ -126,3 +128,29 @@ def test_compiled_code_gives_the_same_bits(loop, x: np.ndarray, monkeypatch):
     assert compiled is not None
     compiled(x, rest, out)
     np.testing.assert_array_equal(out, on_floats(loop, x, rest))
+
+
+MOTION = """
+import hashlib
+from decimal import Context, ROUND_UP, setcontext
+context = Context(prec=2, Emax=9, Emin=-9, rounding=ROUND_UP, clamp=1)
+for signal in context.traps:
+    context.traps[signal] = True
+if {is_own}:
+    setcontext(context)
+import numpy as np
+from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
+body, start = RigidBody([1.0, 2.0, 3.0]), State([0.0, 0.0, 0.0, 1.0], [0.01, 1.0, 0.01])
+for motion in (ClosedForm(body, start), MovingChart(body, start)):
+    print(hashlib.sha256(motion.at(np.arange(0, 20 * 10**9, 10**7)).attitude_xyzw.tobytes()).hexdigest())
+"""
+
+
+def test_the_decimal_context_of_whoever_imports_the_package_changes_no_bit() -> None:
+    usual, own = (
+        subprocess.run(
+            [sys.executable, "-c", MOTION.replace("{is_own}", word)], capture_output=True, text=True, check=True
+        )
+        for word in ("False", "True")
+    )
+    assert usual.stdout == own.stdout != ""

@@ -37,7 +37,7 @@ def digits_for(inertia: Tensor) -> int:
     A product of inertia of relative size ε splits equal moments by as little as ε², and the splitting is needed to the
     full precision.
     """
-    sizes = [Decimal(entry).adjusted() for row in inertia for entry in row if entry != 0.0]
+    sizes = [Decimal.from_float(entry).adjusted() for row in inertia for entry in row if entry != 0.0]
     return (DIGITS if len(sizes) == 3 else COUPLED_DIGITS) + 2 * (max(sizes) - min(sizes))
 
 
