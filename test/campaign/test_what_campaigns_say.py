@@ -147,7 +147,11 @@ SAID: list[tuple[Scene, str]] = [
     (damaged, "begins no row of this campaign: delete that line"),
     (taken_away, "runs.jsonl was deleted or moved meanwhile: keep others away, and begin anew"),
     (failed, "1 of 40 runs failed (2), first: "),
-    (failed, "000002.mcap is a folder; 0 are kept: mend that, and the same command does the rest"),
+    (
+        failed,
+        "000002.mcap is a folder: give the name of a file, or move it away; 0 are kept: mend that, and "
+        "the same command does the rest",
+    ),
     *(
         (without_a_score(reason), "estimator a:b gave no score in any run: a:b is lost: mend it, and give a new folder")
         for reason in ("a:b is lost", "a:b is lost: mend it")
