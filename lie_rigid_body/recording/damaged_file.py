@@ -106,12 +106,13 @@ class DamagedFile:
         if self._doubted == before and (indexed or given[before.begin + 28 : before.begin + 32] != bytes(4)):
             yield from self._chunks_within(before, at)
         yield at
+        is_unfinished = given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at)
         if indexed:
             yield from self._chunks_within(before, until)
             yield from map(indexed.__getitem__, range(number, len(indexed)))
-        elif not self._has_footer and given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at):
+        elif is_unfinished and not self._has_footer:
             return
-        elif self.has_chunks or (self._is_chunked and not self.messages):
+        elif is_unfinished or self.has_chunks or (self._is_chunked and not self.messages):
             yield from (begin for begin, _ in self._looked_for(_CHUNKED_HEAD, before))
         else:
             known, message = self._known(), bytes([Opcode.MESSAGE])

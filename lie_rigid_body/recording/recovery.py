@@ -34,10 +34,9 @@ from lie_rigid_body.recording.records import (
     find_messages,
     parsed,
     record_bytes,
-    records,
     require,
 )
-from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, sound
+from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, begins, sound
 from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
@@ -127,7 +126,7 @@ class _Salvage:
         self._there, self._loose = DamagedFile(given, self._declared), bytearray()
         self._damaged, self._rewritten = [0] * (given[: len(MAGIC)] != MAGIC), list[int]()
         self._knows_all = self._is_altered = False
-        self._in_part: int | None = None
+        self._in_part: Place | None = None
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -135,7 +134,7 @@ class _Salvage:
         found = self._file.summary
         before = found.counts.total()
         if not is_whole:
-            self._take_part(end)
+            self._take_part(end, len(self._given), is_last=True)
             self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
         if not found.counts:
             lost = "is damaged in the definitions of its topics" if self._there.messages else "holds no whole message"
@@ -158,9 +157,13 @@ class _Salvage:
         """Take record after record; return where the last ends, and whether the file does."""
         end, opcode, data_ended = len(MAGIC), 0, False
         for place in self._there.places():
+            if self._in_part is not None and place.opcode == Opcode.MESSAGE:  # which was in the chunk before
+                end = place.end
+                continue
             self._take_in_part(place.start)
             if place.start != end:
                 self._leave_out(end)
+                self._take_part(end, place.start)
             data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
             if place.opcode == Opcode.DATA_END and not self._damaged:
                 self._is_altered |= not self._there.agrees(place)
@@ -230,7 +233,7 @@ class _Salvage:
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
-            self._take_chunk(parsed(place.opcode, content), place.start)
+            self._take_chunk(parsed(place.opcode, content), place)
             self._there.has_chunks = True
         elif place.opcode in OUTSIDE:
             record = parsed(place.opcode, content)
@@ -252,12 +255,12 @@ class _Salvage:
             table = find_messages(data, NO_HINTS, len(data))
             self._file.add_chunk(compressed(table, "zstd"), table)
 
-    def _take_chunk(self, chunk: Chunk, at: int) -> None:
+    def _take_chunk(self, chunk: Chunk, place: Place) -> None:
         try:
             data = inflated(chunk)
         except NotOneFrameError:
-            self._take_chunk(replace(chunk, compression="", data=salvaged(chunk)), at)
-            self._rewritten.append(at)
+            self._take_chunk(replace(chunk, compression="", data=salvaged(chunk)), place)
+            self._rewritten.append(place.start)
             return
         except ContradictionError:
             self._take_before_zeros(chunk)
@@ -266,9 +269,11 @@ class _Salvage:
         span_ns, told_ns = table.span_ns if table.index else (0, 0), (chunk.message_start_time, chunk.message_end_time)
         try:
             require(len(table.data) == len(data), "a record in it is not whole")
+            is_sure = chunk.compression or chunk.uncompressed_crc or begins(self._given, place.end)
+            require(bool(is_sure), "no record begins behind it")
             self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
         except DAMAGE:
-            self._in_part, self._there.has_chunks = at, True
+            self._in_part, self._there.has_chunks = place, True
             raise
         self._is_altered |= bool(table.index) and span_ns != told_ns
 
@@ -277,12 +282,12 @@ class _Salvage:
 
         Where it won some bytes, others that were in it stand between the two.
         """
-        at, self._in_part = self._in_part, None
-        for place in records(self._given, at) if at is not None else ():
-            with suppress(*DAMAGE):
-                chunk = parsed(place.opcode, self._given[place.begin : place.end])
-                self._take_known(chunk, salvaged(chunk) + (b"" if chunk.compression else self._given[place.end : end]))
-            return
+        place, self._in_part = self._in_part, None
+        with suppress(*DAMAGE):
+            chunk = parsed(place.opcode, self._given[place.begin : place.end]) if place else None
+            if place and chunk:
+                plain = self._given[place.end - len(chunk.data) : end]
+                self._take_known(chunk, salvaged(chunk) if chunk.compression else plain)
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""
@@ -293,17 +298,22 @@ class _Salvage:
             if chunk.compression or (rest and not rest.strip(b"\0")):
                 self._take_known(chunk, data[: found.starts[-1]])  # the last may be of zeros in part
 
-    def _take_part(self, begin: int) -> None:
-        """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated."""
+    def _take_part(self, begin: int, end: int, *, is_last: bool = False) -> None:
+        """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated.
+
+        Of one that others follow, as it lost some bytes, only without a checksum, which would be wrong.
+        """
         if self._given[begin : begin + 1] == bytes([Opcode.CHUNK]):
-            raw = self._given[begin + RECORD_HEAD.size : begin + LARGEST_RECORD]
+            raw = self._given[begin + RECORD_HEAD.size : min(begin + LARGEST_RECORD, end)]
             with suppress(*DAMAGE):
                 chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
-                self._take_known(chunk, salvaged(chunk))
+                require(is_last or not chunk.uncompressed_crc, "a chunk with a checksum is not whole")
+                self._take_known(chunk, salvaged(chunk), is_cut=is_last or bool(chunk.compression))
 
-    def _take_known(self, chunk: Chunk, data: bytes) -> None:
+    def _take_known(self, chunk: Chunk, data: bytes, *, is_cut: bool = False) -> None:
         """Take those of the messages in a damaged chunk which were written there."""
-        known = self._found(self._file.summary.known(data, (chunk.message_start_time, chunk.message_end_time)))
+        span_ns = chunk.message_start_time, chunk.message_end_time
+        known = self._found(self._file.summary.known(data, span_ns, is_cut=is_cut))
         require(len(known.starts) > 0, "no message in a chunk is whole, and of a known topic")
         self._file.add_chunk(compressed(known, chunk.compression), known)
         self._there.has_chunks = True

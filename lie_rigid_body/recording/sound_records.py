@@ -5,13 +5,23 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Final
 
 import zstandard
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
-from lie_rigid_body.recording.records import HEAD, LARGEST_RECORD, MAGIC, RECORD_HEAD, FileBytes, Place, records
+from lie_rigid_body.recording.records import (
+    HEAD,
+    LARGEST_RECORD,
+    LAST_TIME,
+    MAGIC,
+    RECORD_HEAD,
+    FileBytes,
+    Place,
+    records,
+)
 
 _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
     Opcode.HEADER: (-4, -4),
@@ -31,7 +41,7 @@ _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
 """Fields of a record in their order: how many bytes they take, or, below 0, those of a size that stands before them."""
 OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
-_MESSAGE_HEAD: Final = re.compile(rb"\x05(?=.{4}\0{4})", re.DOTALL)
+_HEAD_IN_CHUNK: Final = re.compile(rb"[\x03\x04\x05](?=.{4}\0{4})", re.DOTALL)
 DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -60,7 +70,7 @@ def sound(given: FileBytes, at: int, *, by_next: bool = True) -> Place | None:
     return place if is_right else None
 
 
-def says_twice(given: FileBytes, at: int) -> bool:
+def says_twice(given: bytes | FileBytes, at: int) -> bool:
     """Whether the record at a byte, be it finished or not, is as long as its fields say; none of these is read."""
     opcode, length = RECORD_HEAD.unpack(given[at : at + RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0"))
     place = begin = at + RECORD_HEAD.size
@@ -79,40 +89,43 @@ def goes_on(data: bytes | FileBytes, end: int) -> bool:
     return end >= len(data) or 0 < opcode <= Opcode.DATA_END or 0 < length <= len(data) - end - RECORD_HEAD.size
 
 
-def whole_records(data: bytes, span_ns: tuple[int, int]) -> Iterator[Place]:
+def whole_records(data: bytes, span_ns: tuple[int, int], *, is_cut: bool) -> Iterator[Place]:
     """Records in the data of a damaged chunk that are whole: behind each of them another one begins, or the data end.
 
-    Another one may have lost or won some bytes: then the search goes on where the next message of the chunk's times
-    begins.
+    Another one may have lost or won some bytes: then the search goes on where the next definition begins, or message
+    of the chunk's times.
 
     Parameters
     ----------
     data : bytes
     span_ns : (int, int)
         The earliest and the latest log time of the chunk.
+    is_cut : bool
+        Whether the data may end amid a record.
     """
-    at = 0
+    begins_at, at = partial(begins, data, span_ns=span_ns, is_cut=is_cut), 0
     while at + RECORD_HEAD.size <= len(data):
         opcode, length = RECORD_HEAD.unpack_from(data, at)
         end = at + RECORD_HEAD.size + length
-        is_other = any(data[end : end + RECORD_HEAD.size]) and _begins(data, _end(data, end), span_ns)
-        if _begins(data, end, span_ns) or is_other:  # whose kind is damaged, or unknown
+        is_other = any(data[end : end + RECORD_HEAD.size]) and begins_at(_end(data, end))
+        if begins_at(end) or is_other:  # whose kind is damaged, or unknown
             yield Place(opcode, at, at + RECORD_HEAD.size, end)
             at = end
         else:
-            heads = (found.start() for found in _MESSAGE_HEAD.finditer(data, at + 1))
-            at = next((head for head in heads if _begins(data, head, span_ns)), len(data))
+            heads = (found.start() for found in _HEAD_IN_CHUNK.finditer(data, at + 1))
+            at = next(filter(begins_at, heads), len(data))
 
 
-def _end(data: bytes, at: int) -> int:
+def _end(data: bytes | FileBytes, at: int) -> int:
     """Byte where the record ends that begins at a byte, be it there or not."""
     return at + RECORD_HEAD.size + int.from_bytes(data[at + 1 : at + RECORD_HEAD.size], "little")
 
 
-def _begins(data: bytes, at: int, span_ns: tuple[int, int]) -> bool:
-    """Whether a record may begin in or behind a chunk, if a message, of its times; or whether the data end there."""
+def begins(data: bytes | FileBytes, at: int, span_ns: tuple[int, int] = (0, LAST_TIME), *, is_cut: bool = True) -> bool:
+    """Whether a record begins in or behind a chunk, if a message, of some times; or whether the data end there."""
     head = data[at : at + HEAD.itemsize]
     if head.startswith(b"\5") and len(head) == HEAD.itemsize:
         return span_ns[0] <= int.from_bytes(head[15:23], "little") <= span_ns[1]
-    is_kind = b"\0" < head[:1] <= bytes([Opcode.DATA_END])
-    return at == len(data) or (is_kind and _end(data, at) - at <= LARGEST_RECORD)
+    if at >= len(data) or _end(data, at) <= len(data):
+        return at == len(data) or says_twice(data, at)
+    return is_cut and 0 < head[0] <= Opcode.DATA_END and _end(data, at) - at <= LARGEST_RECORD

@@ -165,13 +165,13 @@ class Summary:
         first_ns, last_ns = table.span_ns
         self.first_ns, self.last_ns = min(self.first_ns, first_ns), max(self.last_ns, last_ns)
 
-    def known(self, data: bytes, span_ns: tuple[int, int]) -> bytes:
+    def known(self, data: bytes, span_ns: tuple[int, int], *, is_cut: bool) -> bytes:
         """Those messages of a damaged chunk that were written: on channels declared here or in it, within its times.
 
         They stand behind those declarations in it that are complete.
         """
         schemas, channels, kept = {0, *self.schemas}, {*self.channels}, bytearray()
-        for place in whole_records(data, span_ns):
+        for place in whole_records(data, span_ns, is_cut=is_cut):
             content = data[place.begin : place.end]
             with suppress(ValueError, EOFError, struct.error):
                 if place.opcode == Opcode.MESSAGE:

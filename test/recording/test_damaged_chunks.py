@@ -5,10 +5,11 @@ from __future__ import annotations
 import random
 import struct
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mcap.reader import NonSeekingReader
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType, IndexType, Writer
 
 from lie_rigid_body.recording.recovery import recover
 
@@ -25,22 +26,47 @@ def message_records(path: Path) -> list[bytes]:
     ]
 
 
-@pytest.mark.parametrize("change", [-500, -60, -9, -1, 1, 9, 60, 500])
-def test_bytes_that_a_chunk_lost_or_won_cost_the_messages_there_and_the_one_before(tmp_path: Path, change: int) -> None:
-    """The others stand whole in the file, in the chunk or behind its end, and none is altered."""
-    broken, fixed, rng = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", random.Random(change)
-    with broken.open("wb") as out:
-        writer = Writer(out, compression=CompressionType.NONE, enable_crcs=False)
+def written(path: Path, rng: random.Random, *, chunk_size: int, is_bare: bool) -> None:
+    """Write 60 messages of one size, topic by topic, so that the times of chunks overlap."""
+    bare: dict[str, Any] = (
+        {"index_types": IndexType.NONE, "repeat_channels": False, "repeat_schemas": False} if is_bare else {}
+    )
+    with path.open("wb") as out:
+        writer = Writer(
+            out,
+            chunk_size,
+            CompressionType.NONE,
+            enable_crcs=False,
+            use_statistics=not is_bare,
+            use_summary_offsets=not is_bare,
+            **bare,
+        )
         writer.start("ros2", "another recorder")
-        channels = [writer.register_channel(f"/{name}", "cdr", 0) for name in "ab"]
-        for k in range(60):
-            writer.add_message(channels[k % 2], 10**9 + 1000 * k, rng.randbytes(50), 1000 * k, k)
+        for name in "ab":
+            channel = writer.register_channel(f"/{name}", "cdr", 0)
+            for k in range(30):
+                writer.add_message(channel, 10**9 + 1000 * k, rng.randbytes(97), 1000 * k, k)
         writer.finish()
+
+
+@pytest.mark.parametrize("is_bare", [False, True])
+@pytest.mark.parametrize("chunk_size", [1500, 10**6])
+@pytest.mark.parametrize("change", [-100, -60, -9, -1, 1, 9, 60, 256, 500])
+def test_bytes_that_a_chunk_lost_or_won_cost_the_messages_there_and_the_one_before(
+    tmp_path: Path, change: int, chunk_size: int, is_bare: bool
+) -> None:
+    """The others stand whole in the file, in the chunk or behind its end; none is altered, or taken twice.
+
+    What is won does not end as a message does, and is as long as some, so that one of them begins where the chunk ends.
+    """
+    broken, fixed, rng = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", random.Random(change)
+    written(broken, rng, chunk_size=chunk_size, is_bare=is_bare)
     content, everything = broken.read_bytes(), message_records(broken)
-    for _ in range(20):
-        at = rng.randrange(content.index(everything[0]), content.index(everything[-1]))
+    assert {*map(len, everything)} == {128}
+    for number in range(20):
+        damaged = everything[-1 if number % 4 == 0 else rng.randrange(3, 60)]
+        at = content.index(damaged) + rng.randrange(1, 128 - max(0, -change))
         broken.write_bytes(content[:at] + rng.randbytes(max(0, change)) + content[at + max(0, -change) :])
         assert recover(broken, fixed, overwrite=True).damaged
-        found = message_records(fixed)
-        whole = [one for one in everything if one in broken.read_bytes()]
-        assert len(whole) - 1 <= len(found) == len({*found} & {*whole})
+        found, whole = message_records(fixed), {*everything} - {damaged}
+        assert len(whole) - 1 <= len(found) == len({*found} & whole)
