@@ -74,6 +74,7 @@ class DamagedFile:
         self._given, self._known = given, known
         self.has_chunks, self.messages = False, 0
         self._doubted: Place | None = None
+        self._in_doubt = 0  # bytes
 
     def places(self) -> Iterator[Place]:
         """Records whose lengths are right, each behind the one before; what stands between them is damaged.
@@ -87,8 +88,12 @@ class DamagedFile:
             yield (place := found)
 
     def doubt(self, place: Place) -> None:
-        """Take notice that the content of the record that `places` gave last is damaged, if it is a chunk."""
-        if place.opcode == Opcode.CHUNK:
+        """Take notice that the content of the record that `places` gave last is damaged, if it may hold others.
+
+        Such are disjoint, but for what some have lost: all of them together are not twice as long as the file.
+        """
+        self._in_doubt += place.end - place.begin
+        if place.opcode in (Opcode.CHUNK, Opcode.ATTACHMENT) and self._in_doubt <= 2 * len(self._given):
             self._doubted = place
             self._displaced.add(self._key(place.start))
 
@@ -103,7 +108,8 @@ class DamagedFile:
         given, at, footer = self._given, before.end, len(self._given) - _FOOTER_SIZE
         indexed, number = self._indexed, bisect_right(self._indexed, before.start)
         until = indexed[number] if number < len(indexed) else footer
-        if self._doubted == before and (indexed or given[before.begin + 28 : before.begin + 32] != bytes(4)):
+        is_packed = before.opcode == Opcode.CHUNK and given[before.begin + 28 : before.begin + 32] != bytes(4)
+        if self._doubted == before and (indexed or is_packed):
             yield from self._chunks_within(before, at)
         yield at
         is_unfinished = given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at)

@@ -171,7 +171,7 @@ class _Salvage:
                 self._leave_out(place.start)
                 self._there.doubt(place)
             end, opcode = place.end, place.opcode
-        self._take_in_part(end)
+        self._take_in_part(len(self._given))
         self._close_loose()
         return end, opcode == Opcode.FOOTER
 

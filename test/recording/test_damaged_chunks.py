@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap.reader import NonSeekingReader
+from mcap.reader import NonSeekingReader, make_reader
 from mcap.writer import CompressionType, IndexType, Writer
 
 from lie_rigid_body.recording.recovery import recover
@@ -49,24 +49,50 @@ def written(path: Path, rng: random.Random, *, chunk_size: int, is_bare: bool) -
         writer.finish()
 
 
-@pytest.mark.parametrize("is_bare", [False, True])
+@pytest.mark.parametrize("end", ["whole", "bare", "cut"])
 @pytest.mark.parametrize("chunk_size", [1500, 10**6])
 @pytest.mark.parametrize("change", [-100, -60, -9, -1, 1, 9, 60, 256, 500])
 def test_bytes_that_a_chunk_lost_or_won_cost_the_messages_there_and_the_one_before(
-    tmp_path: Path, change: int, chunk_size: int, is_bare: bool
+    tmp_path: Path, change: int, chunk_size: int, end: str
 ) -> None:
     """The others stand whole in the file, in the chunk or behind its end; none is altered, or taken twice.
 
     What is won does not end as a message does, and is as long as some, so that one of them begins where the chunk ends.
     """
     broken, fixed, rng = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", random.Random(change)
-    written(broken, rng, chunk_size=chunk_size, is_bare=is_bare)
+    written(broken, rng, chunk_size=chunk_size, is_bare=end != "whole")
     content, everything = broken.read_bytes(), message_records(broken)
+    content = content[: content.index(everything[-1]) + 128] if end == "cut" else content
     assert {*map(len, everything)} == {128}
     for number in range(20):
         damaged = everything[-1 if number % 4 == 0 else rng.randrange(3, 60)]
         at = content.index(damaged) + rng.randrange(1, 128 - max(0, -change))
         broken.write_bytes(content[:at] + rng.randbytes(max(0, change)) + content[at + max(0, -change) :])
-        assert recover(broken, fixed, overwrite=True).damaged
+        recovery = recover(broken, fixed, overwrite=True)
+        assert recovery.damaged or recovery.broken_at
         found, whole = message_records(fixed), {*everything} - {damaged}
         assert len(whole) - 1 <= len(found) == len({*found} & whole)
+
+
+def test_a_chunk_that_was_displaced_into_an_attachment_is_found(tmp_path: Path) -> None:
+    """As the summary tells how it begins."""
+    broken, fixed, rng = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", random.Random(0)
+    with broken.open("wb") as out:
+        writer = Writer(out, 500)
+        writer.start("ros2", "another recorder")
+        channel = writer.register_channel("/a", "cdr", 0)
+        for k in range(40):
+            writer.add_message(channel, 1000 * k, rng.randbytes(97), 1000 * k, k)
+        writer.add_attachment(1, 2, "notes", "text/plain", rng.randbytes(4000))
+        writer.finish()
+    content, everything = broken.read_bytes(), message_records(broken)
+    with broken.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    index = summary.chunk_indexes[3]
+    first, last = index.chunk_start_offset, index.chunk_start_offset + index.chunk_length
+    at = content.index(b"text/plain") + 1000
+    chunk, notes = content[first:last], content[at : at + last - first]
+    broken.write_bytes(content[:first] + notes + content[last:at] + chunk + content[at + last - first :])
+    recover(broken, fixed, overwrite=True)
+    assert sorted(message_records(fixed)) == sorted(everything)

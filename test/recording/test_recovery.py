@@ -758,6 +758,23 @@ def test_work_for_damaged_records_grows_with_the_file_alone(
             assert sizes[1] < 2.5 * sizes[0]
 
 
+def test_work_for_chunks_within_each_other_grows_with_the_file_alone(
+    whole: dict[str, Path], tmp_path: Path, read: list[int]
+) -> None:
+    """Each claims to end where the first one ends, and is damaged."""
+    content, sizes = whole["zstd"].read_bytes(), list[int]()
+    begin = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
+    head = len(record_bytes(Chunk("zstd", b"", 0, 0, 0, 1)))
+    for count in (1000, 2000):
+        lengths = (head * rest for rest in reversed(range(count)))
+        nested = b"".join(record_bytes(Chunk("zstd", bytes(length), 0, 0, 0, 1))[:head] for length in lengths)
+        read.clear()
+        (tmp_path / "broken.mcap").write_bytes(content[:begin] + nested + content[begin:])
+        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+        sizes.append(sum(read))
+    assert sizes[1] < 2.5 * sizes[0]
+
+
 def test_work_for_false_ends_of_the_data_grows_with_the_file_alone(
     whole: dict[str, Path], tmp_path: Path, read: list[int]
 ) -> None:
