@@ -147,6 +147,11 @@ class BagWriter:
         """Number of samples of the truth that were written."""
         return self._counts[POSE] + self._gathered.sample_count
 
+    @property
+    def topics(self) -> dict[str, str]:
+        """Full names of the topics in the bag, by their relative names."""
+        return {topic: self._names[topic] for topic in self._channels}
+
     def _add_channel(self, topic: str) -> None:
         number, kind = len(self._channels) + 1, self._types[topic]
         schema = Schema(number, definitions.definition(kind).encode(), "ros2msg", kind)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import combinations
 from typing import Final
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.ros.control.parameters import NodeParameters
 from lie_rigid_body.ros.control.services import PACKAGE, StandardServices, offer_triggers
@@ -18,12 +16,11 @@ from lie_rigid_body.ros.installation import is_installed
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
 from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.views import MARKERS_TOPIC, TF, Markers, Transforms
-from lie_rigid_body.ros.session import translated_errors
+from lie_rigid_body.ros.session import OF_EVERY_NODE, require_distinct, translated_errors
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario.parameter_file import NODE_NAME
 
-OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
 TOPICS: Final = (POSE, TWIST, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
 """The topics of the node beside its sensors', wanted or not: each has a type of its own, or means something else."""
 SERVICES: Final = (
@@ -73,8 +70,8 @@ class SimulatorNode(Node):
     def _furnish(self, given: Callable[[str, str], Mapping[str, object]]) -> None:
         topics = {topic: self.resolve_topic_name(topic) for topic in (*TOPICS, *SENSOR_TOPICS)}
         services = {service: self.resolve_service_name(service) for service in SERVICES}
-        _require_distinct("topics", topics)
-        _require_distinct("services", services)
+        require_distinct("topics", topics)
+        require_distinct("services", services)
         self.names = {"~": self.get_fully_qualified_name(), **topics, **services}
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
         scenario, values = self.parameters.scenario(), self.parameters.values()
@@ -134,10 +131,3 @@ class SimulatorNode(Node):
         offer_triggers(self, run, self.parameters.scenario)
         if is_installed(PACKAGE):
             StandardServices(run, self.parameters.scenario, self.get_name()).offer(self)
-
-
-def _require_distinct(kind: str, full_names: Mapping[str, str]) -> None:
-    """Refuse two topics, or services, of one name: some middlewares do if their types differ, others take both."""
-    for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
-        if its_name == other_name:
-            raise InputError(f"the {kind} {one} and {other} would both be {its_name}: give each a name of its own")

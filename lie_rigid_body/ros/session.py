@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from itertools import combinations
 from threading import Event, Thread
 from typing import Final
 
@@ -38,6 +39,8 @@ LONGEST_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
 """Number of executor threads, so that services answer while some wait for long steps."""
+OF_EVERY_NODE: Final = ("/rosout", "/parameter_events")
+"""Topics of every node of ROS."""
 _REMEDIES: Final = {
     r"log directory|\.log for writing": "name a folder that can be written as ROS_LOG_DIR",
     "(?i)security": "mend the keys in ROS_SECURITY_KEYSTORE, or set ROS_SECURITY_ENABLE to false",
@@ -192,3 +195,10 @@ def _reason(error: Exception) -> str:
     """The first line of rclpy's message, without the place in its source."""
     first = (str(error).splitlines() or [type(error).__name__])[0]
     return first.partition(", at ")[0].removeprefix("failed to initialize rcl: ").rstrip(": ")
+
+
+def require_distinct(kind: str, full_names: Mapping[str, str]) -> None:
+    """Refuse two topics, or services, of one name: some middlewares do if their types differ, others take both."""
+    for (one, its_name), (other, other_name) in combinations(full_names.items(), 2):
+        if its_name == other_name:
+            raise InputError(f"the {kind} {one} and {other} would both be {its_name}: give each a name of its own")

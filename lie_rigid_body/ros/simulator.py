@@ -122,7 +122,10 @@ def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Record
         yield recorder
     if recorder.failure is not None:
         raise recorder.failure
-    certify = f"; {console.how_to_certify(path)}" if bag.sample_count else ""
+    topics = {topic: name for topic, name in bag.topics.items() if topic in SENSOR_TOPICS}
+    lost = [topic for topic, name in topics.items() if not name.endswith(f"/{topic.removeprefix('~/')}")]  # by a remap
+    names = "".join(f" --topic {console.quoted(f'{topic}:={topics[topic]}')}" for topic in lost)
+    certify = f"; {console.how_to_certify(path)}{names}" if bag.sample_count else ""
     _say(f"recorded {counted(bag.sample_count, 'sample')}{certify}")
 
 

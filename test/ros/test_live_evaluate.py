@@ -34,7 +34,7 @@ if find_spec("rclpy"):
     from std_msgs.msg import Header, String
 
     from lie_rigid_body.ros.following import Following
-    from lie_rigid_body.ros.node import OF_EVERY_NODE
+    from lie_rigid_body.ros.session import OF_EVERY_NODE
 
 ESTIMATOR = Path(__file__).parents[2] / "examples" / "complementary_filter" / "complementary_filter_node.py"
 BENCH = assignments(
@@ -145,6 +145,8 @@ def test_attitudes_that_are_no_numbers_are_told_at_once_and_end_with_score_and_s
     [
         ("--ros-args -r estimate:=/twist", "topic /twist "),
         ("--ros-args -r estimate:=/pose -r truth:=/twist", "topic /twist "),
+        ("--ros-args -r ~/error:=/diagnostics", "the topics ~/error and /diagnostics would both be /diagnostics: "),
+        ("--ros-args -r /diagnostics:=/rosout", "the topics /diagnostics and /rosout would both be /rosout: "),
         ("--ros-args -p max_rmse:=1deg", phrase("unknown parameter", name="max_rmse", like="max_rms")),
         ("--ros-args -p max_rms:=1", "'1'"),
         ("--ros-args -p covariance_axes:=map", "'map'"),

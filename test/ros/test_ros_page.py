@@ -21,7 +21,7 @@ if find_spec("rclpy"):
 
     from lie_rigid_body.ros.control.parameters import FIXED, IMMEDIATE
     from lie_rigid_body.ros.control.services import StandardServices, snake_case
-    from lie_rigid_body.ros.node import OF_EVERY_NODE
+    from lie_rigid_body.ros.session import OF_EVERY_NODE
 
 pytestmark = pytest.mark.ros
 

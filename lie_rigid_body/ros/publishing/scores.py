@@ -21,6 +21,7 @@ from lie_rigid_body.estimates.live_estimate import INTERIM, LiveEstimate
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
+from lie_rigid_body.ros.session import OF_EVERY_NODE, require_distinct
 
 ERROR_TOPIC: Final = "~/error"
 ERRORS_KEPT: Final = 1000
@@ -63,6 +64,8 @@ class Scores:
 
     def __init__(self, node: Node) -> None:
         self._node = node
+        topics = (ERROR_TOPIC, DIAGNOSTICS_TOPIC, *OF_EVERY_NODE)
+        require_distinct("topics", {topic: node.resolve_topic_name(topic) for topic in topics})
         self._error = node.create_publisher(Vector3Stamped, ERROR_TOPIC, QoSProfile(depth=ERRORS_KEPT))
         self._diagnostics = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._layout = Layout(header(""), [0.0] * 3, [range(3)])

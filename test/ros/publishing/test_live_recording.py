@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import resource
+import shlex
 import shutil
 import signal
 import subprocess
@@ -17,6 +18,7 @@ import pytest
 from broken_bag import stamps_in_whole_chunks
 from simulator_process import DEADLINE, SimulatorProcess, cpu_seconds, eventually, sim_command, without_lateness
 
+from lie_rigid_body.cli import check
 from lie_rigid_body.recording.bag_reader import read_bag
 from sampled import sampled
 
@@ -57,6 +59,25 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
     assert recording.expected_samples == len(recording.poses.stamps_ns) > 0
     assert set(np.diff(recording.poses.stamps_ns).tolist()) == {round(1e9 / float(rate))}
     assert simulator.said[-1].endswith(f": lie-rigid-body check '{bag}'")
+
+
+def test_the_command_that_certifies_names_the_topics_that_were_remapped(tmp_path: Path) -> None:
+    bag, remaps = tmp_path / "a.mcap", ("imu/data_raw:=/imu", "~/faults:=/odd")
+    arguments = (
+        "-p",
+        f"record_path:={bag}",
+        "-p",
+        "imu_rate:=50.0",
+        "-p",
+        "imu_dropout_probability:=0.5",
+        "--ros-args",
+    )
+    with SimulatorProcess(*arguments, "--ros-args", *(word for remap in remaps for word in ("-r", remap))) as simulator:
+        eventually(lambda: len(stamps_in_whole_chunks(bag)) > 20, "samples")
+        assert simulator.end(signal.SIGTERM) == 0
+    command = shlex.split(simulator.said[-1].partition(": lie-rigid-body check ")[2])
+    assert sorted(command) == sorted([str(bag), *("--topic",) * 2, *remaps])
+    assert check.main(command) == 0
 
 
 def test_a_bag_without_a_sample_is_not_said_to_be_certified(tmp_path: Path) -> None:
