@@ -13,7 +13,7 @@ from typing import Final
 from mcap.opcode import Opcode
 
 from lie_rigid_body.recording.records import LARGEST_RECORD, MAGIC, RECORD_HEAD, FileBytes, Place, records
-from lie_rigid_body.recording.sound_records import says_twice, sound
+from lie_rigid_body.recording.sound_records import ENDING, says_twice, sound
 
 _CHUNK: Final = rb"\x06(?=(.{8}).{28}(?:\0{4}|\x03\0{3}lz4|\x04\0{3}zstd))"
 _CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
@@ -27,8 +27,6 @@ _CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
 """Beginnings of a chunk; of that, attachments and metadata; and of what stands in no chunk, with a message's channel.
 
 Or of another file, as of one that is attached."""
-_MAGIC: Final = re.compile(rb"(\x02\x14\0{7}.{20})?" + re.escape(MAGIC), re.DOTALL)
-"""Magic, behind a footer if it ends a file."""
 _DATA_END: Final = RECORD_HEAD.pack(Opcode.DATA_END, 4)
 """Beginning of the record behind which the summary stands, whose own content is as long as it says."""
 _BEFORE: Final = Place(0, 0, 0, len(MAGIC))
@@ -151,7 +149,7 @@ class DamagedFile:
         since, least = before.end if before.opcode == Opcode.MESSAGE else before.start, before.end - _PIECE
         for begin, match in self._matches(head, since + 1, before.end + LARGEST_RECORD if end is None else end):
             if match.lastindex is None:
-                ends = self._matches(_MAGIC, begin + match.end(), before.end + LARGEST_RECORD)
+                ends = self._matches(ENDING, begin + match.end(), before.end + LARGEST_RECORD)
                 piece, its_end = next(ends, (0, None))
                 if its_end and its_end.lastindex and piece + its_end.end() < len(self._given):
                     least = max(least, piece + its_end.end())

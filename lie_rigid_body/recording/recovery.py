@@ -41,6 +41,8 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
+_PLAIN: Final = 40
+"""Bytes before the data in the record of a chunk that has no compression."""
 _ZEROS: Final = 64
 """Zeros in which no compressed data end."""
 
@@ -126,7 +128,7 @@ class _Salvage:
         self._there, self._loose = DamagedFile(given, self._declared), bytearray()
         self._damaged, self._rewritten = [0] * (given[: len(MAGIC)] != MAGIC), list[int]()
         self._knows_all = self._is_altered = False
-        self._in_part: Place | None = None
+        self._in_part: tuple[Chunk, int, int] | None = None
 
     def run(self) -> Recovery:
         """Recover what there is."""
@@ -273,21 +275,25 @@ class _Salvage:
             require(bool(is_sure), "no record begins behind it")
             self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
         except DAMAGE:
-            self._in_part, self._there.has_chunks = place, True
+            self._there.has_chunks, begin = True, place.end - len(data)
+            if begin != place.begin + _PLAIN:
+                self._declare()
+                self._take_known(chunk, data)
+            else:
+                self._in_part = replace(chunk, data=b""), begin, min(place.end + len(data), begin + LARGEST_RECORD)
             raise
         self._is_altered |= bool(table.index) and span_ns != told_ns
 
     def _take_in_part(self, end: int) -> None:
-        """Take the whole messages of a chunk that does not add up, if the last record is one; the next one is known.
+        """Take the whole messages of a plain chunk that does not add up, if the last record is one; the next is known.
 
-        Where it won some bytes, others that were in it stand between the two.
+        Where it won some bytes, others that were in it stand between the two; they are looked for as far again.
         """
-        place, self._in_part = self._in_part, None
-        with suppress(*DAMAGE):
-            chunk = parsed(place.opcode, self._given[place.begin : place.end]) if place else None
-            if place and chunk:
-                plain = self._given[place.end - len(chunk.data) : end]
-                self._take_known(chunk, salvaged(chunk) if chunk.compression else plain)
+        in_part, self._in_part = self._in_part, None
+        if in_part:
+            chunk, begin, farthest = in_part
+            with suppress(*DAMAGE):
+                self._take_known(chunk, self._given[begin : min(end, farthest)])
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""

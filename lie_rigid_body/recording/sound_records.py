@@ -6,6 +6,7 @@ import re
 import struct
 from collections.abc import Iterator, Mapping
 from functools import partial
+from itertools import dropwhile
 from typing import Final
 
 import zstandard
@@ -41,7 +42,10 @@ _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
 """Fields of a record in their order: how many bytes they take, or, below 0, those of a size that stands before them."""
 OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
-_HEAD_IN_CHUNK: Final = re.compile(rb"[\x03\x04\x05](?=.{4}\0{4})", re.DOTALL)
+_HEAD_IN_CHUNK: Final = re.compile(re.escape(MAGIC) + rb"\x01|[\x03\x04\x05](?=.{4}\0{4})", re.DOTALL)
+"""Beginning of a record in a chunk, or of a file that is in a message."""
+ENDING: Final = re.compile(rb"(\x02\x14\0{7}.{20})?" + re.escape(MAGIC), re.DOTALL)
+"""Magic, behind a footer if it ends a file."""
 DAMAGE: Final = (
     ArithmeticError,
     EOFError,
@@ -104,6 +108,7 @@ def whole_records(data: bytes, span_ns: tuple[int, int], *, is_cut: bool) -> Ite
         Whether the data may end amid a record.
     """
     begins_at, at = partial(begins, data, span_ns=span_ns, is_cut=is_cut), 0
+    endings = (found.end() for found in ENDING.finditer(data) if found[1])
     while at + RECORD_HEAD.size <= len(data):
         opcode, length = RECORD_HEAD.unpack_from(data, at)
         end = at + RECORD_HEAD.size + length
@@ -112,8 +117,17 @@ def whole_records(data: bytes, span_ns: tuple[int, int], *, is_cut: bool) -> Ite
             yield Place(opcode, at, at + RECORD_HEAD.size, end)
             at = end
         else:
-            heads = (found.start() for found in _HEAD_IN_CHUNK.finditer(data, at + 1))
-            at = next(filter(begins_at, heads), len(data))
+            at = next(filter(begins_at, _heads(data, at + 1, endings)), len(data))
+
+
+def _heads(data: bytes, at: int, endings: Iterator[int]) -> Iterator[int]:
+    """Bytes from one on where what looks like a record begins, and not within another file."""
+    while found := _HEAD_IN_CHUNK.search(data, at):
+        at = found.end()
+        if len(found[0]) == 1:
+            yield found.start()
+        else:
+            at = next(dropwhile(at.__ge__, endings), at)
 
 
 def _end(data: bytes | FileBytes, at: int) -> int:

@@ -96,3 +96,24 @@ def test_a_chunk_that_was_displaced_into_an_attachment_is_found(tmp_path: Path) 
     broken.write_bytes(content[:first] + notes + content[last:at] + chunk + content[at + last - first :])
     recover(broken, fixed, overwrite=True)
     assert sorted(message_records(fixed)) == sorted(everything)
+
+
+@pytest.mark.parametrize("harm", ["length", "lost", "won"])
+def test_messages_of_a_bag_that_a_message_holds_are_none_of_the_file(tmp_path: Path, harm: str) -> None:
+    """Its times and channels are those of the chunk in which the message is, which is damaged."""
+    inner, broken, fixed, rng = *(tmp_path / name for name in ("inner", "broken", "fixed")), random.Random(0)
+    written(inner, rng, chunk_size=10**6, is_bare=False)
+    with broken.open("wb") as out:
+        writer = Writer(out, compression=CompressionType.NONE, enable_crcs=False)
+        writer.start("ros2", "another recorder")
+        channel = writer.register_channel("/bags", "cdr", 0)
+        for k in range(60):
+            data = inner.read_bytes() if k == 30 else rng.randbytes(50)
+            writer.add_message(channel, 10**9 + 500 * k, data, 0, k)
+        writer.finish()
+    content, everything = broken.read_bytes(), message_records(broken)
+    at = content.index(everything[30]) + (5 if harm == "length" else 28)
+    instead = {"length": b"\xff", "lost": b"", "won": b"\xff\xff"}[harm]
+    broken.write_bytes(content[:at] + instead + content[at + 1 :])
+    recover(broken, fixed, overwrite=True)
+    assert {*everything} - {*everything[29:31]} <= {*message_records(fixed)} <= {*everything}
