@@ -71,7 +71,7 @@ def told(error: BaseException) -> str:
     line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in own[-1:] or installed[:1])
     if isinstance(error, LieRigidBodyError):
         return f"the filter failed, {line}{error}" if line else str(error)
-    remedy = "a run's arrays are read only: take a copy" if "read-only" in str(error) else "mend that first"
+    remedy = "a run's arrays are read only: take a copy" if "read-only" in said(error) else "mend that first"
     return f"the filter failed, {line}{said(error)}: {remedy}"
 
 

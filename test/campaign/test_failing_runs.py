@@ -24,6 +24,7 @@ from lie_rigid_body.campaign.run import MORE_SCORES, BagFolder, Judgement, Row, 
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.errors import BagError, said
+from lie_rigid_body.interpreters import told
 from lie_rigid_body.wording import LONGEST_LINE
 
 pytestmark = NEEDS_DASK
@@ -204,3 +205,4 @@ def test_an_error_without_words_costs_the_score() -> None:
             raise RuntimeError
 
     assert said(WordlessError()) == "WordlessError" == said(type("WordlessError", (Exception,), {})())
+    assert "WordlessError" in told(WordlessError())
