@@ -88,12 +88,17 @@ class DamagedFile:
     def doubt(self, place: Place) -> None:
         """Take notice that the content of the record that `places` gave last is damaged, if it may hold others.
 
-        Such are disjoint, but for what some have lost: all of them together are not twice as long as the file.
+        Such are disjoint, but for what some have lost: all of them together are not twice as long as the file, and the
+        file may be looked through twice.
         """
         self._in_doubt += place.end - place.begin
-        if place.opcode in (Opcode.CHUNK, Opcode.ATTACHMENT) and self._in_doubt <= 2 * len(self._given):
+        if place.opcode in (Opcode.CHUNK, Opcode.ATTACHMENT) and self._looks_within:
             self._doubted = place
             self._displaced.add(self._key(place.start))
+
+    @property
+    def _looks_within(self) -> bool:
+        return self._in_doubt <= 4 * len(self._given)
 
     def _starts(self, before: Place) -> Iterator[int]:
         """Byte behind a record; should no sound one begin there, where the next chunk or message may, and the footer.
@@ -104,7 +109,8 @@ class DamagedFile:
         metadata is tried in either.
         """
         given, at, footer = self._given, before.end, len(self._given) - _FOOTER_SIZE
-        indexed, number = self._indexed, bisect_right(self._indexed, before.start)
+        indexed = self._indexed
+        number = bisect_right(indexed, before.start if self._looks_within else before.end - 1)
         until = indexed[number] if number < len(indexed) else footer
         is_packed = before.opcode == Opcode.CHUNK and given[before.begin + 28 : before.begin + 32] != bytes(4)
         if self._doubted == before and (indexed or is_packed):

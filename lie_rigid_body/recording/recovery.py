@@ -207,10 +207,12 @@ class _Salvage:
             if place.opcode in kinds:
                 outside.append(place)
             elif place.opcode == Opcode.CHUNK and not repeated:
-                with suppress(*DAMAGE):
+                try:
                     data = inflated(parsed(place.opcode, self._given[place.begin : place.end]))
                     found = find_messages(data, NO_HINTS, self._records_left).others
                     yield from ((own.opcode, data[own.begin : own.end]) for own in found if own.opcode in kinds)
+                except DAMAGE:
+                    self._there.doubt(place)
         yield from ((place.opcode, self._given[place.begin : place.end]) for place in outside)
 
     def _is_taken(self, place: Place) -> bool:

@@ -15,7 +15,7 @@ from bags import COMPRESSIONS
 from lz4.frame import LZ4FrameDecompressor
 from mcap.opcode import Opcode
 from mcap.reader import NonSeekingReader, make_reader
-from mcap.records import Channel, Chunk, DataEnd, Footer, Header, Message, Schema
+from mcap.records import Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Message, Schema
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, IndexType, Writer
 from refused_bags import refused
@@ -758,19 +758,29 @@ def test_work_for_damaged_records_grows_with_the_file_alone(
             assert sizes[1] < 2.5 * sizes[0]
 
 
+@pytest.mark.parametrize("compression", ["zstd", ""])
 def test_work_for_chunks_within_each_other_grows_with_the_file_alone(
-    whole: dict[str, Path], tmp_path: Path, read: list[int]
+    tmp_path: Path, read: list[int], compression: str
 ) -> None:
-    """Each claims to end where the first one ends, and is damaged."""
-    content, sizes = whole["zstd"].read_bytes(), list[int]()
-    begin = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.DATA_END)
-    head = len(record_bytes(Chunk("zstd", b"", 0, 0, 0, 1)))
+    """Each claims to end where the first one ends, before what is no record; it is damaged, and has an index."""
+    topic = record_bytes(Channel(id=1, topic="/1", message_encoding="cdr", metadata={}, schema_id=0))
+    part, sizes = topic + record_bytes(Message(1, 5, b"data", 5, 0)), list[int]()
+    begin = MAGIC + record_bytes(
+        Header(profile="ros2", library="another recorder"), Chunk("", part, 5, 5, 0, len(part))
+    )
+    head = len(record_bytes(Chunk(compression, b"", 0, 0, 0, 1)))
     for count in (1000, 2000):
-        lengths = (head * rest for rest in reversed(range(count)))
-        nested = b"".join(record_bytes(Chunk("zstd", bytes(length), 0, 0, 0, 1))[:head] for length in lengths)
+        chunks = [Chunk(compression, bytes(head * rest), 0, k, 0, 1) for k, rest in enumerate(reversed(range(count)))]
+        places = [len(begin) + head * k for k in range(count)]
+        nested = b"".join(record_bytes(chunk)[:head] for chunk in chunks)
+        content = begin + nested + b"\xff" * 100 + record_bytes(DataEnd(0))
+        indexes = [
+            ChunkIndex(head * (count - k), place, compression, head * (count - k - 1), 0, 0, {}, k, 1)
+            for k, place in enumerate(places)
+        ]
         read.clear()
-        (tmp_path / "broken.mcap").write_bytes(content[:begin] + nested + content[begin:])
-        recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True)
+        (tmp_path / "broken.mcap").write_bytes(content + record_bytes(*indexes, Footer(len(content), 0, 0)) + MAGIC)
+        assert recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True).messages == 1
         sizes.append(sum(read))
     assert sizes[1] < 2.5 * sizes[0]
 
