@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import BinaryIO, Final
 
@@ -222,15 +222,19 @@ class McapFile:
 
     def add_chunk(self, chunk: Chunk, table: MessageTable) -> None:
         """Write a chunk and the indexes of the messages in it."""
-        parts, indexes = [record_bytes(chunk)], dict[int, int]()
-        end = self._position + len(parts[0])
+        # a chunk may be large: its record is not made as a whole
+        head = record_bytes(replace(chunk, data=b""))[RECORD_HEAD.size : -8] + len(chunk.data).to_bytes(8, "little")
+        length = len(head) + len(chunk.data)
+        parts, indexes = [RECORD_HEAD.pack(Opcode.CHUNK, length) + head, chunk.data], dict[int, int]()
+        end = self._position + RECORD_HEAD.size + length
         for channel, rows in table.index.items():
             indexes[channel], size = end, rows.nbytes
             parts += _MESSAGE_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size), rows.tobytes()
             end += _MESSAGE_INDEX.size + size
         self.summary.add_messages(table)
         self.summary.add_chunk(chunk, self._position, indexes, end)
-        self._write(b"".join(parts))
+        for part in parts:
+            self._write(part)
 
     def add(self, record: Schema | Channel | Metadata | Attachment) -> None:
         """Write a record outside of chunks."""

@@ -192,8 +192,12 @@ def records(data: bytes | FileBytes, position: int = 0, end: int | None = None) 
 class _Content(BytesIO):
     """Content of a record: what is said to reach beyond its end is a contradiction, and not cut off there."""
 
+    def __init__(self, content: bytes) -> None:
+        super().__init__(content)
+        self._size = len(content)  # a view of the buffer would be a copy
+
     def read(self, size: int | None = -1, /) -> bytes:
-        left = self.getbuffer().nbytes - self.tell()
+        left = self._size - self.tell()
         require(size is None or size <= left, "a length in a record reaches beyond its end")
         return super().read(size)
 

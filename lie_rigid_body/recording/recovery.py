@@ -237,7 +237,9 @@ class _Salvage:
             require(max(times) <= LAST_TIME, "a message is beyond all times")
             self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
         elif place.opcode == Opcode.CHUNK:
-            self._take_chunk(parsed(place.opcode, content), place)
+            chunk = parsed(place.opcode, content)
+            del content  # it may be large
+            self._take_chunk(chunk, place)
             self._there.has_chunks = True
         elif place.opcode in OUTSIDE:
             record = parsed(place.opcode, content)
@@ -278,24 +280,21 @@ class _Salvage:
             self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
         except DAMAGE:
             self._there.has_chunks, begin = True, place.end - len(data)
-            if begin != place.begin + _PLAIN:
-                self._declare()
-                self._take_known(chunk, data)
-            else:
-                self._in_part = replace(chunk, data=b""), begin, min(place.end + len(data), begin + LARGEST_RECORD)
+            kept = replace(chunk, data=b"") if begin == place.begin + _PLAIN else chunk
+            self._in_part = kept, begin, min(place.end + len(data), begin + LARGEST_RECORD)
             raise
         self._is_altered |= bool(table.index) and span_ns != told_ns
 
     def _take_in_part(self, end: int) -> None:
-        """Take the whole messages of a plain chunk that does not add up, if the last record is one; the next is known.
+        """Take the whole messages of a chunk that does not add up, if the last record is one; the next one is known.
 
-        Where it won some bytes, others that were in it stand between the two; they are looked for as far again.
+        Where a plain one won bytes, others that were in it stand between the two; they are looked for as far again.
         """
         in_part, self._in_part = self._in_part, None
         if in_part:
             chunk, begin, farthest = in_part
             with suppress(*DAMAGE):
-                self._take_known(chunk, self._given[begin : min(end, farthest)])
+                self._take_known(chunk, salvaged(chunk) or self._given[begin : min(end, farthest)])
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""

@@ -170,22 +170,23 @@ class Summary:
 
         They stand behind those declarations in it that are complete.
         """
-        schemas, channels, kept = {0, *self.schemas}, {*self.channels}, bytearray()
+        schemas, channels, declared, runs = {0, *self.schemas}, {*self.channels}, bytearray(), [(0, 0)]
         for place in whole_records(data, span_ns, is_cut=is_cut):
             content = data[place.begin : place.end]
             with suppress(ValueError, EOFError, struct.error):
                 if place.opcode == Opcode.MESSAGE:
                     channel, _, *times = MESSAGE.unpack_from(content)
-                    is_known = channel in channels and span_ns[0] <= times[0] <= span_ns[1]
-                    kept += data[place.start : place.end] if is_known and max(times) <= LAST_TIME else b""
+                    if channel in channels and span_ns[0] <= times[0] <= span_ns[1] and max(times) <= LAST_TIME:
+                        begin = runs.pop()[0] if runs[-1][1] == place.start else place.start
+                        runs.append((begin, place.end))
                     continue
                 record = parsed(place.opcode, content)
                 own = schemas if isinstance(record, Schema) else channels
                 is_channel = isinstance(record, Channel) and record.schema_id in schemas
                 if (isinstance(record, Schema) or is_channel) and record.id not in own:  # what is declared is right
                     own.add(record.id)
-                    kept += record_bytes(record)
-        return bytes(kept)
+                    declared += record_bytes(record)
+        return b"".join([declared, *(memoryview(data)[begin:end] for begin, end in runs)])
 
     def add_chunk(self, chunk: Chunk, begin: int, indexes: Mapping[int, int], end: int) -> None:
         """Add a chunk whose messages were added.
