@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+import warnings
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -201,7 +202,9 @@ def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     if not campaign.entries:
         return []
     limit_s, found = STARTING_S + max(LONGEST_S, campaign.duration), []
-    given = simulate(campaign.scenario_of(run), duration=campaign.duration)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of what has no effect: the campaign tells it, where that is so in every run
+        given = simulate(campaign.scenario_of(run), duration=campaign.duration)
     for entry in campaign.entries:
         try:
             found.append(_interpreter(campaign, entry).ask(partial(judged, entry, given), limit_s))

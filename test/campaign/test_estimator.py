@@ -6,6 +6,7 @@ import os
 import resource
 import signal
 import sys
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -223,6 +224,15 @@ def test_an_estimator_that_spoils_its_process_costs_its_own_scores_only(campaign
         _, moving, right = judgements(beside, run)
         assert right["scores"] == here(alone, run)
         assert moving["scores"]["estimator_error"] is None
+
+
+def test_what_has_no_effect_in_a_run_is_no_warning_of_python(campaign_of: Any) -> None:
+    campaign = campaign_of("turned", 1)
+    idle = replace(campaign, parameters={**campaign.parameters, "sun_sensor_noise": 0.1})
+    assert idle.scenario_of(0).without_effect
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert judgements(idle, 0)[0]["scores"]["estimator_error"] is None
 
 
 def test_a_copy_of_the_process_that_comes_back_ends_there(asked: Any) -> None:
