@@ -251,8 +251,7 @@ class SegmentSensor:
             time_s = (law.stamp_ns - self._segment.start_ns) / 1e9
             message = f"{topic.topic:.60}: {law.message}, {time_s:.9g} s after the start"
             duration = max(self._duration, time_s)  # of one sample 0
-            limits = limits_of(self._segment, self._name, duration)
-            erring = float(limits.attitude_uncapped(np.array([duration]))[0])
+            erring = float(limits_of(self._segment, self._name, duration).attitude_uncapped(np.array([duration]))[0])
             if law.name in value_laws() and erring > ATTITUDE_CAP:
                 message += (
                     f": between these readings the declared stepper errs by up to {erring:.2g} rad, "
