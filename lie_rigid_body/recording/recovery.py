@@ -21,6 +21,7 @@ from lie_rigid_body.recording.damaged_file import DamagedFile
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, other_format, salvaged
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.records import (
+    HEAD,
     LARGEST_RECORD,
     LAST_TIME,
     MAGIC,
@@ -43,6 +44,7 @@ _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""
 _PLAIN: Final = 40
 """Bytes before the data in the record of a chunk that has no compression."""
+_OF_CHUNKS: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
 _ZEROS: Final = 64
 """Zeros in which no compressed data end."""
 
@@ -159,8 +161,8 @@ class _Salvage:
         """Take record after record; return where the last ends, and whether the file does."""
         end, opcode, data_ended = len(MAGIC), 0, False
         for place in self._there.places():
-            if self._in_part is not None and place.opcode == Opcode.MESSAGE:  # which was in the chunk before
-                end = place.end
+            if self._in_part and place.opcode in _OF_CHUNKS and place.end <= self._in_part[2]:
+                end = place.end  # it was in the chunk before
                 continue
             self._take_in_part(place.start)
             if place.start != end:
@@ -273,28 +275,31 @@ class _Salvage:
             raise
         table = self._found(data)
         span_ns, told_ns = table.span_ns if table.index else (0, 0), (chunk.message_start_time, chunk.message_end_time)
+        behind, adds_up = place.end, len(table.data) == len(data)
+        has_won = not adds_up or self._given[behind : behind + 1] == bytes([Opcode.MESSAGE])
+        is_sure = chunk.compression or chunk.uncompressed_crc or (not has_won and begins(self._given, behind))
         try:
-            require(len(table.data) == len(data), "a record in it is not whole")
-            is_sure = chunk.compression or chunk.uncompressed_crc or begins(self._given, place.end)
-            require(bool(is_sure), "no record begins behind it")
+            require(adds_up and bool(is_sure), "a record in it is not whole, or no other one begins behind it")
             self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
         except DAMAGE:
             self._there.has_chunks, begin = True, place.end - len(data)
             kept = replace(chunk, data=b"") if begin == place.begin + _PLAIN else chunk
-            self._in_part = kept, begin, min(place.end + len(data), begin + LARGEST_RECORD)
+            self._in_part = kept, begin, min(behind + (len(data) if has_won else HEAD.itemsize), begin + LARGEST_RECORD)
             raise
         self._is_altered |= bool(table.index) and span_ns != told_ns
 
     def _take_in_part(self, end: int) -> None:
         """Take the whole messages of a chunk that does not add up, if the last record is one; the next one is known.
 
-        Where a plain one won bytes, others that were in it stand between the two; they are looked for as far again.
+        Where a plain one won bytes, others that were in it stand between the two; they are looked for as far again. One
+        that adds up has none there, and a last message that may be another one.
         """
         in_part, self._in_part = self._in_part, None
         if in_part:
             chunk, begin, farthest = in_part
             with suppress(*DAMAGE):
-                self._take_known(chunk, salvaged(chunk) or self._given[begin : min(end, farthest)])
+                data = salvaged(chunk) or self._given[begin : min(end, farthest)]
+                self._take_known(chunk, data, is_cut=farthest < end)
 
     def _take_before_zeros(self, chunk: Chunk) -> None:
         """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""

@@ -74,6 +74,22 @@ def test_bytes_that_a_chunk_lost_or_won_cost_the_messages_there_and_the_one_befo
         assert len(whole) - 1 <= len(found) == len({*found} & whole)
 
 
+@pytest.mark.parametrize("is_bare", [False, True])
+@pytest.mark.parametrize("place", ["amid the chunk", "behind the chunk"])
+def test_a_sector_that_is_written_twice_costs_nothing(tmp_path: Path, place: str, is_bare: bool) -> None:
+    """Of records that end where sectors do the chunk may add up, and be followed by what was in it."""
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    written(broken, random.Random(0), chunk_size=1500, is_bare=is_bare)
+    content, everything = broken.read_bytes(), message_records(broken)
+    at = content.index(everything[20])  # the last of its chunk is the one of number 23
+    if place == "behind the chunk":
+        at = content.index(everything[23]) + 128
+    broken.write_bytes(content[:at] + content[at - 512 : at] + content[at:])
+    assert recover(broken, fixed, overwrite=True).damaged
+    found = message_records(fixed)
+    assert {*found} == {*everything}
+
+
 def test_a_chunk_that_was_displaced_into_an_attachment_is_found(tmp_path: Path) -> None:
     """As the summary tells how it begins."""
     broken, fixed, rng = tmp_path / "broken.mcap", tmp_path / "fixed.mcap", random.Random(0)
