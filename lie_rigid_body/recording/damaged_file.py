@@ -112,8 +112,7 @@ class DamagedFile:
         indexed = self._indexed
         number = bisect_right(indexed, before.start if self._looks_within else before.end - 1)
         until = indexed[number] if number < len(indexed) else footer
-        is_packed = before.opcode == Opcode.CHUNK and given[before.begin + 28 : before.begin + 32] != bytes(4)
-        if self._doubted == before and (indexed or is_packed):
+        if self._doubted == before and (indexed or self._is_packed(before)):
             yield from self._chunks_within(before, at)
         yield at
         is_unfinished = given[at : at + 1] == bytes([Opcode.CHUNK]) and says_twice(given, at)
@@ -130,6 +129,9 @@ class DamagedFile:
             yield from (begin for begin, of in found if of in known or given[begin : begin + 1] != message)
         if self._has_footer and footer > at:
             yield footer
+
+    def _is_packed(self, place: Place) -> bool:
+        return place.opcode == Opcode.CHUNK and self._given[place.begin + 28 : place.begin + 32] != bytes(4)
 
     @cached_property
     def _has_footer(self) -> bool:

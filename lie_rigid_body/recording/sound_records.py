@@ -110,11 +110,10 @@ def whole_records(data: bytes, span_ns: tuple[int, int], *, is_cut: bool) -> Ite
     begins_at, at = partial(begins, data, span_ns=span_ns, is_cut=is_cut), 0
     endings = (found.end() for found in ENDING.finditer(data) if found[1])
     while at + RECORD_HEAD.size <= len(data):
-        opcode, length = RECORD_HEAD.unpack_from(data, at)
-        end = at + RECORD_HEAD.size + length
-        is_other = any(data[end : end + RECORD_HEAD.size]) and begins_at(_end(data, end))
-        if begins_at(end) or is_other:  # whose kind is damaged, or unknown
-            yield Place(opcode, at, at + RECORD_HEAD.size, end)
+        end = _end(data, at)
+        # of the next record the kind may be damaged, or unknown
+        if begins_at(end) or (any(data[end : end + RECORD_HEAD.size]) and begins_at(_end(data, end))):
+            yield Place(data[at], at, at + RECORD_HEAD.size, end)
             at = end
         else:
             at = next(filter(begins_at, _heads(data, at + 1, endings)), len(data))

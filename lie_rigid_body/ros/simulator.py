@@ -122,9 +122,12 @@ def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Record
         yield recorder
     if recorder.failure is not None:
         raise recorder.failure
-    topics = {topic: name for topic, name in bag.topics.items() if topic in SENSOR_TOPICS}
-    lost = [topic for topic, name in topics.items() if not name.endswith(f"/{topic.removeprefix('~/')}")]  # by a remap
-    names = "".join(f" --topic {console.quoted(f'{topic}:={topics[topic]}')}" for topic in lost)
+    remapped = (
+        f"{topic}:={name}"
+        for topic, name in bag.topics.items()
+        if topic in SENSOR_TOPICS and not name.endswith(f"/{topic.removeprefix('~/')}")
+    )
+    names = "".join(f" --topic {console.quoted(remap)}" for remap in remapped)
     certify = f"; {console.how_to_certify(path)}{names}" if bag.sample_count else ""
     _say(f"recorded {counted(bag.sample_count, 'sample')}{certify}")
 
