@@ -15,7 +15,7 @@ from lie_rigid_body.estimates.kept_biases import KeptBiases
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP, period_ns
-from lie_rigid_body.evaluation.limits import Tally
+from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames

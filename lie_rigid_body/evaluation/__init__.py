@@ -7,10 +7,9 @@ looks for the lag and for mistaken conventions, and gives a `Score`. `nees` hold
 
 from lie_rigid_body.evaluation.attitudes import AttitudeError, ExactTruth, SampledTruth, Truth, attitude_error
 from lie_rigid_body.evaluation.consistency import Consistency, attitude_nees, nees
-from lie_rigid_body.evaluation.limits import Limits
 from lie_rigid_body.evaluation.score import Finding, Score
 from lie_rigid_body.evaluation.scoring import evaluate
-from lie_rigid_body.evaluation.statistics import Statistics, bias_error, time_to_converge
+from lie_rigid_body.evaluation.statistics import Limits, Statistics, bias_error, time_to_converge
 from lie_rigid_body.evaluation.unavoidable import (
     AttitudeReadings,
     BiasNoise,

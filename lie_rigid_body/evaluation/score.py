@@ -13,8 +13,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.limits import Limits, Tally
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Statistics, bias_error
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics, Tally, bias_error
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.showing import Shown, data_frame, report

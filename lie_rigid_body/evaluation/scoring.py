@@ -22,9 +22,8 @@ from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.evidence import TIE, Evidence
 from lie_rigid_body.evaluation.explanations import Explanation
-from lie_rigid_body.evaluation.limits import Limits, Tally
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Finding, Score
-from lie_rigid_body.evaluation.statistics import Statistics, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.track import FEWEST, Track
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown

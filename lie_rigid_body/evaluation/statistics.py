@@ -1,20 +1,37 @@
-"""Statistics of errors: their size, and when an estimate has converged."""
+"""Statistics of errors: their size, when an estimate has converged, and whether they keep limits.
+
+Limits are written on a command line as ``1deg``, or ``10s:2deg`` from a time on.
+"""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from operator import itemgetter
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, quantity, real_numbers
+from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.lie import vectors
 from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.wording import shown
 
 SMALLEST_LIMIT: Final = 1e-3
 """Least default limit of convergence, degrees."""
+UNITS: Final = {
+    "an angle such as 1deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi},
+    "a time such as 10s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
+}
+"""Units in which limits and times may be written, each in degrees or in seconds."""
+LEAST_SHARE: Final = 0.5
+"""Least share that must be compared for a limit to be kept: of the given estimates, and of the time in which they are
+due."""
+_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*", re.ASCII)
 
 
 @short_dataclass(frozen=True)
@@ -117,3 +134,132 @@ def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float |
     above = np.flatnonzero(~(sizes <= quantity("limit", limit, "units of the errors", "1.0", or_zero=True)))
     first = int(above[-1]) + 1 if above.size else 0
     return float(times[first] - times[0]) if first < len(sizes) else None
+
+
+@short_dataclass(frozen=True)
+class Limits:
+    """Limits to the total error.
+
+    Attributes
+    ----------
+    max_rms_deg : float or None
+        Largest RMS over the whole run, degrees, above 0.
+    max_after : tuple of (float, float)
+        Pairs of a time in s since the first sample, and the largest error from then on, degrees, above 0.
+
+    Raises
+    ------
+    InputError
+        If a limit is not finite or not above 0, or a time is not finite or below 0. No error, or every error, would
+        break such a limit.
+    """
+
+    max_rms_deg: float | None = None
+    max_after: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.max_rms_deg is not None:
+            quantity("max_rms_deg", self.max_rms_deg, "degrees", "max_rms_deg=1.0")
+        try:
+            pairs = tuple((start, limit) for start, limit in self.max_after)
+        except (TypeError, ValueError):
+            raise InputError(
+                f"max_after: {shown(self.max_after)} is not pairs of s and degrees: give for example ((10.0, 2.0),)"
+            ) from None
+        for start, limit in pairs:
+            quantity("max_after: time", start, "seconds", "((10.0, 2.0),)", or_zero=True)
+            quantity("max_after: limit", limit, "degrees", "((10.0, 2.0),)")
+
+    @classmethod
+    def parse(cls, max_rms: str | None = None, max_after: str | tuple[str, ...] = ()) -> Limits:
+        """Read limits from texts: ``max_rms="1deg"``, ``max_after="10s:2deg"`` or several of them.
+
+        Raises
+        ------
+        InputError
+            If a text is not an angle, or not a time, a colon and an angle.
+        """
+        pairs = max_after if isinstance(max_after, list | tuple) else (max_after,)
+        return cls(
+            None if max_rms is None else _read(max_rms, "an angle such as 1deg"), tuple(_after(pair) for pair in pairs)
+        )
+
+
+def _after(text: str) -> tuple[float, float]:
+    time, colon, angle = text.partition(":") if isinstance(text, str) else (text, "", "")
+    if not colon:
+        raise InputError(f"{shown(text)} is not a time and an angle: give for example 10s:2deg")
+    return _read(time, "a time such as 10s"), _read(angle, "an angle such as 1deg")
+
+
+def _read(text: str, wanted: str) -> float:
+    """Read a number with one of the units of what is wanted."""
+    match, units = _NUMBER.fullmatch(text) if isinstance(text, str) else None, UNITS[wanted]
+    if not match or match[2] not in units or np.isinf(float(match[1])):
+        raise InputError(f"{shown(text)} is not {wanted}: give a number and one of {', '.join(units)}")
+    return float(match[1]) * units[match[2]]
+
+
+class Tally:
+    """Number, RMS and largest error of all samples so far, and the limits that they break.
+
+    Parameters
+    ----------
+    limits : Limits
+
+    Attributes
+    ----------
+    count : int
+    largest_deg : ndarray, shape (3,)
+        Largest total, heading and inclination error, degrees.
+    """
+
+    def __init__(self, limits: Limits) -> None:
+        self.limits, self.count = limits, 0
+        self._squares, self.largest_deg = np.zeros(3), np.zeros(3)
+        self._first_ns = self._last_ns = 0
+        self._worst = [(0.0, -np.inf) for _ in limits.max_after]
+
+    def add(self, stamps_ns: Integers, error: AttitudeError) -> None:
+        """Take samples that come next: at least one, with their errors, rad."""
+        angles_deg = np.degrees(np.stack(error))
+        self._first_ns = self._first_ns if self.count else int(stamps_ns[0])
+        self._last_ns = int(stamps_ns[-1])
+        self.count += len(stamps_ns)
+        self._squares += np.sum(angles_deg**2, axis=1)
+        self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
+        t_s = (stamps_ns - self._first_ns) / 1e9
+        late_deg = (np.where(t_s >= start, angles_deg[0], -np.inf) for start, _ in self.limits.max_after)
+        latest = [(float(t_s[np.argmax(errors)]), float(errors.max())) for errors in late_deg]
+        # of as large ones the first counts
+        self._worst = [max(pair, key=itemgetter(1)) for pair in zip(self._worst, latest, strict=True)]
+
+    @property
+    def rms_deg(self) -> Array:
+        """RMS of the total, heading and inclination error, degrees, shape (3,)."""
+        return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
+
+    def broken(self, given: int = 0, due_ns: int | None = None) -> Iterator[str]:
+        """Sentences about the limits that the samples so far break, one for each, and about too few to keep any.
+
+        Parameters
+        ----------
+        given : int, optional
+            Estimates, of which those that were compared were added; by default these are enough.
+        due_ns : int, optional
+            The stamp until which they are due.
+        """
+        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, (self._last_ns - self._first_ns) / 1e9
+        if most_deg is not None and rms_deg > most_deg:
+            yield f"the error is {rms_deg:.4g}° rms, above the limit of {most_deg:g}°"
+        for (start, limit), (at_s, worst_deg) in zip(self.limits.max_after, self._worst, strict=True):
+            if worst_deg == -np.inf:
+                yield f"the estimate ends at {span_s:g} s, before the limit after {start:g} s begins"
+            elif worst_deg > limit:
+                yield f"the error is {worst_deg:.4g}° at {at_s:g} s, above the limit of {limit:g}° after {start:g} s"
+        due_s = 0.0 if due_ns is None else (due_ns - self._first_ns) / 1e9
+        enough, is_limited = "were compared: limits hold for at least half of them", self.limits != Limits()
+        if is_limited and self.count < LEAST_SHARE * given:
+            yield f"only {self.count} of {given} estimates {enough}"
+        if is_limited and span_s < LEAST_SHARE * due_s:
+            yield f"only {span_s:.4g} of {due_s:.4g} s since the first estimate {enough}"

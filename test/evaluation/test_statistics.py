@@ -17,8 +17,7 @@ from lie_rigid_body.evaluation import (
     evaluate,
     time_to_converge,
 )
-from lie_rigid_body.evaluation.limits import Tally
-from lie_rigid_body.evaluation.statistics import settling_limit
+from lie_rigid_body.evaluation.statistics import Tally, settling_limit
 from said import numbers
 
 

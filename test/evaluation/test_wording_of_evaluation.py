@@ -32,7 +32,7 @@ from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.differences import Difference, of_run, of_runs
 from lie_rigid_body.evaluation.honesty import honesty
-from lie_rigid_body.evaluation.limits import Tally
+from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.wording import LONGEST_LINE
 
