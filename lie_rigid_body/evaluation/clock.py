@@ -14,10 +14,18 @@ import numpy as np
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, late, undone, weights
-from lie_rigid_body.evaluation.evidence import BOTH, FULL, LEAD, LEAST_LATE, SHARE, UNLIKE
-from lie_rigid_body.evaluation.explanations import LARGEST_LEFT, NEGLIGIBLE, Explanation
+from lie_rigid_body.evaluation.explanations import (
+    BOTH,
+    FULL,
+    LARGEST_LEFT,
+    LEAD,
+    LEAST_LATE,
+    SHARE,
+    UNLIKE,
+    Explanation,
+)
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.track import FEWEST, SPIN, Track, quarters, spins, still
+from lie_rigid_body.evaluation.track import FEWEST, NEGLIGIBLE, SPIN, Track, counted, quarters, spins, still
 from lie_rigid_body.lie import quaternion
 
 SIGNIFICANT: Final = 3.0
@@ -254,7 +262,7 @@ def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, T
     allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2))
     seconds = 1.0 if is_lag else float(clock[0][1][0])  # of the truth in a second of the stamps
     is_of_rate_1 = not is_lag and abs(seconds - 1.0) < LEAST_OFF
-    if is_of_rate_1 or np.any(quarters(moved) > np.maximum(allowed, np.sin(0.5 * NEGLIGIBLE) ** 2)):
+    if is_of_rate_1 or np.any(quarters(moved) > counted(allowed)):
         return []
     if spins(rate, EVEN_SPIN if is_lag else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns

@@ -1,32 +1,70 @@
-"""Explanations of the error of an estimate: causes with their constants, what they leave, and what they cost.
+"""Explanations of the error of an estimate, the evidence by which they are judged, and the choice of one of them.
 
 An explanation is a chain of causes without a constant, then at most two with constants: turns of the world and of the
 body, and a lag. Every one is judged by one number a quarter of the run, from the second on (in the first a filter may
 converge). It is the mean of sin² of half of the error that is left, with the constants fitted to the other quarters.
+
+The rule: the best explanation has the least cost, in units of halved errors: log₂ of the error that it leaves, plus its
+price. It is named if each of its causes is needed: without that cause the error is at least `1 / SHARE` times as large
+in each quarter but the first. So drifts, random walks and noise are no causes, as a constant fitted to some quarters
+does not fit the others. A right filter may be ahead by up to a sample, as it compares readings with the attitude before
+its gyro step. Every explanation without a lag may have such a lead at no price, and it is no cause.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.arrays import Array
+from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, vector
+from lie_rigid_body.evaluation.track import NEGLIGIBLE, SAMPLES, Track, counted, products, spins, still
+from lie_rigid_body.lie import quaternion
 
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
 """Prices of causes with constants, in halved errors; a cause without a constant costs 1.
 
 A far lag, in which the body turns by more than half a turn, has a further price, as there are many.
 """
-NEGLIGIBLE: Final = float(np.radians(1e-3))
-"""Error that needs no explanation, rad; a smaller one counts as this."""
 LARGEST_LEFT: Final = float(np.radians(20.0))
 """Largest error that named causes may leave, rad; if one of them has a constant, divided by their number."""
 LEFT_BY_THREE: Final = float(np.radians(7.7))
 """Largest error that a cause with three constants may leave, rad, divided by the number of causes with constants."""
+SHARE: Final = 1.0 / 3.0
+"""Largest ratio of the RMS error with a named cause to that without the cause, in each quarter of a run."""
+LAG_SHARE: Final = 0.5
+"""Largest ratio of the RMS error with a named lag to that without. Slow errors hardly follow the body rate, unless the
+body turns about one axis."""
+LEAST_LATE: Final = 0.5
+"""Least lag, in samples, that is named as a cause where other errors are as large."""
+TIE: Final = 1.25
+"""Ratio of two RMS errors up to which their explanations count as equally good."""
+UNEVEN: Final = 3.0
+"""Largest ratio of the RMS errors that a far lag leaves in two quarters: a motion that nearly repeats fits another lag
+in each."""
+FOLLOWING: Final = 0.125
+"""Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
+UNLIKE: Final = 0.5
+"""Largest error of an explanation with constants, as a share of that of a constant attitude; with a mounting half."""
+LEAST_TILT: Final = float(np.radians(10.0))
+"""Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
+about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
+LEAD: Final = 1.5
+"""Largest lead of a right filter, samples: one sample, and half of one for sensor errors."""
+FLOOR: Final = 0.1
+"""Largest constant error of a right filter with perfect sensors, as a share of the largest turn between samples."""
+OF_SENSORS: Final = float(np.radians(1.0))
+"""Attitude error, rad, below which sensor errors may be the cause; they look more like a constant turn than a lag."""
+LAG_TIE: Final = 3.0
+"""Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
+FULL: Final = 0.999
+"""Share of the longest lag from which on a lag counts as at the limit of the search."""
+HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
+"""Starts of the joint fit of heading and mounting: w and z of quaternions of turns about the vertical, 60° apart."""
 
 Turned = tuple[str, ...]
 """Turns of the world and of the body, in the order of undoing."""
@@ -39,6 +77,11 @@ FORMS: Final[tuple[Form, ...]] = tuple(
     for world in ((), (("ned_world", 0),), (("ned_world", 1),))
 )
 """Every chain; the first has no cause."""
+TURNED: Final[tuple[Turned, ...]] = ((), ("heading_offset",), ("world_turned",), ("body_mounting",))
+BOTH: Final = ("heading_offset", "body_mounting")
+"""Turns that are fitted together; `TURNED` are those that are tried."""
+LATE: Final = (TURNED[0], TURNED[1], TURNED[3])
+"""Turns that are tried together with a lag."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,11 +149,6 @@ class Explanation:
         return [*forms, *turns, *([] if self.lag_s is None else [late(self.lag_s)])]
 
 
-def counted(left: Array) -> Array:
-    """Mean sin² of half of the error left in each quarter, raised to that of `NEGLIGIBLE` where it is less."""
-    return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
-
-
 @cache
 def matrix(form: Form) -> Array:
     """Matrix that undoes a chain of causes, shape (4, 4)."""
@@ -118,3 +156,244 @@ def matrix(form: Form) -> Array:
     for code, number in form:
         undoing = BY_CODE[code].maps[number][0] @ undoing
     return undoing
+
+
+@cache
+def _base(form: Form, turned: Turned) -> Array:
+    """Basis of the repairs of a form followed by turns, shape (d, 16)."""
+    maps = np.eye(4)[np.newaxis]
+    for code in turned:
+        maps = (maps[:, np.newaxis] @ BY_CODE[code].maps[0]).reshape(-1, 4, 4)
+    return (maps @ matrix(form)).reshape(-1, 16)
+
+
+def _best(forms: Array) -> Array:
+    """Unit vectors c of the largest cᵀ G c for each matrix G, shape (..., d)."""
+    return np.asarray(np.linalg.eigh(forms)[1][..., -1])
+
+
+def _best_of_both(forms: Array, first: Array) -> Array:
+    """Quaternion numbers of a turn about the vertical (2) and of the body (4), fitted alternately, (..., 6)."""
+    G, up = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4), first
+    for _ in range(8):
+        body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
+        up = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
+    return np.concatenate([up, body], axis=-1)
+
+
+def _value(numbers: Array, forms: Array) -> Array:
+    """Value cᵀ G c of fitted numbers c; for two turns c is the product of their numbers."""
+    if numbers.shape[-1] == 6:
+        numbers = (numbers[..., :2, np.newaxis] * numbers[..., np.newaxis, 2:]).reshape(*numbers.shape[:-1], 8)
+    return np.asarray(np.einsum("...i,...ij,...j->...", numbers, forms, numbers))
+
+
+class Evidence:
+    """Sums over an estimate and the truth, from which every explanation is judged.
+
+    Parameters
+    ----------
+    track : Track
+        Samples whose true time, moved by the longest lag either way, is within the truth's times.
+    longest_lag_s : float
+    left_by_sensors : float
+        Largest constant turn that the sensors' own errors leave to a right filter, rad.
+    """
+
+    def __init__(self, track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
+        self.track, self.period_s = track.few(SAMPLES), period_ns(track.stamps_ns) / 1e9
+        self.longest_lag_s, self.left_by_sensors = longest_lag_s, left_by_sensors
+        truth, rate = self.track.truth.states(self.track.stamps_ns)
+        self.fastest = float(sizes(rate).max())
+        self.still, self.spins = still(truth), spins(rate)
+        # at the leads of a right filter: none, half a sample and one
+        self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
+        # between neighbours the body turns by a quarter of a radian at most, unless they would be too many
+        half = min(max(int(np.ceil(4.0 * longest_lag_s * self.fastest)), 1), 90)
+        self._lags = np.linspace(-longest_lag_s, longest_lag_s, 2 * half + 1)
+        # what a lag between two of these may leave less
+        self._slack = float(np.sin(0.25 * min((self._lags[1] - self._lags[0]) * self.fastest, 2.0)) ** 2)
+        self._known: dict[tuple[Form, Turned, bool], Explanation] = {}
+
+    def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
+        """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
+        few = self.track.few(most)
+        P = products(few, few.stamps_ns - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis])
+        return np.stack([np.swapaxes(q, 1, 2) @ q / q.shape[1] for q in np.array_split(P, 4, axis=1)[1:]], axis=1)
+
+    def judged(self, form: Form, turned: Turned, T: Array) -> tuple[Array, Array]:
+        """Mean sin² of half of the error left in each quarter, (..., 3), and numbers, by sums T, (..., 3, 16, 16)."""
+        base = _base(form, turned)
+        G = base @ T @ base.T
+        whole = G.sum(axis=-3)
+        others = whole[..., np.newaxis, :, :] - G
+        if turned == BOTH:
+            first = whole.reshape(-1, 8, 8)[0]
+            starts = _best_of_both(first, HEADINGS)
+            best = starts[np.argmax(_value(starts, first)), :2]
+            numbers, crossed = (_best_of_both(sums, best) for sums in (whole, others))
+        else:
+            numbers, crossed = _best(whole), _best(others)
+        return 1.0 - _value(crossed, G), numbers
+
+    def get(self, form: Form = (), turned: Turned = (), *, late: bool = False) -> Explanation:
+        """The explanation of a form with turns, with a lag or without."""
+        key = form, turned, late
+        if key not in self._known:
+            self._known[key] = self._with_lag(form, turned) if late else self._without_lag(form, turned)
+        return self._known[key]
+
+    def _without_lag(self, form: Form, turned: Turned) -> Explanation:
+        left, numbers = self.judged(form, turned, self._ahead)
+        return Explanation(form, turned, left[np.argmin(left.mean(axis=1))], numbers[0])
+
+    @cached_property
+    def _scanned(self) -> dict[tuple[Form, Turned], Array]:
+        """Mean sin² of half of the error that each form leaves, with each turn of `LATE`, at each lag tried."""
+        T = self.sums(self._lags, most=100).mean(axis=1)
+        bases = {(form, turned): _base(form, turned) for turned in LATE for form in FORMS}
+        return {key: 1.0 - np.linalg.eigvalsh(base @ T @ base.T)[..., -1] for key, base in bases.items()}
+
+    def _with_lag(self, form: Form, turned: Turned) -> Explanation:
+        """The explanation with the smallest of the lags that leave about the least error."""
+        lags, cost = self._lags, self._scanned[form, turned]
+        around = np.concatenate([[np.inf], cost, [np.inf]])
+        lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
+        by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
+        step = float(lags[1] - lags[0])
+        found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(by_cost, by_size)]
+        least = min(counted(e.left).mean() for e in found)
+        as_good = [e for e in found if counted(e.left).mean() <= TIE**2 * least]
+        return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
+
+    def _at_lag(self, form: Form, turned: Turned, lag_s: float, step: float) -> Explanation:
+        """The explanation with a refined lag: vertices of parabolas through three lags, ever nearer ones."""
+        base = _base(form, turned)
+        for _ in range(4):
+            three = np.clip(lag_s + step * np.array([-1.0, 0.0, 1.0]), -self.longest_lag_s, self.longest_lag_s)
+            G = base @ self.sums(three) @ base.T
+            whole = G.sum(axis=1)
+            shift = _vertex(3.0 - np.linalg.eigvalsh(whole)[:, -1])
+            lag_s, step = float(np.clip(three[1] + shift * step, three[0], three[2])), step / 5.0
+        others = 2.0 - np.linalg.eigvalsh(whole[:, np.newaxis] - G)[..., -1]
+        crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
+        T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
+        left, numbers = self.judged(form, turned, T)
+        return Explanation(
+            form, turned, left[[1, 2, 3], [0, 1, 2]], numbers[0], lag_s, far=abs(lag_s) * self.fastest > np.pi
+        )
+
+    @cached_property
+    def tried(self) -> list[Explanation]:
+        """Explanations that may be the best, the cheapest first."""
+        found = sorted((self.get(form, turned) for turned in TURNED for form in FORMS), key=lambda e: e.cost)
+        turnable = dict.fromkeys(e.form for e in found if e.turned in LATE[1:])
+        found += [self.get(form, BOTH) for form in list(turnable)[:6]]
+        lowest = min(e.cost for e in found)
+        trials = [
+            Explanation(form, turned, np.array([costs.min() - self._slack]), np.zeros(0), 0.0)
+            for (form, turned), costs in self._scanned.items()
+        ]
+        promising = sorted((e for e in trials if e.cost < lowest), key=lambda e: e.cost)
+        found += [self.get(e.form, e.turned, late=True) for e in promising[:8]]
+        return sorted(found, key=lambda e: e.cost)
+
+    def choice(self) -> tuple[Explanation, bool, bool]:
+        """Choose the causes of the errors by the one rule.
+
+        Returns
+        -------
+        Explanation
+            What is named, without a cause where none is sure.
+        bool
+            Whether a constant turn was found that is no larger than what the sensors' own errors leave.
+        bool
+            Whether a lag at the limit of the search leaves least: the true one may be longer.
+        """
+        plain, of_sensors, allowed = self.get(), False, {*BY_CODE, "lag"}
+        for e in self.tried[: self.tried.index(plain)]:
+            if not allowed.issuperset(e.causes):
+                continue
+            if e.lag_s is not None and abs(e.lag_s) > FULL * self.longest_lag_s:
+                return plain, of_sensors, True
+            if self.is_needed(e):
+                if not self.is_small(e):
+                    return e, of_sensors, False
+                allowed = {*e.causes}  # what is left without the small turn is of its other causes
+                of_sensors = self.left_by_sensors > 0.0
+        return plain, of_sensors, False
+
+    def without(self, explanation: Explanation, cause: str) -> Explanation:
+        """The explanation without one of its causes."""
+        return self.get(
+            tuple(part for part in explanation.form if part[0] != cause),
+            tuple(code for code in explanation.turned if code != cause),
+            late=explanation.lag_s is not None and cause != "lag",
+        )
+
+    def is_needed(self, explanation: Explanation) -> bool:
+        """Whether an explanation leaves little beside the body's turn, and needs each cause in each quarter."""
+        left, lag_s = counted(explanation.left), explanation.lag_s
+        unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
+        # a constant fits a body that hardly turns, and a chain without one by chance: one of all in 0.2 % of turns
+        least = NEGLIGIBLE if len(explanation.causes) > len(explanation.form) else LEFT_BY_THREE
+        if left.mean() > max(unlike**2 * self.still, np.sin(0.5 * least) ** 2) or not explanation.explains:
+            return False
+        is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
+        is_level = any(
+            cause.code == "world_turned" and not LEAST_TILT < angles(quaternion.exp(c)).inclination < np.pi - LEAST_TILT
+            for cause, c in explanation.parts
+        )
+        if is_lead or is_level or (explanation.far and left.max() > UNEVEN**2 * left.min()):
+            return False
+        shares = dict.fromkeys(explanation.causes, SHARE)
+        if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
+            shares["lag"] = LAG_SHARE
+        return all(
+            np.all(left <= share**2 * counted(self.without(explanation, cause).left)) for cause, share in shares.items()
+        )
+
+    def is_small(self, explanation: Explanation) -> bool:
+        """Whether a turn, or the turn in a lag that leaves some error, is no larger than what sensor errors leave."""
+        turns_rad = [float(np.linalg.norm(constants)) for cause, constants in explanation.parts if cause.code in PRICES]
+        is_late = explanation.lag_s is not None and (
+            explanation.error > FOLLOWING * self.without(explanation, "lag").error
+            and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
+        )
+        least = max(self.left_by_sensors, FLOOR * self.fastest * self.period_s)
+        return is_late or min(turns_rad, default=np.inf) <= least
+
+    def follows(self) -> bool:
+        """Whether up to three causes, sure or not, leave little error: the estimate then follows the body."""
+        most = FOLLOWING * self.get().error
+        return any(e.error <= most and e.explains for e in self.tried if 0 < len(e.causes) <= 3)
+
+    def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
+        """The named explanation with a lag added, if its own fit of a lag gives about the same."""
+        if named.lag_s is not None or named.turned not in LATE or self.spins:
+            return named
+        found = self.get(named.form, named.turned, late=True)
+        same = found.lag_s is not None and abs(found.lag_s - lag_s) <= 0.25 * abs(lag_s)
+        return replace(found, lag_s=lag_s) if same and not self.is_small(found) else named
+
+    def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
+        """Causes that leave about as much error in the place of a named one."""
+        rest, without, left = {*named.causes} - {cause}, self.without(named, cause), max(named.error, NEGLIGIBLE)
+        others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
+        found: dict[str, None] = {}
+        for other in others:
+            new = {*other.causes} - rest
+            if len(new) != 1 or cause in new or len(other.causes) != len(rest) + 1:
+                continue
+            small = "lag" in new and without.error < OF_SENSORS
+            most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
+            if max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
+                found |= dict.fromkeys(new)
+        return tuple(found)
+
+
+def _vertex(three: Array) -> float:
+    """Place of the minimum of a parabola through three equally spaced values, in steps from the middle, at most one."""
+    a, b, c = three.tolist()
+    bend = a - 2.0 * b + c
+    return float(np.clip(0.5 * (a - c) / bend, -1.0, 1.0)) if bend > 0.0 else float(np.argmin(three)) - 1.0

@@ -27,10 +27,9 @@ from lie_rigid_body.evaluation.attitudes import (
 )
 from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import FAR
-from lie_rigid_body.evaluation.evidence import SAMPLES
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
-from lie_rigid_body.evaluation.track import FEWEST, Track, spread
+from lie_rigid_body.evaluation.track import FEWEST, SAMPLES, Track, spread
 from lie_rigid_body.lie import quaternion
 
 GAP_OF_EVEN: Final = 1.5

@@ -20,8 +20,7 @@ from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, period_ns
 from lie_rigid_body.evaluation.causes import Part, fit, late, undone
 from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
 from lie_rigid_body.evaluation.consistency import attitude_nees
-from lie_rigid_body.evaluation.evidence import TIE, Evidence
-from lie_rigid_body.evaluation.explanations import Explanation
+from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Finding, Score
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.track import FEWEST, Track

@@ -18,6 +18,10 @@ SPIN: Final = 0.9
 """Squared length of the mean axis of rotation above which a body turns about one axis."""
 FEWEST: Final = 20
 """Least number of samples whose quarters tell anything."""
+SAMPLES: Final = 400
+"""Largest number of samples by which errors are explained."""
+NEGLIGIBLE: Final = float(np.radians(1e-3))
+"""Error that needs no explanation, rad; a smaller one counts as this."""
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -109,6 +113,11 @@ def products(track: Track, stamps_ns: Integers) -> Array:
 def quarters(track: Track) -> Array:
     """Mean of sin² of half of the error in each quarter but the first, shape (3,)."""
     return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.error().total, 4)[1:]])
+
+
+def counted(left: Array) -> Array:
+    """Mean sin² of half of the error left in each quarter, raised to that of `NEGLIGIBLE` where it is less."""
+    return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
 
 
 def still(truth_xyzw: Array) -> float:
