@@ -80,11 +80,6 @@ class Cause:
     remedy: Callable[[Array], str] = field(default=lambda constants: "", repr=False)
     unit: str = ""
 
-    def sentence(self, constants: Array) -> str:
-        """What is wrong, and what to do about an estimate whose filter is not at hand; without a full stop."""
-        fact, remedy = self.fact(constants), self.remedy(constants)
-        return f"{fact.partition(':')[0]}: {remedy}" if remedy else fact
-
     def fitted(self, tracks: Tracks) -> tuple[Array, float]:
         """The best constants, and the RMS of the total error that they leave, rad."""
         few = [track.few() for track in tracks]
@@ -178,8 +173,7 @@ def _moved(track: Track, lag_s: Array) -> Track:
 
 
 def _by_clock(track: Track, rate: Array) -> Track:
-    since_ns = np.round(1e9 * track.since_s * rate[0]).astype(np.int64)
-    return replace(track, stamps_ns=track.origin + since_ns)
+    return replace(track, stamps_ns=track.origin + np.round(1e9 * track.since_s * rate[0]).astype(np.int64))
 
 
 def _fixed(*values: Sequence[float]) -> Callable[[Tracks], Sequence[Array]]:
@@ -199,8 +193,7 @@ def _turn(maps: Array, constants: Callable[[Array], Array]) -> Callable[[Tracks]
 
 def heading(c: Array) -> Array:
     """Heading, rad, shape (1,), of the numbers (w, z) of the turn that undoes it."""
-    angle = -2.0 * np.arctan2(c[1], c[0])
-    return np.array([np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi])
+    return np.array([np.remainder(np.pi - 2.0 * np.arctan2(c[1], c[0]), 2.0 * np.pi) - np.pi])
 
 
 def vector(c: Array) -> Array:
@@ -246,8 +239,6 @@ _OF_BODY: Final = _right(np.roll(np.eye(4), 1, axis=0))
 _ABOUT_UP: Final = _OF_WORLD[[0, 3]]
 _LAGS: Final = np.linspace(-0.5, 0.5, 41)
 """Lags from which a fit begins, s."""
-_RATES: Final = np.geomspace(0.5, 2.0, 141)
-"""Rates of a clock from which a fit begins."""
 
 
 CAUSES: Final = (
@@ -352,7 +343,7 @@ CAUSES: Final = (
         "clock_rate",
         1,
         _by_clock,
-        _of_time("clock_rate", _RATES),
+        _of_time("clock_rate", np.geomspace(0.5, 2.0, 141)),
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
         lambda c: "Stamped with the time of the readings it leaves",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],

@@ -198,12 +198,6 @@ def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | No
     return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].error().total)), default=None)
 
 
-def clock_lag(clock: Clock, track: Track) -> Lag:
-    """Lag of a clock with its standard error by the samples that it covers; empty for another rate."""
-    (cause, lag_s), *rate = clock[::-1]
-    return Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [(cause, np.zeros(1))]))
-
-
 def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
     """Rates and lags, s, that are tried: lags alone, then rates that keep the last sample in the truth."""
     truth, first, last = track.truth, int(track.stamps_ns[0]), int(track.stamps_ns[-1])

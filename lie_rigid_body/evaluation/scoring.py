@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, period_ns
 from lie_rigid_body.evaluation.causes import Part, fit, late, undone
-from lie_rigid_body.evaluation.clock import Clock, Lag, clock_lag, lag_of, other_clock
+from lie_rigid_body.evaluation.clock import Clock, Lag, lag_of, other_clock, standard_error
 from lie_rigid_body.evaluation.consistency import attitude_nees
 from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Finding, Score
@@ -247,8 +247,7 @@ def diagnose(
     found = other_clock(whole, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
     most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
     if found is not None and rms(found[1].error().total) <= most:
-        clock, moved = found
-        return clock_lag(clock, moved), (_of_clock(whole, moved, clock),), False
+        return _of_clock(whole, *found)
     if not evidence or not named:
         return Lag(), (), False
     lag = Lag() if at_limit else lag_of(inner, named, longest_s, period_ns(stamps) / 1e9)
@@ -281,10 +280,12 @@ def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 
     return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
 
 
-def _of_clock(whole: Track, track: Track, clock: Clock) -> Finding:
+def _of_clock(whole: Track, clock: Clock, track: Track) -> tuple[Lag, tuple[Finding, ...], bool]:
     """Put another clock into words, of all samples and of those that it puts within the truth's times."""
-    known, part = whole.known(), clock[0] if len(clock) > 1 else late(float(clock[0][1][0]))
-    return _finding(part, _errors(known, []), np.degrees(track.error().total), known)
+    *rate, (_, lag_s) = clock
+    part = rate[0] if rate else late(float(lag_s[0]))
+    lag = Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [late(0.0)]))
+    return lag, (_finding(part, _errors(whole, []), np.degrees(track.error().total), whole.known()),), False
 
 
 def _errors(track: Track, parts: Sequence[Part]) -> Array:
@@ -295,7 +296,7 @@ def _errors(track: Track, parts: Sequence[Part]) -> Array:
 def _finding(part: Part, before: Array, after: Array, track: Track, instead: Sequence[str] = ()) -> Finding:
     """Put a cause into words, with the errors before and after it is undone, degrees, and causes that do as well."""
     (cause, constants), others = part, [name.replace("_", " ") for name in instead]
-    fact, colon, remedy = cause.sentence(constants).partition(":")
+    fact, _, deed = cause.fact(constants).partition(": ")
     if cause.code in {"lagging", "leading"}:
         fact += f", {abs(constants[0]) / (period_ns(track.stamps_ns) / 1e9):.3g} of its samples"
         others += ["an error of the gyro's scale or bias"] if others else []
@@ -306,4 +307,5 @@ def _finding(part: Part, before: Array, after: Array, track: Track, instead: Seq
     if np.median(after) >= np.median(before):  # alone it need not help
         gain = "helps only together with what follows"
     doubt = f"; this motion does not tell it from {' or '.join(others)}" if others else ""
-    return Finding(cause.code, f"{fact}{colon}{remedy} ({gain}){doubt}.", rms(after))
+    told = ": ".join(filter(None, (fact, cause.remedy(constants) or deed)))
+    return Finding(cause.code, f"{told} ({gain}){doubt}.", rms(after))
