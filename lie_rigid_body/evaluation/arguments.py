@@ -41,8 +41,10 @@ def quantity(name: str, value: Any, unit: str, example: str, *, or_zero: bool = 
     """
     number = as_double(value)
     if not (0.0 < number < np.inf or (number == 0.0 and or_zero)):
-        above = "from 0 on" if or_zero else "above 0"
-        raise InputError(f"{name}: {shown(value)} is not a finite number of {unit} {above}: give for example {example}")
+        raise InputError(
+            f"{name}: {shown(value)} is not a finite number of {unit} {'from 0 on' if or_zero else 'above 0'}: "
+            f"give for example {example}"
+        )
     return number
 
 
@@ -134,8 +136,10 @@ def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     except ValueError:  # rows of unequal length
         stamps = np.asarray(stamps_ns, dtype=object)
     if stamps.size and stamps.dtype.kind not in "iu":
-        how = TO_NANOSECONDS.get(stamps.dtype.kind, "")
-        raise InputError(f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds{how}")
+        raise InputError(
+            f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds"
+            f"{TO_NANOSECONDS.get(stamps.dtype.kind, '')}"
+        )
     if stamps.size and max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
         raise InputError(
             f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
@@ -163,10 +167,10 @@ def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
         raise InputError(f"{name}: stamps of shape {stamps.shape}: give a flat list of at least one")
     back = np.flatnonzero(np.diff(stamps) < 0)
     if back.size:
-        jump_s = (stamps[back[0]] - stamps[back[0] + 1]) / 1e9
         raise InputError(
-            f"{name}: out of order in {back.size} places, first at sample {back[0] + 1}, {jump_s:g} s before "
-            "the one ahead of it: sort by stamp, or evaluate the parts before and after a reset apart"
+            f"{name}: out of order in {back.size} places, first at sample {back[0] + 1}, "
+            f"{(stamps[back[0]] - stamps[back[0] + 1]) / 1e9:g} s before the one ahead of it: sort by stamp, or "
+            "evaluate the parts before and after a reset apart"
         )
     return stamps
 

@@ -192,8 +192,8 @@ def period_ns(stamps_ns: Integers) -> int:
 
 def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
     """Mask of the stamps, ns, that are not before an earlier one, and not before `after_ns`."""
-    first = int(stamps_ns[0]) if after_ns is None and len(stamps_ns) else after_ns or 0
-    return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([[first], stamps_ns]))[:-1])
+    before = stamps_ns[:1] if after_ns is None else np.array([after_ns])
+    return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([before, stamps_ns]))[:-1])
 
 
 class Truth(ABC):

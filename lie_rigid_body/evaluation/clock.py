@@ -218,8 +218,8 @@ def _costs(track: Track, rates: Array, lags_s: Array, most: int = 60) -> Array:
     since = (few.stamps_ns - track.stamps_ns[0]) / 1e9
     found = []
     for part in np.array_split(np.arange(len(rates)), len(rates) // 500 + 1):
-        true_s = rates[part, np.newaxis] * since - lags_s[part, np.newaxis]
-        stamps = track.stamps_ns[0] + np.round(1e9 * true_s).astype(np.int64)
+        since_ns = np.round(1e9 * (rates[part, np.newaxis] * since - lags_s[part, np.newaxis])).astype(np.int64)
+        stamps = track.stamps_ns[0] + since_ns
         known, at = truth.covers(stamps), truth.at(np.clip(stamps, truth.first_ns, truth.last_ns))
         sine = np.sqrt(np.maximum(1.0 - np.einsum("gni,ni->gn", at, few.attitude_xyzw) ** 2, 0.0))
         cost = np.sum(sine, axis=1, where=known) / np.maximum(known.sum(axis=1), 1)
@@ -255,13 +255,11 @@ def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, T
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
     allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2))
     seconds = 1.0 if is_lag else float(clock[0][1][0])  # of the truth in a second of the stamps
-    is_of_rate_1 = not is_lag and abs(seconds - 1.0) < LEAST_OFF
-    if is_of_rate_1 or np.any(quarters(moved) > counted(allowed)):
+    if (abs(seconds - 1.0) < LEAST_OFF and not is_lag) or np.any(quarters(moved) > counted(allowed)):
         return []
     if spins(rate, EVEN_SPIN if is_lag else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
-        times = max(seconds, 1.0 / seconds)
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
-        if not (near if is_lag else times > FAR and span > MOSTLY_SPANNED * whole):
+        if not (near if is_lag else max(seconds, 1.0 / seconds) > FAR and span > MOSTLY_SPANNED * whole):
             return []
     return [(clock, undone(track, clock).known())]

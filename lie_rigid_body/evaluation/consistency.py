@@ -77,8 +77,8 @@ class Consistency:
     @property
     def sentence(self) -> str:
         """Mean, what is expected and the verdict, without a full stop."""
-        bounds = " to ".join(f"{bound:.3g}" for bound in self.mean_bounds)
-        expected = f"expected {self.dimension} ({bounds} if errors were independent)"
+        low, high = self.mean_bounds
+        expected = f"expected {self.dimension} ({low:.3g} to {high:.3g} if errors were independent)"
         return f"{self.mean:.4g} on average, {expected}: {self.verdict}"
 
     def to_json(self) -> dict[str, float | str | list[float]]:
@@ -168,8 +168,11 @@ def attitude_nees(
     mean = nees(error_vectors(estimate, truth, other), P, probability).mean
     if abs(np.log(mean / found.dimension)) > BETTER * off:
         return found
-    told = f"about the {other}'s axes it would be {mean:.4g}"
-    return replace(found, remark=f"{told}: if the covariance is about them, give covariance_axes {other}")
+    return replace(
+        found,
+        remark=f"about the {other}'s axes it would be {mean:.4g}: if the covariance is about them, give "
+        f"covariance_axes {other}",
+    )
 
 
 def require_axes(axes: str) -> None:

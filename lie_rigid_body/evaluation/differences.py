@@ -72,9 +72,9 @@ class Difference:
         best, worst, wins = (
             (first, second, self.better) if self.value < 0.0 else (second, first, self.runs - self.better)
         )
-        half = 0.5 * (self.high - self.low)
         runs = "" if self.runs == 1 else f", in {wins} of {self.runs} runs"
-        return f"{best} is better than {worst} by {abs(self.value):.2g}{unit} ± {half:.2g}{unit}{runs}"
+        by = f"{abs(self.value):.2g}{unit} ± {0.5 * (self.high - self.low):.2g}{unit}"
+        return f"{best} is better than {worst} by {by}{runs}"
 
 
 def _both(first: ArrayLike, second: ArrayLike) -> Array:
@@ -187,8 +187,7 @@ def blocks_of(values: Array) -> tuple[int, float]:
     """
     n = len(values)
     # autocovariances by the spectrum of the padded values
-    spectrum = np.fft.rfft(values - values.mean(), 2 * n)
-    covariances = np.fft.irfft(np.abs(spectrum) ** 2)[:n] / n
+    covariances = np.fft.irfft(np.abs(np.fft.rfft(values - values.mean(), 2 * n)) ** 2)[:n] / n
     if covariances[0] <= 0.0:
         return 1, 1.0
     quiet = max(5, int(np.ceil(np.sqrt(np.log10(n)))))

@@ -251,8 +251,11 @@ class Evidence:
     def _scanned(self) -> dict[tuple[Form, Turned], Array]:
         """Mean sin² of half of the error that each form leaves, with each turn of `LATE`, at each lag tried."""
         T = self.sums(self._lags, most=100).mean(axis=1)
-        bases = {(form, turned): _base(form, turned) for turned in LATE for form in FORMS}
-        return {key: 1.0 - np.linalg.eigvalsh(base @ T @ base.T)[..., -1] for key, base in bases.items()}
+        return {
+            (form, turned): 1.0 - np.linalg.eigvalsh(_base(form, turned) @ T @ _base(form, turned).T)[..., -1]
+            for turned in LATE
+            for form in FORMS
+        }
 
     def _with_lag(self, form: Form, turned: Turned) -> Explanation:
         """The explanation with the smallest of the lags that leave about the least error."""

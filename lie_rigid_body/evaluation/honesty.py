@@ -185,7 +185,6 @@ def honesty(
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(times, values, dimension, seed)
-    cause = "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed)
     return Honesty(
         runs,
         dimension,
@@ -193,7 +192,7 @@ def honesty(
         verdict,
         outside,
         {share: float(np.mean(values <= scipy.stats.chi2.ppf(share, dimension))) for share in COVERAGES},
-        cause,
+        "" if verdict == "honest" else _cause(times, e, P, scores, R, factor, seed),
         factor,
         (low / dimension, high / dimension),
     )
@@ -259,9 +258,8 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
     least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
     parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
-    verdicts = {1: "overconfident", -1: "conservative"}
     return tuple(
-        Interval(float(t_s[part[0]]), float(t_s[part[-1]]), verdicts[sides[part[0]]])
+        Interval(float(t_s[part[0]]), float(t_s[part[-1]]), "overconfident" if sides[part[0]] > 0 else "conservative")
         for part in parts
         if sides[part[0]]
     )

@@ -103,8 +103,9 @@ class BestPossible:
         """Interpolate the bound at stamps, ns, for an estimate whose total error has the given RMS, degrees."""
         calibrated = None if bound.calibrated is None else cls.of(bound.calibrated, stamps_ns, rms_deg)
         since, times = (stamps - bound.stamps_ns[0] for stamps in (stamps_ns, bound.stamps_ns))
-        both = [np.interp(since, times, mean_square(part)) for part in (bound.filtered, bound.smoothed)]
-        filtered, smoothed = np.degrees(np.sqrt(both))
+        filtered, smoothed = (
+            np.degrees(np.sqrt(np.interp(since, times, mean_square(part)))) for part in (bound.filtered, bound.smoothed)
+        )
         # errors that do not change, as by constant biases, are small by luck: no more often than those of one sample
         deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
         luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
@@ -286,22 +287,24 @@ def table(score: Score) -> list[str]:
 def findings(score: Score) -> list[str]:
     """Findings under their codes, wrapped; if there is none, a line that says so, with a warning of large errors."""
     found = [line for finding in score.findings for line in wrapped(finding.message, f"{finding.code}: ")]
-    large = score.total_deg.median > LARGEST_SETTLED_DEG
-    reads = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
-    return found or [f"no findings{reads if large else ''}"]
+    large = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
+    return found or [f"no findings{large if score.total_deg.median > LARGEST_SETTLED_DEG else ''}"]
 
 
 def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
     """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
     best = score.best if score.best and score.best.filtered else None
     calibrated = best and best.calibrated
-    rows = {"total": score.total_deg, "heading": score.heading_deg, "inclination": score.inclination_deg}
-    bounds = {"best filter": best and best.filtered, "best smoother": best and best.smoothed}
-    of_known = {
+    rows = {
+        "total": score.total_deg,
+        "heading": score.heading_deg,
+        "inclination": score.inclination_deg,
+        "best filter": best and best.filtered,
+        "best smoother": best and best.smoothed,
         "calibrated filter": calibrated and calibrated.filtered,
         "calibrated smoother": calibrated and calibrated.smoothed,
     }
-    return ((name, found) for name, found in (rows | bounds | of_known).items() if found)
+    return ((name, found) for name, found in rows.items() if found)
 
 
 def numbers(statistics: Statistics) -> list[str]:
@@ -385,8 +388,8 @@ def facts(score: Score) -> Iterator[tuple[str, str]]:
 
 def verdict(score: Score) -> list[str]:
     """Sentences about whether limits are kept; none if none were given."""
-    broken = [f"BROKEN: {sentence}." for sentence in score.broken]
-    return broken or ([] if score.limits == Limits() else ["PASSED: every limit is kept."])
+    kept = [] if score.limits == Limits() else ["PASSED: every limit is kept."]
+    return [f"BROKEN: {sentence}." for sentence in score.broken] or kept
 
 
 def wrapped(sentence: str, mark: str = "", width: int = 88) -> list[str]:

@@ -27,8 +27,6 @@ from lie_rigid_body.evaluation.track import FEWEST, Track
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
 from lie_rigid_body.wording import shown
 
-LONGEST_LAG_S: Final = 1.0
-"""Longest lag looked for, s, either way, unless the errors ask for more."""
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
@@ -235,7 +233,7 @@ def diagnose(
     if sure:  # of fast turns every sample jumps
         return Lag(), ((turned.other() if sure.code == "mixed" else None) or sure,), False
     quarter = float(stamps[-1] - stamps[0]) / 4e9
-    longest_s = min(LONGEST_LAG_S if longest_lag_s is None else longest_lag_s, quarter)
+    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, quarter)
     margin = round(longest_s * 1e9)
     inner = track.part(truth.covers(stamps - margin) & truth.covers(stamps + margin))
     evidence = Evidence(inner, longest_s, sensors) if len(inner.stamps_ns) >= FEWEST else None

@@ -31,7 +31,6 @@ UNITS: Final = {
 LEAST_SHARE: Final = 0.5
 """Least share that must be compared for a limit to be kept: of the given estimates, and of the time in which they are
 due."""
-_NUMBER: Final = re.compile(r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*", re.ASCII)
 
 
 @short_dataclass(frozen=True)
@@ -194,7 +193,8 @@ def _after(text: str) -> tuple[float, float]:
 
 def _read(text: str, wanted: str) -> float:
     """Read a number with one of the units of what is wanted."""
-    match, units = _NUMBER.fullmatch(text) if isinstance(text, str) else None, UNITS[wanted]
+    number = r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*"
+    match, units = re.fullmatch(number, text, re.ASCII) if isinstance(text, str) else None, UNITS[wanted]
     if not match or match[2] not in units or np.isinf(float(match[1])):
         raise InputError(f"{shown(text)} is not {wanted}: give a number and one of {', '.join(units)}")
     return float(match[1]) * units[match[2]]

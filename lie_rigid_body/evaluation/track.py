@@ -75,8 +75,7 @@ class Track:
 
     def error(self) -> AttitudeError:
         """Error angles of each sample, shape (N,) each, rad."""
-        truth = self.truth.at(self.stamps_ns)
-        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(truth)))
+        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(self.truth.at(self.stamps_ns))))
 
     def apart(self, other: Track) -> float:
         """Largest difference from other attitudes, sample by sample while both go on, rad."""
@@ -86,8 +85,9 @@ class Track:
     def partial_errors(self) -> tuple[float, float]:
         """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
         step = max(1, len(self.stamps_ns) // 10)
-        attitudes = self.attitude_xyzw, self.truth.at(self.stamps_ns)
-        wrong, right = (quaternion.exp(turns(q[:-step], q[step:])) for q in attitudes)
+        wrong, right = (
+            quaternion.exp(turns(q[:-step], q[step:])) for q in (self.attitude_xyzw, self.truth.at(self.stamps_ns))
+        )
         return rms(self.error().inclination), rms(angles_between(wrong, right))
 
 

@@ -43,14 +43,10 @@ from lie_rigid_body.wording import components, shown
 
 LARGEST_DEVIATION: Final = 1e50
 """Largest standard deviation: squares and their ratios stay finite."""
-SMALLEST: Final = 1e-6
-"""Turn-on deviation of a bias that has none, in steps of its walk: the recursion divides by it."""
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
 """Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
 UNSEEN: Final = 0.25
 """Variance of the attitude about an axis, rad², from which on no reading tells anything about that axis."""
-VERTICAL: Final = 0.999
-"""Cosine between an axis and the vertical above which the axis is called vertical."""
 
 
 def deviation(name: str, value: object, *, or_zero: bool = False) -> None:
@@ -244,9 +240,8 @@ def unavoidable_error(
         raise InputError(
             f"gyro_readings: {shown(gyro_readings)}: give a number of 1 or more for each of {len(stamps)} stamps"
         )
-    walk = gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
     gyro_errors = _matrices("gyro_linear_errors", gyro_linear_errors)
-    noise = gyro_noise / np.sqrt(readings)
+    noise, walk = gyro_noise / np.sqrt(readings), gyro_bias.step * np.sqrt(readings) * (np.arange(len(stamps)) > 0)
     steps, first = _system(stamps, truth, initial, noise, walk, gyro_bias, gyro_errors, vectors, attitudes)
     known, unknown = covariances(steps, first)
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
@@ -273,8 +268,7 @@ def _unobserved(world_covariance: Array) -> str:
     """Name of the directions of the world about which an error of half a radian or more would not be seen."""
     variances, axes = np.linalg.eigh(world_covariance)
     axis = axes[:, -1] * np.sign(axes[np.argmax(np.abs(axes[:, -1])), -1])
-    of_world = f"a turn about ({components(axis, 3)}) of the world"
-    one = "a turn about the vertical" if axis[2] > VERTICAL else of_world
+    one = f"a turn about {'the vertical' if axis[2] > 0.999 else f'({components(axis, 3)}) of the world'}"
     return ("", one, "the attitude", "the attitude")[np.count_nonzero(variances > UNSEEN)]
 
 
@@ -313,8 +307,8 @@ def _system(
     for i, (sensor, unit) in enumerate(zip(vectors, units[1:], strict=True)):
         read = _count(stamps, sensor)
         weight = np.sqrt(read) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
-        body = quaternion.rotate(quaternion.conjugate(truth), np.asarray(sensor.vector, dtype=np.float64) / unit)
-        body = weight[:, np.newaxis] * body
+        direction = np.asarray(sensor.vector, dtype=np.float64) / unit
+        body = weight[:, np.newaxis] * quaternion.rotate(quaternion.conjugate(truth), direction)
         H[:, i, :, :3], H[:, i, :, 6 + 3 * i : 9 + 3 * i] = -hat(body), _diagonal(weight)
         D[:, i, :, columns[i + 1]] = np.einsum("cij,nj->nic", matrices[i + 1], body)
         read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
@@ -323,7 +317,7 @@ def _system(
         H[:, i, :, :3] = np.sqrt(_count(stamps, attitude))[:, np.newaxis, np.newaxis] * attitude.whitening()
     first = np.full(n, initial)
     for i, (bias, unit, walk) in enumerate(zip(biases, units, walks, strict=True), 1):
-        first[3 * i : 3 * i + 3] = max(bias.turn_on, SMALLEST * bias.step) / unit
+        first[3 * i : 3 * i + 3] = max(bias.turn_on, 1e-6 * bias.step) / unit  # the recursion divides by it
         noise[:, i, :, 3 * i : 3 * i + 3] = _diagonal(walk)
     # the noise of a turn, to which a step of the bias adds in the same interval
     for i, deviations in enumerate((gyro_noise, gyro_walk)):
