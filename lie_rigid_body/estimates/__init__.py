@@ -3,5 +3,5 @@
 - `estimators`, `programs`: from functions of a run, and from programs and nodes that are called as such;
 - `recorded_estimate`: from a bag, with its truth;
 - `live_estimate`: from topics, message by message;
-- `kept_attitudes`, `kept_biases`: what counts of it, and of its truth, in bounded memory.
+- `kept`: what counts of it, and of its truth, in bounded memory.
 """

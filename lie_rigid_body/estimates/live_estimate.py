@@ -10,8 +10,15 @@ import numpy as np
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.estimates.kept_attitudes import DISORDERED, LENIENCE_NS, MOST_KEPT, OF_OTHERS, STRAY, KeptAttitudes
-from lie_rigid_body.estimates.kept_biases import KeptBiases
+from lie_rigid_body.estimates.kept import (
+    DISORDERED,
+    LENIENCE_NS,
+    MOST_KEPT,
+    OF_OTHERS,
+    STRAY,
+    KeptAttitudes,
+    KeptBiases,
+)
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP, period_ns
@@ -87,8 +94,8 @@ class HeardTruth:
         BagError
             If one cannot be read: then none is taken.
         """
-        counted = map(self.poses.add, self.poses.of_one_body(attitudes_of(topic, message_type, payloads)))
-        self.recent += filter(len, counted)
+        tracks = self.poses.of_one_body(attitudes_of(topic, message_type, payloads))
+        self.recent += filter(len, map(self.poses.add, tracks))
 
     @property
     def is_known(self) -> bool:
@@ -249,8 +256,10 @@ class LiveEstimate:
         frames, followed = self.estimate.frames, self.estimate.followed
         pairs = listed([" to ".join(filter(None, pair)) for pair in frames])
         if self._message_type == TF_MESSAGE and frames and not frames.get(followed or ("", "")):
-            wanted = " to ".join(followed or ())
-            return f"topic {self._topic} tells of {pairs}, none of which is {wanted}: name the frames so"
+            return (
+                f"topic {self._topic} tells of {pairs}, none of which is {' to '.join(followed or ())}: name the "
+                "frames so"
+            )
         if not any(frames.values()):
             return f"topic {self._topic} {NO_ORIENTATION}"
         if self.estimate.number_of(OF_OTHERS) > OTHERS_SHARE * self.estimate.count:
@@ -270,18 +279,19 @@ class LiveEstimate:
     def left_out(self) -> dict[str, str]:
         """Sentences, without a full stop, about the messages that count for nothing, by their kinds."""
         poses = self.truth.poses.notes("poses of the truth")
-        found = {**self.estimate.notes("estimates"), **{f"pose {kind}": told for kind, told in poses.items()}}
-        if self.truth.contradictions:
-            found["contradiction"] = (
-                f"{self.truth.contradictions} scenarios begin when another one does that came before, and are left "
-                "out: let one node tell the truth"
-            )
-        if self.truth.beyond:
-            found["beyond"] = (
-                f"{self.truth.beyond} scenarios came after {MOST_SEGMENTS} others, and are left out: let one node tell "
-                "the truth"
-            )
-        return found
+        scenarios = {
+            "contradiction": (self.truth.contradictions, "begin when another one does that came before"),
+            "beyond": (self.truth.beyond, f"came after {MOST_SEGMENTS} others"),
+        }
+        return {
+            **self.estimate.notes("estimates"),
+            **{f"pose {kind}": told for kind, told in poses.items()},
+            **{
+                kind: f"{count} scenarios {what}, and are left out: let one node tell the truth"
+                for kind, (count, what) in scenarios.items()
+                if count
+            },
+        }
 
     def _notes(self) -> Iterator[str]:
         yield from (f"{told}." for told in self.left_out().values())

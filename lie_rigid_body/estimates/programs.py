@@ -44,8 +44,6 @@ LONGEST_TIMEOUT_S: Final = 1e6
 _FEWEST_BYTES: Final = 2**20
 _BYTES_OF_A_LINE: Final = 256
 """Largest output of a program: so many bytes, and so many for each line of readings; a line of all digits has 120."""
-_PATIENCE_S: Final = 0.05
-"""Time, s, after which it is looked at again how much the program has printed."""
 _LONGEST_WORDS: Final = 100
 """Largest number of bytes that are repeated of what a program prints."""
 PLAYER: Final = "lie_rigid_body.ros.play"
@@ -182,7 +180,7 @@ class CommandEstimator:
                     f"{self._name} did not end within {self.timeout_s:g} s: let it end with its input, or give it more"
                 )
             with suppress(subprocess.TimeoutExpired):
-                process.wait(_PATIENCE_S)
+                process.wait(0.05)  # then it is looked at again how much was printed
             if any(os.fstat(file.fileno()).st_size > most for file in files):
                 raise InputError(f"{self._name} prints more than {most} bytes: print {ANSWER} once for each reading")
 

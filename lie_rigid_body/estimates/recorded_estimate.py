@@ -12,8 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.estimates.kept_attitudes import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE, KeptAttitudes
-from lie_rigid_body.estimates.kept_biases import KeptBiases
+from lie_rigid_body.estimates.kept import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE, KeptAttitudes, KeptBiases
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
@@ -183,8 +182,8 @@ def _with_bias(
 ) -> RecordedEstimate:
     """An estimate with biases of the gyro beside the true ones, or with a note why they have no score."""
     if biases.message_type != VECTOR3_STAMPED:
-        why = f"they are of {biases.message_type}: give {VECTOR3_STAMPED}"
-        return replace(read, notes=(*read.notes, f"The biases on {biases.topic} have no score: {why}."))
+        told = f"The biases on {biases.topic} have no score: they are of {biases.message_type}: give {VECTOR3_STAMPED}."
+        return replace(read, notes=(*read.notes, told))
     found = topic_messages(path, biases.key, [contents.messages(biases.key)])
     kept = KeptBiases(len(found))
     kept.take(biases.topic, found.stamps_ns, found.values)
@@ -256,8 +255,8 @@ def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | No
     """
     found = [topic for topic in topics if topic.rpartition("/")[2] == ending]
     if len(found) > 1:
-        beside = {topic: pose_beside(topic) if ending == SCENARIO else topic for topic in found}
-        spaces = {topic: pose.rpartition("/")[0] for topic, pose in beside.items()}
+        poses = {topic: pose_beside(topic) if ending == SCENARIO else topic for topic in found}
+        spaces = {topic: pose.rpartition("/")[0] for topic, pose in poses.items()}
         near = [topic for topic, space in spaces.items() if space and estimate_topic.startswith(f"{space}/")]
         found = near if len(near) == 1 else found
     if len(found) > 1:
@@ -272,8 +271,7 @@ def pose_beside(scenario_topic: str) -> str:
 
 def _run_of(read: RecordedEstimate, truth_bag: str | Path) -> Run:
     """The run that an estimate is held against, of the bag of the truth."""
-    poses = read.motion.poses
-    return Run.from_bag(truth_bag, topics={} if poses is None else {POSE: poses.topic})
+    return Run.from_bag(truth_bag, topics={} if read.motion.poses is None else {POSE: read.motion.poses.topic})
 
 
 def write_scored(

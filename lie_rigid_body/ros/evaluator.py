@@ -15,7 +15,7 @@ from rclpy.node import Node
 
 from lie_rigid_body import console
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.estimates.kept_attitudes import UNUSABLE
+from lie_rigid_body.estimates.kept import UNUSABLE
 from lie_rigid_body.estimates.live_estimate import LiveEstimate
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.evaluation.consistency import require_axes

@@ -16,7 +16,7 @@ from refused_runs import refused
 
 from lie_rigid_body import Estimate, Run, Scenario, simulate
 from lie_rigid_body.estimates import live_estimate
-from lie_rigid_body.estimates.kept_attitudes import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.kept import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.estimates.live_estimate import RECENT, LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate

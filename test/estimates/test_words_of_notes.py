@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import Scenario
-from lie_rigid_body.estimates.kept_attitudes import DISORDERED, OF_OTHERS, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.kept import DISORDERED, OF_OTHERS, STRAY, UNUSABLE, KeptAttitudes
 from lie_rigid_body.messages.definitions import ODOMETRY, POSE_STAMPED
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.runs.truth import TrueMotion

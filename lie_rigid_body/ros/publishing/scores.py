@@ -16,7 +16,7 @@ from rclpy.qos import QoSProfile
 
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.estimates.kept_attitudes import UNUSABLE
+from lie_rigid_body.estimates.kept import UNUSABLE
 from lie_rigid_body.estimates.live_estimate import INTERIM, LiveEstimate
 from lie_rigid_body.evaluation import AttitudeError, Finding, Score
 from lie_rigid_body.messages.layout import Layout, header
