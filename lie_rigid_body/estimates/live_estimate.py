@@ -23,6 +23,7 @@ from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP, period_ns
 from lie_rigid_body.evaluation.statistics import Tally
+from lie_rigid_body.evaluation.track import spread
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.messages.framed import Frames
@@ -236,7 +237,8 @@ class LiveEstimate:
             raise InputError(fault)
         track, start_ns = kept.track(), kept.first_ns
         if most is not None:
-            track = _settled(track, most)
+            settled = np.flatnonzero(track.stamps_ns >= (track.stamps_ns[0] + track.stamps_ns[-1]) // 2)
+            track = track[settled[spread(len(settled), most)]]
             start_ns = int(track.stamps_ns[0])
         by_poses = poses.count and (most is None or not self.truth.segments)
         motion, truth = self._true(track.stamps_ns, [poses.track()] if by_poses else [], start_ns)
@@ -326,9 +328,3 @@ class LiveEstimate:
 def _size(found: Mapping[Frames, AttitudeTrack]) -> int:
     """Number of the attitudes of all frames."""
     return sum(map(len, found.values()))
-
-
-def _settled(track: AttitudeTrack, most: int) -> AttitudeTrack:
-    """Evenly spread estimates of the second half of the time, of a given number."""
-    settled = np.flatnonzero(track.stamps_ns >= (track.stamps_ns[0] + track.stamps_ns[-1]) // 2)
-    return track[settled[np.unique(np.linspace(0, len(settled) - 1, most).round().astype(np.int64))]]

@@ -161,8 +161,7 @@ def recorded_estimate(
     ends = motion.poses.stamps_ns if motion.poses is not None else [file.last_ns for file in contents.files]
     until_ns = int(np.max(ends, initial=0))
     within = track.stamps_ns <= until_ns + LENIENCE_NS
-    last = np.flatnonzero(within)[-1:]
-    within[int(last[0]) if len(last) else 0 :] = True  # what goes on behind the truth is a part of the estimate
+    within |= ~np.logical_or.accumulate(within[::-1])[::-1]  # what goes on behind the truth is a part of the estimate
     kept.leave_out(STRAY, track.stamps_ns[~within])
     kept.add(track[within])
     kept.end(until_ns=until_ns)
@@ -172,8 +171,11 @@ def recorded_estimate(
     notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))
     truth = motion.until(int(ordered.stamps_ns[-1]))
     read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
-    there = [track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS}" and track.count]
-    biases = min(there, key=lambda track: track.message_type != VECTOR3_STAMPED, default=None)
+    biases = min(
+        (track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS}" and track.count),
+        key=lambda track: track.message_type != VECTOR3_STAMPED,
+        default=None,
+    )
     return read if biases is None else _with_bias(read, path, contents, biases, truth_bag or path)
 
 

@@ -37,7 +37,6 @@ from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.kalman_covariances import Steps, covariances
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.lie.so3 import hat, right_jacobian
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import components, shown
 
@@ -299,7 +298,7 @@ def _system(
     noise, B = np.zeros((count, 1 + len(biases), 3, n)), np.zeros((count, n, c))
     H, D = np.zeros((count, sensors, 3, n)), np.zeros((count, sensors, 3, c))
     turn = np.concatenate([np.zeros((1, 3)), turns(truth[:-1], truth[1:])])
-    jacobian = right_jacobian(turn)
+    jacobian = so3.right_jacobian(turn)
     pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
     F[:, :3, :3], F[:, :3, 3:6] = so3.exp(-turn), pushed
     walks = [gyro_walk]
@@ -309,7 +308,7 @@ def _system(
         weight = np.sqrt(read) * (unit / sensor.noise)  # as many readings of one vector are one of as much less noise
         direction = np.asarray(sensor.vector, dtype=np.float64) / unit
         body = weight[:, np.newaxis] * quaternion.rotate(quaternion.conjugate(truth), direction)
-        H[:, i, :, :3], H[:, i, :, 6 + 3 * i : 9 + 3 * i] = -hat(body), _diagonal(weight)
+        H[:, i, :, :3], H[:, i, :, 6 + 3 * i : 9 + 3 * i] = -so3.hat(body), _diagonal(weight)
         D[:, i, :, columns[i + 1]] = np.einsum("cij,nj->nic", matrices[i + 1], body)
         read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
         walks.append(sensor.bias.step / unit * np.sqrt(np.maximum(read, 0.0)))
