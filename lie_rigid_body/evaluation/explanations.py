@@ -14,7 +14,7 @@ its gyro step. Every explanation without a lag may have such a lead at no price,
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
 from typing import Final
 
 import numpy as np
@@ -44,8 +44,7 @@ LEAST_LATE: Final = 0.5
 TIE: Final = 1.25
 """Ratio of two RMS errors up to which their explanations count as equally good."""
 UNEVEN: Final = 3.0
-"""Largest ratio of the RMS errors that a far lag leaves in two quarters: a motion that nearly repeats fits another lag
-in each."""
+"""Largest ratio of the RMS errors that a far lag leaves in two quarters: a near repetition fits another lag in each."""
 FOLLOWING: Final = 0.125
 """Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
 UNLIKE: Final = 0.5
@@ -152,10 +151,7 @@ class Explanation:
 @cache
 def matrix(form: Form) -> Array:
     """Matrix that undoes a chain of causes, shape (4, 4)."""
-    undoing = np.eye(4)
-    for code, number in form:
-        undoing = BY_CODE[code].maps[number][0] @ undoing
-    return undoing
+    return reduce(lambda undoing, part: BY_CODE[part[0]].maps[part[1]][0] @ undoing, form, np.eye(4))
 
 
 @cache
