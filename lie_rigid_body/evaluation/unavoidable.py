@@ -301,7 +301,7 @@ def _system(
     jacobian = so3.right_jacobian(turn)
     pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
     F[:, :3, :3], F[:, :3, 3:6] = so3.exp(-turn), pushed
-    walks = [gyro_walk]
+    noise[:, 1, :, 3:6] = _diagonal(gyro_walk)
     B[:, :3, columns[0]] = jacobian @ np.einsum("cij,nj->nic", gyro_errors, turn)
     for i, (sensor, unit) in enumerate(zip(vectors, units[1:], strict=True)):
         read = _count(stamps, sensor)
@@ -311,16 +311,15 @@ def _system(
         H[:, i, :, :3], H[:, i, :, 6 + 3 * i : 9 + 3 * i] = -so3.hat(body), _diagonal(weight)
         D[:, i, :, columns[i + 1]] = np.einsum("cij,nj->nic", matrices[i + 1], body)
         read[np.argmax(read > 0.0)] -= 1.0  # the bias begins at the first
-        walks.append(sensor.bias.step / unit * np.sqrt(np.maximum(read, 0.0)))
+        noise[:, 2 + i, :, 6 + 3 * i : 9 + 3 * i] = _diagonal(sensor.bias.step / unit * np.sqrt(np.maximum(read, 0.0)))
     for i, attitude in enumerate(attitudes, len(vectors)):
         H[:, i, :, :3] = np.sqrt(_count(stamps, attitude))[:, np.newaxis, np.newaxis] * attitude.whitening()
-    first = np.full(n, initial)
-    for i, (bias, unit, walk) in enumerate(zip(biases, units, walks, strict=True), 1):
-        first[3 * i : 3 * i + 3] = max(bias.turn_on, 1e-6 * bias.step) / unit  # the recursion divides by it
-        noise[:, i, :, 3 * i : 3 * i + 3] = _diagonal(walk)
     # the noise of a turn, to which a step of the bias adds in the same interval
-    for i, deviations in enumerate((gyro_noise, gyro_walk)):
-        noise[:, i, :, :3] = deviations[:, np.newaxis, np.newaxis] * pushed.swapaxes(1, 2)
+    of_turn = np.stack([gyro_noise, gyro_walk], axis=1)
+    noise[:, :2, :, :3] = of_turn[..., np.newaxis, np.newaxis] * pushed.swapaxes(1, 2)[:, np.newaxis]
+    # the recursion divides by what a bias that wanders begins with
+    begins = [max(bias.turn_on, 1e-6 * bias.step) / unit for bias, unit in zip(biases, units, strict=True)]
+    first = np.repeat([initial, *begins], 3)
     pushes, rows, of_constants = (part.reshape(count, 3 * part.shape[1], part.shape[3]) for part in (noise, H, D))
     kept = first > 0.0
     return (F[:, kept][..., kept], pushes[..., kept], rows[..., kept], B[:, kept], of_constants), first[kept]

@@ -167,3 +167,14 @@ def test_readings_of_the_attitude_are_those_of_three_vectors():
     other = unavoidable_error(t_ns, q, gyro_noise=0.01, attitudes=[whole])
     np.testing.assert_allclose(other.smoothed, one.smoothed, rtol=0, atol=1e-12)
     assert other.unobserved == ""
+
+
+def test_a_whole_number_of_the_first_deviation_is_as_good_as_a_float():
+    t_ns = stamps(50)
+    q, up = MOTION.at(t_ns).attitude_xyzw, [VectorReadings(t_ns, UP, 0.3)]
+    whole, real = (
+        unavoidable_error(t_ns, q, gyro_noise=0.01, gyro_bias=BiasNoise(0.05, 1e-3), vectors=up, initial=initial)
+        for initial in (1, 1.0)
+    )
+    np.testing.assert_array_equal(whole.gyro_bias, real.gyro_bias)
+    assert whole.gyro_bias.any()
