@@ -333,6 +333,4 @@ class KeptBiases:
             return None
         span = max(first_ns, int(known_ns[0]) - LENIENCE_NS), min(last_ns, int(known_ns[-1]) + LENIENCE_NS)
         stamps_ns, values = self.between(*span)
-        if not len(values):
-            return None
-        return BiasEstimate(stamps_ns, values, linear(stamps_ns, known_ns, known))
+        return BiasEstimate(stamps_ns, values, linear(stamps_ns, known_ns, known)) if len(values) else None

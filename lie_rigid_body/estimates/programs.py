@@ -196,9 +196,7 @@ def last_words(file: BinaryIO) -> str:
 
 def _file() -> BinaryIO:
     """A file without a name: in memory where a system has such, as a full disk is no fault of the filter."""
-    if hasattr(os, "memfd_create"):
-        return os.fdopen(os.memfd_create("estimator"), "w+b")
-    return tempfile.TemporaryFile()
+    return os.fdopen(os.memfd_create("estimator"), "w+b") if hasattr(os, "memfd_create") else tempfile.TemporaryFile()
 
 
 def _lines(run: Run) -> Iterator[str]:

@@ -149,9 +149,9 @@ def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
 
 def as_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
     """Read stamps as `integer_stamps`, but for int64, which is not checked again: a fit may try a lag of any size."""
-    if type(stamps_ns) is np.ndarray and stamps_ns.dtype == np.int64:
-        return stamps_ns
-    return integer_stamps(name, stamps_ns)
+    return (
+        stamps_ns if type(stamps_ns) is np.ndarray and stamps_ns.dtype == np.int64 else integer_stamps(name, stamps_ns)
+    )
 
 
 def read_stamps(name: str, stamps_ns: ArrayLike) -> Integers:

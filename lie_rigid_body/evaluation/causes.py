@@ -15,6 +15,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import permutations
 from typing import Final, Literal, get_args
 
@@ -181,14 +182,10 @@ def _fixed(*values: Sequence[float]) -> Callable[[Tracks], Sequence[Array]]:
     return lambda tracks: [np.array(value) for value in values]
 
 
-def _turn(maps: Array, constants: Callable[[Array], Array]) -> Callable[[Tracks], Sequence[Array]]:
+def _turn(maps: Array, constants: Callable[[Array], Array], tracks: Tracks) -> Sequence[Array]:
     """Fit of the best turn of a kind, whose quaternion is an eigenvector."""
-
-    def fits(tracks: Tracks) -> Sequence[Array]:
-        each = [products(track, track.stamps_ns) @ maps.reshape(-1, 16).T for track in tracks]
-        return [constants(np.linalg.eigh(sum(one.T @ one for one in each))[1][:, -1])]
-
-    return fits
+    each = [products(track, track.stamps_ns) @ maps.reshape(-1, 16).T for track in tracks]
+    return [constants(np.linalg.eigh(sum(one.T @ one for one in each))[1][:, -1])]
 
 
 def heading(c: Array) -> Array:
@@ -208,21 +205,17 @@ def _misses(track: Track, undo: Callable[[Track, Array], Track], values: Array) 
     return np.asarray(np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1))
 
 
-def _of_time(code: str, values: Array, sign: float = 0.0, most: int = 200) -> Callable[[Tracks], Sequence[Array]]:
+def _of_time(code: str, values: Array, sign: float, tracks: Tracks, most: int = 200) -> Sequence[Array]:
     """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values.
 
-    With a sign it is a lag of more than a sample.
+    With a sign other than 0 it is a lag of more than a sample.
     """
-
-    def fits(tracks: Tracks) -> Sequence[Array]:
-        cause = BY_CODE[code]
-        start = values[[np.argmin(sum(_misses(track.few(), cause.undo, values) for track in tracks))]]
-        [(_, found)] = fit([track.few(most) for track in tracks], [(cause, start)])
-        steps = np.diff(tracks[0].stamps_ns)
-        least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
-        return [found if not sign or sign * found[0] > least else np.zeros(1)]
-
-    return fits
+    cause = BY_CODE[code]
+    start = values[[np.argmin(sum(_misses(track.few(), cause.undo, values) for track in tracks))]]
+    [(_, found)] = fit([track.few(most) for track in tracks], [(cause, start)])
+    steps = np.diff(tracks[0].stamps_ns)
+    least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
+    return [found if not sign or sign * found[0] > least else np.zeros(1)]
 
 
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
@@ -289,7 +282,7 @@ CAUSES: Final = (
         "heading_offset",
         1,
         lambda track, angle: _turned(track, left=quaternion.exp(-angle[0] * UP)),
-        _turn(_ABOUT_UP, heading),
+        partial(_turn, _ABOUT_UP, heading),
         lambda c: (
             f"The world of the estimate is turned by {np.degrees(c[0]):+.4g}° about the vertical: tell the filter its "
             "magnetic declination or what its x axis is"
@@ -307,7 +300,7 @@ CAUSES: Final = (
         "world_turned",
         3,
         lambda track, turn: _turned(track, left=quaternion.exp(-turn)),
-        _turn(_OF_WORLD, vector),
+        partial(_turn, _OF_WORLD, vector),
         lambda c: f"The world of the estimate is turned by {angle_and_axis(quaternion.exp(c))} of the world",
         lambda c: "Turned back about this axis the estimate leaves",
         (_OF_WORLD,),
@@ -323,7 +316,7 @@ CAUSES: Final = (
         "lagging",
         1,
         _moved,
-        _of_time("lagging", _LAGS, 1.0),
+        partial(_of_time, "lagging", _LAGS, 1.0),
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
@@ -333,7 +326,7 @@ CAUSES: Final = (
         "leading",
         1,
         _moved,
-        _of_time("lagging", _LAGS, -1.0),
+        partial(_of_time, "lagging", _LAGS, -1.0),
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
@@ -343,7 +336,7 @@ CAUSES: Final = (
         "clock_rate",
         1,
         _by_clock,
-        _of_time("clock_rate", np.geomspace(0.5, 2.0, 141)),
+        partial(_of_time, "clock_rate", np.geomspace(0.5, 2.0, 141), 0.0),
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
         lambda c: "Stamped with the time of the readings it leaves",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
@@ -357,7 +350,7 @@ CAUSES: Final = (
         "body_mounting",
         3,
         lambda track, turn: _turned(track, right=quaternion.exp(-turn)),
-        _turn(_OF_BODY, vector),
+        partial(_turn, _OF_BODY, vector),
         lambda c: f"The body axes of the estimate are turned by {angle_and_axis(quaternion.exp(c))} of the body",
         lambda c: "Turned back about this axis the estimate leaves",
         (_OF_BODY,),

@@ -161,11 +161,10 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     weight = weights(sizes(error))[:, np.newaxis]
     normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
     G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
-    independent = float(np.sqrt(np.sum(G**2) * np.mean(psi**2)))
     both = np.stack([(G, psi), (quaternion.rotate(truth, G), quaternion.rotate(truth, psi))])
     of_weights, of_errors = np.moveaxis(np.fft.rfft(both, axis=2), 1, 0)
     shifted = np.fft.irfft((np.conj(of_weights) * of_errors).sum(axis=2), n=len(G))
-    return max(rms(shifted[0]), rms(shifted[1]), independent)
+    return max(*map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))
 
 
 def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | None:

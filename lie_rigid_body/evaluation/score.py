@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 LARGEST_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
-RARE: Final = 0.01
-"""Probability below which an estimate is remarked as nearer to the truth than the noise allows."""
 HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
 """Headings of the columns of statistics."""
 
@@ -109,7 +107,7 @@ class BestPossible:
         # errors that do not change, as by constant biases, are small by luck: no more often than those of one sample
         deviations = np.degrees(np.sqrt(np.linalg.eigvalsh(bound.smoothed).mean(axis=0).clip(1e-300)))
         luck = math.prod(math.erf(rms_deg / (math.sqrt(2.0) * deviation)) for deviation in deviations)
-        beaten = calibrated.beaten if calibrated else not bound.unobserved and luck < RARE
+        beaten = calibrated.beaten if calibrated else not bound.unobserved and luck < 0.01
         of_filtered, of_smoothed = (None if bound.unobserved else Statistics.of(e) for e in (filtered, smoothed))
         return cls(filtered, of_filtered, of_smoothed, bound.unobserved, beaten, calibrated)
 

@@ -163,7 +163,6 @@ def evaluate(
         *remarks.of_span(track.stamps_ns, len(known), truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )
-    P = None if covariance is None else _at_samples(covariance, first, known)
     return Score(
         stamps_ns=track.stamps_ns,
         error=error,
@@ -178,7 +177,9 @@ def evaluate(
         broken=tuple(tally.broken(len(stamps) + left_out, due_ns)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
-        consistency=None if P is None else attitude_nees(track.attitude_xyzw, true, P, covariance_axes),
+        consistency=None
+        if covariance is None
+        else attitude_nees(track.attitude_xyzw, true, _at_samples(covariance, first, known), covariance_axes),
         best=None if bound is None else BestPossible.of(bound, track.stamps_ns, statistics.rms),
         limits=limits,
         of_sensors_deg=float(np.degrees(sensors)) if of_sensors else None,
