@@ -63,11 +63,12 @@ def usage() -> str:
 
 def version() -> str:
     """Return the version, and which extras are installed."""
-    lines = [f"{PROGRAM} {__version__}", "extras:"]
-    for name, modules in EXTRAS.items():
-        missing = [module for module in modules if find_spec(module) is None]
-        lines.append(f"  {name:10} " + (f"not installed: pip install '{PROGRAM}[{name}]'" if missing else "installed"))
-    return "\n".join(lines)
+    extras = (
+        f"  {name:10} "
+        + ("installed" if all(map(find_spec, modules)) else f"not installed: pip install '{PROGRAM}[{name}]'")
+        for name, modules in EXTRAS.items()
+    )
+    return "\n".join([f"{PROGRAM} {__version__}", "extras:", *extras])
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -113,8 +114,7 @@ def run(name: str, argv: list[str]) -> int:
 def evaluate(argv: Sequence[str] | None = None) -> int:
     """Run ``evaluate`` with the given arguments, or those of the process: live where no bag is given."""
     arguments = list(sys.argv[1:] if argv is None else argv)
-    prog = console.program("evaluate")
-    return console.status_of(prog, lambda: run("evaluate", arguments), to_the_end=argv is None)
+    return console.status_of(console.program("evaluate"), lambda: run("evaluate", arguments), to_the_end=argv is None)
 
 
 if __name__ == "__main__":
