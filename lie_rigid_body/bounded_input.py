@@ -164,8 +164,9 @@ class BoundedLoader(yaml.SafeLoader):
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         """Refuse an alias."""
         if self.check_event(yaml.AliasEvent):
-            problem = "aliases (*name) are not read: write the value itself"
-            raise yaml.MarkedYAMLError(None, None, problem, self.get_mark())
+            raise yaml.MarkedYAMLError(
+                problem="aliases (*name) are not read: write the value itself", problem_mark=self.get_mark()
+            )
         return super().compose_node(parent, index)
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
@@ -173,25 +174,28 @@ class BoundedLoader(yaml.SafeLoader):
         node, before = super().compose_mapping_node(anchor), set[str]()
         for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
             if key.value in before:
-                raise yaml.MarkedYAMLError(None, None, f"{key.value!r} is given twice", key.start_mark)
+                raise yaml.MarkedYAMLError(problem=f"{key.value!r} is given twice", problem_mark=key.start_mark)
             before.add(key.value)
         return node
 
     def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:
         """Refuse too many open brackets."""
         if self.flow_level >= MOST_NESTED:
-            problem = f"brackets are nested deeper than {MOST_NESTED} levels"
-            raise yaml.MarkedYAMLError(None, None, problem, self.get_mark())
+            raise yaml.MarkedYAMLError(
+                problem=f"brackets are nested deeper than {MOST_NESTED} levels", problem_mark=self.get_mark()
+            )
         super().fetch_flow_collection_start(token)
 
     def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
         """Refuse a number without end, and half of a character, which goes into no file."""
         if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
-            problem = f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read"
-            raise yaml.MarkedYAMLError(None, None, problem, node.start_mark)
+            raise yaml.MarkedYAMLError(
+                problem=f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read",
+                problem_mark=node.start_mark,
+            )
         text = str(super().construct_scalar(node))
         if any("\ud800" <= character <= "\udfff" for character in text):
-            raise yaml.MarkedYAMLError(None, None, "an escape is half of a character", node.start_mark)
+            raise yaml.MarkedYAMLError(problem="an escape is half of a character", problem_mark=node.start_mark)
         return text
 
 
