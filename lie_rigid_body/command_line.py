@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from lie_rigid_body.scenario import Scenario
 
 _ROS_BEGIN: Final = "--ros-args"
-_ROS_END: Final = "--"
 
 Argument: TypeAlias = tuple[tuple[str, ...], dict[str, Any]]
 """Row of a parser's table: the names of an argument, and how it is read."""
@@ -59,16 +58,12 @@ class Parser(argparse.ArgumentParser):
     ) -> None:
         super().__init__(prog=program(verb), description=description, epilog=epilog, allow_abbrev=False)
         self._negative_number_matcher = re.compile(r"-\.?\d")  # -1deg is a value, and no option
-        groups: list[tuple[argparse._ActionsContainer, Sequence[Argument]]] = [(self, table)]
-        if either:
-            groups.append((self.add_mutually_exclusive_group(), either))
-        if scenario:
-            groups.append(
-                (
-                    self.add_argument_group("scenario", "later wins: defaults < --scenario < --params-file < -p"),
-                    SCENARIO,
-                )
-            )
+        order = "later wins: defaults < --scenario < --params-file < -p"
+        groups: list[tuple[argparse._ActionsContainer, Sequence[Argument]]] = [
+            (self, table),
+            *([(self.add_mutually_exclusive_group(), either)] if either else []),
+            *([(self.add_argument_group("scenario", order), SCENARIO)] if scenario else []),
+        ]
         for group, rows in groups:
             for names, how in rows:
                 group.add_argument(*names, **how)
@@ -91,7 +86,7 @@ def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
     for text in argv:
         if text == _ROS_BEGIN:
             target = ros
-        elif text == _ROS_END and target is ros:
+        elif text == "--" and target is ros:
             target = own
         else:
             target.append(text)
@@ -117,12 +112,13 @@ def file_name(text: str) -> str:
     argparse.ArgumentTypeError
         If no file can have it, or if it is empty, the folder one is in to the system, or ``-``, a file to the system.
     """
-    if not text:
-        raise argparse.ArgumentTypeError("'' names no file or folder: give a name")
-    if text == "-":
-        raise argparse.ArgumentTypeError("'-' stands for no stream here: give a name, ./- for a file called so")
-    if "\0" in text:
-        raise argparse.ArgumentTypeError(f"{shown(text)} is the name of no file, with its NUL: give a name without")
+    for is_wrong, why in (
+        (not text, "'' names no file or folder: give a name"),
+        (text == "-", "'-' stands for no stream here: give a name, ./- for a file called so"),
+        ("\0" in text, f"{shown(text)} is the name of no file, with its NUL: give a name without"),
+    ):
+        if is_wrong:
+            raise argparse.ArgumentTypeError(why)
     return text
 
 
