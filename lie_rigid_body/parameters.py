@@ -26,17 +26,8 @@ MAX_EPOCH_NS: Final = (2**31 - 1) * NS
 LONGEST_FRAME_NAME: Final = 255
 """Largest length of a frame name, characters; every message carries one."""
 
-
-SHORTEST_DURATION: Final = Decimal("1e-9")
-"""Shortest duration that is taken, s: one nanosecond."""
-
-LONGEST_DURATION: Final = Decimal("1e10")
-"""Longest duration that is taken, s; more is beyond every stamp of builtin_interfaces/Time."""
-
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
 """Characters of a finite decimal number: Decimal alone would take spaces, underscores and words."""
-
-_BEYOND_INT64: Final = 2.0**63
 
 
 def exact_duration(given: object, name: str, example: str, *, is_text: bool = False) -> Fraction:
@@ -62,8 +53,9 @@ def exact_duration(given: object, name: str, example: str, *, is_text: bool = Fa
         value = Decimal(text) if _NUMBER.fullmatch(text) else Decimal("nan")
     except (InvalidOperation, ValueError):  # Python writes no integer of more than 4300 digits
         value = Decimal("nan")
-    # compared before it becomes a fraction, which 1e999999999 would fill the memory with
-    if not (value.is_finite() and SHORTEST_DURATION <= value <= LONGEST_DURATION):
+    # from a nanosecond to what is beyond every stamp of builtin_interfaces/Time; compared before it becomes a fraction,
+    # which 1e999999999 would fill the memory with
+    if not (value.is_finite() and Decimal("1e-9") <= value <= Decimal("1e10")):
         said = given if is_text else shown(given)
         raise InputError(f"{name} {said} is not a time from 1e-9 to 1e10 seconds: give for example {example}")
     return Fraction(value)
@@ -127,23 +119,22 @@ class Parameter:
             case ("bool", bool() as given) | ("string", str() as given) if not self.choices or given in self.choices:
                 return given
             case "string", str():
-                raise self._error(f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
-        raise self._error(f"{shown(value)} is not a {self.kind}: give for example {self.default!r}")
-
-    def _error(self, message: str) -> ParameterError:
-        return ParameterError(self.name, message)
+                raise ParameterError(self.name, f"{shown(value)} is unknown: choose one of {', '.join(self.choices)}")
+        raise ParameterError(self.name, f"{shown(value)} is not a {self.kind}: give for example {self.default!r}")
 
     def _number(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._error(f"{shown(value)} is not a number: give {self._example()}")
+            raise ParameterError(self.name, f"{shown(value)} is not a number: give {self._example()}")
         try:
             number = float(value)
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise self._error(f"{shown(value)} is not finite: give {self._example()}")
+            raise ParameterError(self.name, f"{shown(value)} is not finite: give {self._example()}")
         if not self.minimum <= number <= self.maximum:
-            raise self._error(f"{number:g} is outside [{self.minimum:g}, {self.maximum:g}]: give {self._example()}")
+            raise ParameterError(
+                self.name, f"{number:g} is outside [{self.minimum:g}, {self.maximum:g}]: give {self._example()}"
+            )
         return number
 
     def _example(self) -> str:
@@ -151,25 +142,26 @@ class Parameter:
         return f"{wanted} finite numbers" if wanted else f"for example {self.default!r}"
 
     def _integer(self, value: object) -> int:
-        is_beyond = isinstance(value, float) and abs(value) >= _BEYOND_INT64  # as YAML and rcl read longer integers
+        is_beyond = isinstance(value, float) and abs(value) >= 2.0**63  # as YAML and rcl read longer integers
         if not is_beyond and (isinstance(value, bool) or not isinstance(value, int)):
-            raise self._error(f"{shown(value)} is not an integer: give for example {self.default!r}")
+            raise ParameterError(self.name, f"{shown(value)} is not an integer: give for example {self.default!r}")
         if not (isinstance(value, int) and self.minimum <= value <= self.maximum):
-            raise self._error(
-                f"{shown(value)} is outside [{int(self.minimum)}, {int(self.maximum)}]: give {self._example()}"
+            raise ParameterError(
+                self.name,
+                f"{shown(value)} is outside [{int(self.minimum)}, {int(self.maximum)}]: give {self._example()}",
             )
         return value
 
     def _array(self, value: object) -> tuple[float, ...]:
         if isinstance(value, str | bytes | Mapping | Set) or not isinstance(value, Collection):
-            raise self._error(f"{shown(value)} is not a list: give {self._example()}")
+            raise ParameterError(self.name, f"{shown(value)} is not a list: give {self._example()}")
         if len(value) not in self.lengths:
-            raise self._error(f"{shown(value)} has {len(value)} numbers: give {self._example()}")
+            raise ParameterError(self.name, f"{shown(value)} has {len(value)} numbers: give {self._example()}")
         return tuple(self._number(v) for v in value)
 
     def _strings(self, value: object) -> tuple[str, ...]:
         if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
-            raise self._error(f"{shown(value)} is not a list of strings: give for example [/evaluator]")
+            raise ParameterError(self.name, f"{shown(value)} is not a list of strings: give for example [/evaluator]")
         return tuple(value)
 
 
