@@ -55,9 +55,11 @@ def require_unmasked(name: str, value: ArrayLike) -> None:
     """Refuse an array of which some is masked: what is behind the mask would count."""
     # who has a masked array has loaded the module, which takes 5 ms
     if "numpy.ma" in sys.modules and np.ma.is_masked(value):
-        count = np.ma.count_masked(value)
-        remedy = "fill them in, or leave their rows out, with their stamps"
-        raise ParameterError(name, f"{count} of its numbers are masked: {remedy}")
+        raise ParameterError(
+            name,
+            f"{np.ma.count_masked(value)} of its numbers are masked: fill them in, or leave their rows out, with "
+            "their stamps",
+        )
 
 
 def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:

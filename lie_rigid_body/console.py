@@ -40,7 +40,7 @@ _OUT_OF_MEMORY: Final = (
 """Words of errors of the system and of Python that are made where memory is lacking, besides `MemoryError`."""
 _LEAST_MEMORY: Final = 400_000_000
 """Least memory that the libraries may need, bytes. With less some of them end the process in words of their own."""
-_PIP_NAMES: Final = {"yaml": "PyYAML"}
+
 
 Main = Callable[[Sequence[str] | None], int]
 
@@ -290,4 +290,4 @@ def missing_library(error: ModuleNotFoundError) -> str:
     library = (error.name or "").partition(".")[0]
     if library in ("", __package__):
         return ""
-    return f"the Python library {library} is not installed: pip install {_PIP_NAMES.get(library, library)}"
+    return f"the Python library {library} is not installed: pip install {'PyYAML' if library == 'yaml' else library}"

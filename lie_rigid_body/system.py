@@ -94,14 +94,12 @@ def is_private(folder: Path) -> bool:
     may_write = os.access(folder, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
     if not hasattr(os, "geteuid"):
         return may_write
-    above = [parent.stat() for parent in folder.resolve().parents]
-    open_to_others = any(_others_write(state) and not state.st_mode & stat.S_ISVTX for state in above)
-    own = folder.stat()
+    above, own = [parent.stat() for parent in folder.resolve().parents], folder.stat()
     return (
         own.st_uid == user()
         and not _others_write(own)
         and may_write
-        and not open_to_others
+        and not any(_others_write(state) and not state.st_mode & stat.S_ISVTX for state in above)
         and not any(map(is_others, above))
     )
 

@@ -28,7 +28,6 @@ _SHORT_WORD: Final = 24
 """Length, characters, to which long words are cut before words are left out."""
 _SHORT_PATH: Final = 40
 """Length, characters, up to which only the end of a path is kept, with the name of the file."""
-_MOST_READ: Final = 50
 _MOST_NUMBERS: Final = 7
 _MOST_BITS: Final = 128
 _NUMERAL: Final = re.compile(r"(?<!\w)[-+]?\d[\d.]*(?:[eE][-+]?\d+)?")
@@ -118,7 +117,8 @@ def shortened(text: str, most: int = LONGEST_LINE) -> str:
     -------
     str
     """
-    words = printable(_without_middle(" ".join(text.splitlines()), _MOST_READ * most)).split(" ")
+    # of a text that is far longer, no more is looked at
+    words = printable(_without_middle(" ".join(text.splitlines()), 50 * most)).split(" ")
     remedy = max((i for i, word in enumerate(words, 1) if word.endswith(":")), default=0)
     for end in (remedy, len(words)):
         while (excess := len(" ".join(words)) - most) > 0:
