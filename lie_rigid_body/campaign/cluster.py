@@ -40,7 +40,6 @@ RUNS_AHEAD: Final = 4
 MOST_FAILURES: Final = 20
 """Number of runs that may fail one after another, besides those under way, before no more are begun."""
 
-LARGEST_PORT: Final = 65535
 LONGEST_CLOSING_S: Final = 15.0
 """Longest wait for a cluster to close, s; Dask kills a worker that has not ended after 9."""
 
@@ -53,8 +52,6 @@ _FILES_OF_A_WORKER: Final = 13
 """Most files and connections that are open for a worker, in the process that starts it."""
 _ANSWERING_S: Final = 10.0
 """Time that a scheduler of one's own has to answer, s, and as long again for the handshake."""
-_NOISY: Final = ("distributed", "distributed.client", "tornado.application", "asyncio")
-"""Loggers that report lost connections; each is silenced by itself, as Dask gives each a level of its own."""
 
 _DEAD: Final = "every process that tried it died"
 """Reason for which a run has no row."""
@@ -160,7 +157,7 @@ def require_address(scheduler: str) -> None:
         host, port = get_address_host_port(scheduler)
     except ValueError:
         host, port = "", 0
-    if not (host and 0 < port <= LARGEST_PORT):
+    if not (host and 0 < port <= 65535):
         raise InputError(
             f"--scheduler {shown(scheduler)} is not the address of a Dask scheduler: give protocol, host and port, "
             "such as tls://host:8786"
@@ -192,8 +189,9 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
     import dask
     from distributed import Client
 
-    for name in _NOISY:
-        logging.getLogger(name).setLevel(logging.CRITICAL)  # what matters is said in the rows
+    # lost connections are said in the rows; each logger is silenced by itself, as Dask gives each a level of its own
+    for name in ("distributed", "distributed.client", "tornado.application", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     dask.config.set(_QUIET)
     if scheduler is not None:
         with _closed_in_time(_client_at(scheduler)) as connected:
@@ -260,8 +258,10 @@ def _client_at(scheduler: str) -> Client:
         found = f"nothing came within {2.0 * _ANSWERING_S:g} s"
     if isinstance(found, str):
         keys = ", or name its certificates in Dask's tls.yaml" if scheduler.startswith(("tls:", "wss:")) else ""
-        why = shortened(found, 50 if keys else 90)
-        raise BagError(f"no Dask scheduler answers at {shown(scheduler)}: {why}: start one there{keys}")
+        raise BagError(
+            f"no Dask scheduler answers at {shown(scheduler)}: {shortened(found, 50 if keys else 90)}: "
+            f"start one there{keys}"
+        )
     return found
 
 
@@ -281,10 +281,13 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
     files, least = limit("RLIMIT_NOFILE"), _FILES + _FILES_OF_A_WORKER * workers
     if files < least:
         raise BagError(f"open files are limited to {files:g} (ulimit -n): allow {least} at least, or fewer workers")
-    # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
-    settings: dict[str, object] = {f"distributed.{of}.http.routes": [] for of in ("scheduler", "worker")}
-    # of the scheduler too, which puts its folder onto the path of modules: the default is one that all users share
-    settings["temporary-directory"] = folder
+    settings: dict[str, object] = {
+        # scheduler and workers cannot be kept from listening for HTTP, by which everybody may ask, without TLS
+        "distributed.scheduler.http.routes": [],
+        "distributed.worker.http.routes": [],
+        # of the scheduler too, which puts its folder onto the path of modules: the default is one that all users share
+        "temporary-directory": folder,
+    }
     with dask.config.set(settings), ThreadPoolExecutor(1, initializer=_deafen) as thread:
         begun = thread.submit(
             LocalCluster,
@@ -301,8 +304,10 @@ def _own_cluster(workers: int, folder: str) -> LocalCluster:
         except (OSError, RuntimeError) as error:
             if Interruption.current().requested:  # by a signal to all processes of a group
                 raise KeyboardInterrupt from None
-            why = shortened(str(error).rstrip("."), 90)
-            raise BagError(f"no workers start here: {why}: allow more open files, memory and disk space") from None
+            raise BagError(
+                f"no workers start here: {shortened(str(error).rstrip('.'), 90)}: allow more open files, memory and "
+                "disk space"
+            ) from None
 
 
 def _deafen() -> None:
