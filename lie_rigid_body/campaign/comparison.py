@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import Any, Final, NamedTuple
 
@@ -180,17 +180,20 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
         _best_possible(campaign, standings),
         independent,
         any(each.covariance for one, _ in chosen for each in one.kept),
-        tuple(_fixed_constants(campaign)),
+        _fixed_constants(campaign),
     )
 
 
-def _fixed_constants(campaign: Campaign) -> Iterator[str]:
+def _fixed_constants(campaign: Campaign) -> tuple[str, ...]:
     scenario = campaign.scenario_of(0)
-    for name, value in scenario.sensor_parameters:
-        sensor = "magnetometer" if name.startswith("magnetometer") else "imu"
-        is_fixed = sensor in scenario.sensors.on and name not in campaign.vary
-        if is_fixed and name.endswith(_CONSTANTS) and value != BY_NAME[name].default:
-            yield name
+    return tuple(
+        name
+        for name, value in scenario.sensor_parameters
+        if name.endswith(_CONSTANTS)
+        and name not in campaign.vary
+        and value != BY_NAME[name].default
+        and ("magnetometer" if name.startswith("magnetometer") else "imu") in scenario.sensors.on
+    )
 
 
 class _EntryScores:
@@ -201,29 +204,27 @@ class _EntryScores:
     entry : Contender
     kept : list of Judgement
         Those of the first runs in which it is scored, at most `MOST_SERIES`.
+    reasons : dict of int to str
+        What it failed of first: of a grid in the runs with a remainder of a division by 2, else in all, for 1.
     """
 
     def __init__(self, entry: Contender) -> None:
         self.entry = entry
         self.kept: list[Judgement] = []
+        self.reasons: dict[int, str] = {}
         self._runs: list[int] = []
         self._numbers: list[list[float]] = []
-        self._reasons: dict[int, str] = {}
 
     def add(self, run: int, judgement: Judgement) -> None:
         """Take what the entry is worth in a run."""
         self._runs.append(run)
         self._numbers.append(_numbers(judgement))
         if judgement.error:
-            self._reasons.setdefault(run % 2 if self.entry.grid else 1, judgement.error)
+            self.reasons.setdefault(run % 2 if self.entry.grid else 1, judgement.error)
         if self.entry.grid and run % 2 == 0:
             return  # the best point of a grid is chosen in it, and scored in others
         if len(self.kept) < MOST_SERIES:
             self.kept.append(judgement)
-
-    def reason(self, remainder: int) -> str:
-        """What it failed of first: of a grid in the runs with this remainder of a division by 2, else in all, for 1."""
-        return self._reasons.get(remainder, "")
 
     def scored(self, *remainders: int) -> tuple[Integers, dict[str, Array]]:
         """Numbers of the runs with these remainders of a division by 2, and by column the scores in them."""
@@ -241,7 +242,9 @@ class _EntryScores:
         )
         curves = np.array([each.curve_deg for each in right], dtype=float).reshape(-1, CURVE)
         median = float(np.nanmedian(reading_s)) if not failed.all() else np.nan
-        return Standing(self.entry, runs, scores, failed, self.reason(1), median, curves, attitude, bias, points)
+        return Standing(
+            self.entry, runs, scores, failed, self.reasons.get(1, ""), median, curves, attitude, bias, points
+        )
 
 
 def _numbers(judgement: Judgement) -> list[float]:
@@ -261,7 +264,7 @@ def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, .
         totals = one.scored(0)[1][_TOTAL]
         right = totals[~np.isnan(totals)]
         mean = float(np.mean(right)) if len(right) else np.nan
-        points.append(Point(one.entry.parameters, mean, len(totals) - len(right), one.reason(0)))
+        points.append(Point(one.entry.parameters, mean, len(totals) - len(right), one.reasons.get(0, "")))
     best = min(range(len(points)), key=lambda at: (points[at].failures, np.nan_to_num(points[at].mean_deg, nan=np.inf)))
     return entries[best], tuple(points)
 
