@@ -41,8 +41,6 @@ _NUMBERS: Final = (
     Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=2**64 - 1),
 )
 _KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
-_LEFT_OUT: Final = ("estimator", "estimators")
-"""Keys that a campaign's line has only where they are given."""
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 """Pattern of a function's name: module, colon, function."""
 MOST_POINTS: Final = 100
@@ -101,13 +99,13 @@ class Campaign:
             if not isinstance(given, Mapping):
                 raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
         if unknown := [str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME]:
-            hint = suggestion(unknown[0], BY_NAME, "parameters")
-            raise InputError(f"there is no parameter {shown(unknown[0])}: {hint}")
+            raise InputError(
+                f"there is no parameter {shown(unknown[0])}: {suggestion(unknown[0], BY_NAME, 'parameters')}"
+            )
         if both := sorted(set(self.parameters) & set(self.vary)):
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
-        live = [f"vary.{name}" for name in self.vary if name in OF_THE_NODE]
-        live += ["record_path"] if self.parameters.get("record_path") else []
-        if live:
+        recorded = ["record_path"] if self.parameters.get("record_path") else []
+        if live := [*(f"vary.{name}" for name in self.vary if name in OF_THE_NODE), *recorded]:
             raise InputError(
                 f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
             )
@@ -165,8 +163,7 @@ class Campaign:
 
         try:
             with open_file(path) as file:
-                metadata = parquet.read_schema(file).metadata or {}
-            return cls(**json.loads(metadata[OF_TABLE])["campaign"])
+                return cls(**json.loads((parquet.read_schema(file).metadata or {})[OF_TABLE])["campaign"])
         except InputError:
             raise
         except (ArrowException, OSError, ValueError, KeyError, TypeError, RecursionError):
@@ -241,7 +238,8 @@ class Campaign:
 
     def to_json(self) -> str:
         """One line that says all of the campaign: campaigns with equal lines have equal runs."""
-        content = {key: getattr(self, key) for key in _KEYS if key not in _LEFT_OUT or getattr(self, key)}
+        # of the estimators, those alone that are given
+        content = {key: getattr(self, key) for key in _KEYS if getattr(self, key) or not key.startswith("estimator")}
         return json.dumps(content, sort_keys=True, ensure_ascii=False)
 
 

@@ -72,8 +72,9 @@ def distribution(what: str, given: object) -> Draw:
         raise InputError(f"{what} is not a distribution: give for example {{distribution: uniform, low: 0, high: 1}}")
     name = given["distribution"]
     if name not in DISTRIBUTIONS:
-        hint = suggestion(name, DISTRIBUTIONS, "distributions")
-        raise InputError(f"{what}: there is no distribution {shown(name)}: {hint}")
+        raise InputError(
+            f"{what}: there is no distribution {shown(name)}: {suggestion(name, DISTRIBUTIONS, 'distributions')}"
+        )
     allowed, draw, *checks = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
     if wrong := _wrong_keys(set(values), [*allowed]):
