@@ -83,8 +83,9 @@ class Journal(AbstractContextManager["Journal"]):
         except OSError as error:
             if error.errno in NO_ROOM:
                 raise self._unwritten(error) from None
-            path = error.filename or self.path
-            raise BagError(f"{path} cannot be used: {error.strerror}: give another folder") from None
+            raise BagError(
+                f"{error.filename or self.path} cannot be used: {error.strerror}: give another folder"
+            ) from None
 
     @classmethod
     def is_begun(cls, campaign: Campaign, folder: Path) -> bool:
@@ -118,13 +119,14 @@ class Journal(AbstractContextManager["Journal"]):
 
         It may have ended within its first line, where the disk was full.
         """
-        if not first.endswith(b"\n"):
-            begun = self._heading.startswith(first)
-        else:
-            try:
-                begun = {"campaign", "software"} == {*load_json(first, JOURNAL)}
-            except (TypeError, ValueError):
-                return False
+        try:
+            begun = (
+                {"campaign", "software"} == {*load_json(first, JOURNAL)}
+                if first.endswith(b"\n")
+                else self._heading.startswith(first)
+            )
+        except (TypeError, ValueError):
+            return False
         return begun and not self._file.read(1) and not any((self.folder / BAGS).iterdir())
 
     def _row(self, line: bytes, place: int) -> Row:
@@ -285,8 +287,7 @@ class Journal(AbstractContextManager["Journal"]):
 
 
 def _heading(campaign: Campaign) -> bytes:
-    content = {"campaign": json.loads(campaign.to_json()), "software": __version__}
-    return f"{json.dumps(content)}\n".encode()
+    return f"{json.dumps({'campaign': json.loads(campaign.to_json()), 'software': __version__})}\n".encode()
 
 
 def _equal(heading: bytes, other: bytes) -> bool:
