@@ -53,8 +53,8 @@ SERIES: Final = 20
 """Number of times, evenly over the run, at which errors are kept with their covariances."""
 _UPPER: Final = np.triu_indices(3)
 """Indices of the upper triangle of a 3 × 3 covariance, which is kept."""
-_ATTITUDE: Final = 3 + 6 + 4
-_BIAS: Final = 3 + 6
+_OF_ERROR: Final = 3 + 6
+"""Number of columns of an error and its covariance; an attitude has four more, of the attitude itself."""
 LONGEST_S: Final = 60.0
 """Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
@@ -260,7 +260,7 @@ class Judgement:
             If they are none.
         """
         found = cls(**content)
-        scores, series = dict(found.scores), ((found.covariance, _ATTITUDE), (found.gyro_bias, _BIAS))
+        scores, series = dict(found.scores), ((found.covariance, _OF_ERROR + 4), (found.gyro_bias, _OF_ERROR))
         numbers = [found.reading_s, *(scores.get(name) for name in (*SCORES, *MORE_SCORES))]
         if (
             scores.keys() != {*SCORES, *MORE_SCORES, ERROR}
@@ -303,9 +303,11 @@ def _without_score(reason: str) -> Judgement:
 
 def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
     score = run.score(found, diagnosed=False)
-    errors = (score.total_deg.rms, score.heading_deg.rms, score.inclination_deg.rms)
     scores: Scores = {
-        **dict(zip(SCORES, (*errors, score.time_to_converge_s), strict=True)),
+        "total_rms_deg": score.total_deg.rms,
+        "heading_rms_deg": score.heading_deg.rms,
+        "inclination_rms_deg": score.inclination_deg.rms,
+        "converged_s": score.time_to_converge_s,
         ERROR: None,
         "nees_mean": None if score.consistency is None else score.consistency.mean,
         "gyro_bias_rms_rad_s": None if score.gyro_bias_rad_s is None else score.gyro_bias_rad_s.rms,
@@ -329,10 +331,7 @@ def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
 def _nearest(stamps_ns: Integers, t_ns: Integers, truth: Truth, count: int) -> tuple[Integers, Any]:
     """Indexes of the estimates at even times from first to last sample of a run, and whether each is at such a time."""
     wanted = np.linspace(t_ns[0], t_ns[-1], count).astype(np.int64)
-    after = np.clip(np.searchsorted(stamps_ns, wanted), 1, max(1, len(stamps_ns) - 1))
-    before = after - 1
-    after = np.minimum(after, len(stamps_ns) - 1)
-    nearest = np.where(wanted - stamps_ns[before] <= stamps_ns[after] - wanted, before, after)
+    nearest = np.searchsorted(stamps_ns[:-1] + np.diff(stamps_ns) // 2, wanted)  # beyond so many middles between two
     near = 2 * np.abs(stamps_ns[nearest] - wanted) <= (t_ns[-1] - t_ns[0]) // (count - 1)
     return nearest, truth.covers(stamps_ns[nearest]) & near
 
@@ -364,8 +363,8 @@ def errors_of(series: list[list[list[float]]]) -> tuple[Array, Array, Array]:
     """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R judgements."""
     values = np.array(series, dtype=float)
     P = np.empty((*values.shape[:2], 3, 3))
-    P[..., _UPPER[0], _UPPER[1]] = P[..., _UPPER[1], _UPPER[0]] = values[..., 3:_BIAS]
-    return values[..., :3], P, values[..., _BIAS:]
+    P[..., _UPPER[0], _UPPER[1]] = P[..., _UPPER[1], _UPPER[0]] = values[..., 3:_OF_ERROR]
+    return values[..., :3], P, values[..., _OF_ERROR:]
 
 
 def _is_finite(rows: list[list[float]], shape: tuple[int, int]) -> bool:
