@@ -19,20 +19,27 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 
-    entries: list[dict[str, Any]] = []
-    for name, path in scenario_files().items():
-        scenario = Scenario.from_parameters(read_parameter_file(path))
-        entries.append({"name": name, "description": describe(path), "file": str(path), **scenario.parameters()})
+    entries: list[dict[str, Any]] = [
+        {
+            "name": name,
+            "description": describe(path),
+            "file": str(path),
+            **Scenario.from_parameters(read_parameter_file(path)).parameters(),
+        }
+        for name, path in scenario_files().items()
+    ]
     return answer(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
 
 
 def describe(path: Path) -> str:
     """Description of a scenario: the first comment line of its parameter file."""
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return next((line.lstrip("# ").rstrip() for line in lines if line.startswith("#")), "")
+    comments = (line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#"))
+    return next(comments, "").lstrip("# ").rstrip()
 
 
 def _paragraph(entry: dict[str, Any]) -> str:
     inertia = " ".join(f"{value:g}" for value in entry["inertia"])
-    facts = f"inertia {inertia} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
-    return f"{entry['name']}\n    {entry['description']}\n    {facts}"
+    return (
+        f"{entry['name']}\n    {entry['description']}\n"
+        f"    inertia {inertia} kg m², {entry['rate']:g} samples/s, {entry['motion']}"
+    )
