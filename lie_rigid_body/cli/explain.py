@@ -162,8 +162,10 @@ def _as_text(scenario: Scenario, description: Description, title: str = "") -> s
     }
     if scenario.has_sensors:
         sections[f"Sensors, of the grade {scenario.sensor_grade}"] = _columns(_sensor_rows(scenario))
-    inertia, rate = _vector(scenario.inertia), _vector(scenario.initial_body_rate)
-    lines = [*filter(None, [title]), f"inertia {inertia} kg m², initial body rate {rate} rad/s"]
+    lines = [
+        *filter(None, [title]),
+        f"inertia {_vector(scenario.inertia)} kg m², initial body rate {_vector(scenario.initial_body_rate)} rad/s",
+    ]
     for heading, content in sections.items():
         lines += ["", heading, *(f"  {line}" for line in content)]
     return "\n".join(lines)
@@ -185,8 +187,9 @@ def _regime(description: Description) -> str:
         axis = f"{_vector(steady.axis)} in the body" if others else _axis_name(description, first)
         return _REGIMES["steady"].format(axis=axis, stability=_SPINS[description.axes[first].spin.verdict][0])
     axis = _axis_name(description, _circled(description))
-    path = "on a circle, at a constant rate" if "symmetry" in axis else "on a closed curve"
-    return _REGIMES.get(description.regime, _REGIMES["circling"]).format(axis=axis, path=path)
+    return _REGIMES.get(description.regime, _REGIMES["circling"]).format(
+        axis=axis, path="on a circle, at a constant rate" if "symmetry" in axis else "on a closed curve"
+    )
 
 
 def _circled(description: Description) -> int:
@@ -227,8 +230,12 @@ def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
         spin = axis.spin
         tenfold = f"{math.log(10.0) / spin.growth_rate_1_s:.6g} s" if spin.growth_rate_1_s else "no finite time"
         _, sentence = _SPINS["spherical" if description.kind == "spherical" else spin.verdict]
-        disturbed = sentence.format(spin=spin, tenfold=tenfold, wobble=_period(spin.wobble_rate_rad_s))
-        yield f"axis {i}", f"{spin.spin_rate_rad_s:.6g} rad/s", spin.verdict, disturbed
+        yield (
+            f"axis {i}",
+            f"{spin.spin_rate_rad_s:.6g} rad/s",
+            spin.verdict,
+            sentence.format(spin=spin, tenfold=tenfold, wobble=_period(spin.wobble_rate_rad_s)),
+        )
 
 
 def _conserved(description: Description) -> list[dict[str, Any]]:
