@@ -12,7 +12,6 @@ import numpy as np
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.scenario.parameter_file import CONFIG, gather
 
-_FOLDER: Final = CONFIG / "league"
 MOTIONS: Final = ("slow_tumble", "fast_tumble", "spin_x", "spin_y", "spin_z", "flips", "precession")
 PERFECT: Final = "perfect"
 REAL: Final = ("navigation", "tactical", "mems")
@@ -68,7 +67,7 @@ CASES: Final = (
 def run_of(case: Case, seed: int = SEED) -> Run:
     """The run of a case, with its truth."""
     names = ["sensors", case.motion, *([f"fault_{case.fault}"] if case.fault else [])]
-    parameters: dict[str, Any] = dict(gather(None, [_FOLDER / f"{name}.yaml" for name in names], []))
+    parameters: dict[str, Any] = dict(gather(None, [CONFIG / "league" / f"{name}.yaml" for name in names], []))
     run: Run = simulate(duration=DURATION_S, **{**parameters, "sensor_grade": case.grade, "sensor_seed": seed})
     return run
 

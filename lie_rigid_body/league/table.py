@@ -124,9 +124,14 @@ class FilterRow:
                 for name, size in each.items()
                 if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
             ]
-            flags = isinstance(row.sees_future, bool) and {*row.other_readings} <= {*map(str, CASES)}
-            whole = row.filter and len(results) == len(CASES)
-            if not (all(map(str.isprintable, texts)) and whole and all(map(_is_size, sizes)) and flags):
+            if not (
+                row.filter
+                and all(map(str.isprintable, texts))
+                and len(results) == len(CASES)
+                and all(map(_is_size, sizes))
+                and isinstance(row.sees_future, bool)
+                and {*row.other_readings} <= {*map(str, CASES)}
+            ):
                 raise ValueError("no words, no size of an error, no flag or no case")
         except (TypeError, KeyError, AttributeError, ValueError, OverflowError) as error:
             what = f"{error} is missing" if isinstance(error, KeyError) else "a value is unknown, or of another kind"
@@ -165,8 +170,10 @@ class LeagueTable:
     @property
     def best_possible(self) -> FilterRow:
         """The row of `best_possible_deg`, which is no filter's."""
-        floors = {str(case): self.best_possible_deg.get(str(case), 0.0) for case in CASES}
-        return FilterRow("best possible", {case: CaseResult(floor, 0.0, 0.0) for case, floor in floors.items()})
+        return FilterRow(
+            "best possible",
+            {str(case): CaseResult(self.best_possible_deg.get(str(case), 0.0), 0.0, 0.0) for case in CASES},
+        )
 
     def __repr__(self) -> str:
         return call_repr(self, {"rows": len(self.rows)})
