@@ -46,11 +46,6 @@ PARAMETERS: Final[dict[str, object]] = {
     "accelerometer_mode": "pivot_gravity",
 }
 """Arguments of `lie_rigid_body.simulate` that a marker may override."""
-
-DIAGNOSE: Final = (
-    "What is wrong in the filter itself, lie_rigid_body.diagnose(filter) finds: it runs it again and again."
-)
-"""The last line of a failure."""
 _OF_SIMULATE: Final = ("duration", "seeds", "memory_limit", "record_path")
 """Arguments of `lie_rigid_body.simulate` that are no parameters of a scenario."""
 
@@ -268,8 +263,14 @@ def assert_attitude(
         raise error.with_traceback(None) from None  # which pytest would show down to the package's own lines
     if score.passed:
         return score
-    picture = [] if plot is None else [_drawn(score, plot)]
-    raise AssertionError("\n".join(["; ".join(score.broken), "", str(score), *picture, DIAGNOSE]))
+    lines = [
+        "; ".join(score.broken),
+        "",
+        str(score),
+        *([] if plot is None else [_drawn(score, plot)]),
+        "What is wrong in the filter itself, lie_rigid_body.diagnose(filter) finds: it runs it again and again.",
+    ]
+    raise AssertionError("\n".join(lines))
 
 
 def _drawn(score: Score, plot: str | Path) -> str:

@@ -83,17 +83,19 @@ def scenarios(
     ):
         raise InputError(f"grades: {shown(grades)}: give some of {listed(GRADES)}, in a list")
     start, inertia = draw(starts(max_rate)), draw(bodies()).inertia
-    given: dict[str, object] = {
-        "inertia": inertia[np.triu_indices(3)].tolist(),
-        "initial_attitude_xyzw": start.attitude_xyzw.tolist(),
-        "initial_body_rate": start.body_rate.tolist(),
-        "motion": draw(st.sampled_from(["closed_form", "moving_chart"])),
-        "rate": draw(st.sampled_from([100.0, 50.0, 59.94])),
-        "imu_rate": draw(st.sampled_from([100.0, 200.0, 333.3])),
-        "magnetometer_rate": draw(st.sampled_from([50.0, 100.0])),
-        "accelerometer_mode": draw(st.sampled_from(["pivot_gravity", "free_fall"])),
-        "gyro_rate": draw(st.sampled_from(["integrated", "instantaneous"])),
-        "sensor_grade": draw(sensor_grades() if grades is None else st.sampled_from(list(grades))),
-        "sensor_seed": draw(st.integers(0, 2**31 - 1)),
-    }
-    return Scenario.from_parameters({**given, **parameters})
+    return Scenario.from_parameters(
+        {
+            "inertia": inertia[np.triu_indices(3)].tolist(),
+            "initial_attitude_xyzw": start.attitude_xyzw.tolist(),
+            "initial_body_rate": start.body_rate.tolist(),
+            "motion": draw(st.sampled_from(["closed_form", "moving_chart"])),
+            "rate": draw(st.sampled_from([100.0, 50.0, 59.94])),
+            "imu_rate": draw(st.sampled_from([100.0, 200.0, 333.3])),
+            "magnetometer_rate": draw(st.sampled_from([50.0, 100.0])),
+            "accelerometer_mode": draw(st.sampled_from(["pivot_gravity", "free_fall"])),
+            "gyro_rate": draw(st.sampled_from(["integrated", "instantaneous"])),
+            "sensor_grade": draw(sensor_grades() if grades is None else st.sampled_from(list(grades))),
+            "sensor_seed": draw(st.integers(0, 2**31 - 1)),
+            **parameters,
+        }
+    )
