@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import argparse
 from importlib.util import find_spec
-from typing import Final
 
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.errors import InputError
-
-_NEEDED: Final = ("dask", "distributed", "pyarrow")
 
 
 @verb(
@@ -37,9 +34,8 @@ _NEEDED: Final = ("dask", "distributed", "pyarrow")
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    needed = _NEEDED if given.scheduler else (*_NEEDED, "cryptography")
-    missing = [name for name in needed if not find_spec(name)]
-    if missing:
+    needed = ("dask", "distributed", "pyarrow", *([] if given.scheduler else ["cryptography"]))
+    if missing := [name for name in needed if not find_spec(name)]:
         raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
 
     from lie_rigid_body.cli.campaign_runs import run_campaign
