@@ -93,9 +93,8 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
 
     Of very many runs only the first ones are tried.
     """
-    first = range(min(campaign.runs, MOST_TRIED))
     try:
-        bar = console.progress(first, desc="parameters", unit=" runs")
+        bar = console.progress(range(min(campaign.runs, MOST_TRIED)), desc="parameters", unit=" runs")
         idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -141,17 +140,16 @@ def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) 
         journal.bags.without_parts(lambda run: run < campaign.runs and run not in journal and run not in failed),
         client_of(given.workers, given.scheduler) as client,
     ):
-        rows = finished(
-            client,
-            campaign,
-            (run for run in range(campaign.runs) if run not in journal),
-            journal.bags,
-            bags=not given.no_bags,
-            elsewhere=given.scheduler is not None,
-            alone=partial(_say_alone, bar),
-        )
         try:
-            for run, row in rows:
+            for run, row in finished(
+                client,
+                campaign,
+                (run for run in range(campaign.runs) if run not in journal),
+                journal.bags,
+                bags=not given.no_bags,
+                elsewhere=given.scheduler is not None,
+                alone=partial(_say_alone, bar),
+            ):
                 if isinstance(row, BaseException):
                     failed[run] = row
                     journal.require_intact()
@@ -188,8 +186,7 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     runs : str
         What the runs are called.
     """
-    names = [entry.name for entry in campaign.entries]
-    told = [each for of_run in errors for each in zip(names, of_run, strict=True)]
+    told = [(one.name, error) for of_run in errors for one, error in zip(campaign.entries, of_run, strict=True)]
     scored = {name for name, error in told if error is None}
     if failed := [name for name in campaign.contenders if name not in scored]:
         first = next(error for name, error in told if name == min(failed) and error is not None)
@@ -208,8 +205,10 @@ def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseExcepti
         reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
     named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
     kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
-    first = f"first: {shortened(reason, _LONGEST_REASON)}"
-    return BagError(f"{len(failed)} of {campaign.runs} runs failed{named}, {first}; {kept}: mend that, and {RESUMED}")
+    return BagError(
+        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {shortened(reason, _LONGEST_REASON)}; {kept}: "
+        f"mend that, and {RESUMED}"
+    )
 
 
 def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
@@ -251,9 +250,9 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         worst_first = [one.entry for one in comparison.worst_first]
         first = tuple(campaign_scores.sections(campaign, comparison, varied)) if has_page else ()
-    functions = [one.function for one in worst_first if one.function]
-    what = f"what is wrong with {'one' if campaign.estimators else 'it'}: {console.program('diagnose')}"
-    told += [f"{what} {name}" for name in functions[:1]]
+    if function := next((one.function for one in worst_first if one.function), None):
+        what = "one" if campaign.estimators else "it"
+        told.append(f"what is wrong with {what}: {console.program('diagnose')} {function}")
     if has_page:
         title, more = f"Campaign {given.campaign}", [html_page.details("Campaign", campaign.to_json())]
         content = page(title, "runs", ("run", *campaign.vary), lines, more, first=first)

@@ -56,10 +56,9 @@ def main(given: argparse.Namespace) -> int:
                 0, play(name, source, workers=given.workers or cores(), timeout_s=given.timeout, progress=bar.update)
             )
     table = reference().with_rows(own)
-    rows = own[:1] if estimate else table.rows
     return answer(
         given,
         {given.report: lambda: page_of_league(table, own)},
         lambda: "\n".join(lines_of_league(table, own)),
-        lambda: {"edition": EDITION, "rows": [row.to_json() for row in rows]},
+        lambda: {"edition": EDITION, "rows": [row.to_json() for row in (own[:1] if estimate else table.rows)]},
     )

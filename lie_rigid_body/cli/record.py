@@ -80,8 +80,9 @@ def main(given: argparse.Namespace) -> int:
         done, size = bag.sample_count, console.size(bag.path.stat().st_size)
         if done < count and interruption.requested:
             state = f"is whole ({size})" if done else "holds no sample of it"
-            told = f"interrupted after {done} of {count} samples; {bag.path} {state}"
-            console.complain(console.program("record"), told)
+            console.complain(
+                console.program("record"), f"interrupted after {done} of {count} samples; {bag.path} {state}"
+            )
             return console.INTERRUPTED
         if not given.quiet:
             first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))

@@ -74,8 +74,10 @@ def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
             f"{damaged[0]}"
         )
     if rewritten:
-        chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
-        found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
+        found.append(
+            f"has {counted(len(rewritten), 'chunk')} of more than one compressed frame, written anew, at byte "
+            f"{rewritten[0]}"
+        )
     if recovery.is_altered:
         found.append("has another checksum or number of messages than it says: some may be altered or missing")
     return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
