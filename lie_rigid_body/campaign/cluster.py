@@ -72,10 +72,6 @@ _MARK: Final = "LIE_RIGID_BODY_CLUSTER"
 
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
-_ANSWER_S: Final = 5.0
-"""Longest wait for an answer of the scheduler, s, which may have much to do."""
-_LOOK_S: Final = 0.1
-"""Time between two looks at whether the connection is lost, s, while no result comes."""
 
 
 class SchedulerGoneError(BagError):
@@ -132,13 +128,13 @@ class Connection:
                 since = time.monotonic()
             else:
                 with pool.thread_condition:
-                    pool.thread_condition.wait(_LOOK_S)
+                    pool.thread_condition.wait(0.1)  # s, between two looks at whether the connection is lost
         if self.is_lost:
             raise ConnectionError
 
     def _look_for_workers(self, alone: Callable[[str], object]) -> None:
         with suppress(Late, OSError):
-            is_alone = not self._client.nthreads(callback_timeout=_ANSWER_S)
+            is_alone = not self._client.nthreads(callback_timeout=5.0)  # s, as a scheduler may have much to do
             if is_alone and not self._was_alone:
                 alone(self.address)
             self._was_alone = is_alone
