@@ -25,8 +25,6 @@ _COLUMNS: Final = (*SCORES, *MORE_SCORES)
 _TOTAL: Final = SCORES[0]
 _READING: Final = "reading_s"
 _SEED: Final = "sensor_seed"
-_CONSTANTS: Final = ("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron")
-"""Ends of the names of parameters of errors that stay, and that no filter knows."""
 
 
 @short_dataclass(frozen=True)
@@ -185,11 +183,12 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
 
 
 def _fixed_constants(campaign: Campaign) -> tuple[str, ...]:
+    """Parameters of errors that stay, and that no filter knows, which are the same in every run."""
     scenario = campaign.scenario_of(0)
     return tuple(
         name
         for name, value in scenario.sensor_parameters
-        if name.endswith(_CONSTANTS)
+        if name.endswith(("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron"))
         and name not in campaign.vary
         and value != BY_NAME[name].default
         and ("magnetometer" if name.startswith("magnetometer") else "imu") in scenario.sensors.on
@@ -237,13 +236,17 @@ class _EntryScores:
         runs, scores = self.scored(1) if points else self.scored(0, 1)
         failed, reading_s = np.isnan(scores[_TOTAL]), scores.pop(_READING)
         right = [each for each in self.kept if each.error is None]
-        attitude, bias = (
-            None if duration_s is None else _verdict(duration_s, right, of_bias) for of_bias in (False, True)
-        )
-        curves = np.array([each.curve_deg for each in right], dtype=float).reshape(-1, CURVE)
-        median = float(np.nanmedian(reading_s)) if not failed.all() else np.nan
         return Standing(
-            self.entry, runs, scores, failed, self.reasons.get(1, ""), median, curves, attitude, bias, points
+            self.entry,
+            runs,
+            scores,
+            failed,
+            self.reasons.get(1, ""),
+            reading_s=float(np.nanmedian(reading_s)) if not failed.all() else np.nan,
+            curve_deg=np.array([each.curve_deg for each in right], dtype=float).reshape(-1, CURVE),
+            covariance=_verdict(duration_s, right, of_bias=False),
+            gyro_bias=_verdict(duration_s, right, of_bias=True),
+            points=points,
         )
 
 
@@ -287,12 +290,12 @@ def _best_possible(campaign: Campaign, standings: Sequence[Standing]) -> Best | 
     return Best(run, float(np.degrees(bound.rms(bound.filtered))))
 
 
-def _verdict(duration_s: float, judgements: list[Judgement], of_bias: bool) -> Honesty | None:
-    """Verdict on the covariance of the attitude, or of the gyro's bias, of enough runs that have one."""
+def _verdict(duration_s: float | None, judgements: list[Judgement], *, of_bias: bool) -> Honesty | None:
+    """Verdict on the covariance of the attitude, or of the gyro's bias, of enough runs of a duration that have one."""
     axes = {each.axes for each in judgements if each.covariance}
     series = [each.gyro_bias if of_bias else each.covariance for each in judgements]
     told = [rows for rows in series if rows]
-    if len(told) < FEWEST_RUNS or len(axes) > 1:
+    if duration_s is None or len(told) < FEWEST_RUNS or len(axes) > 1:
         return None
     t_s, (errors, P, attitude_xyzw) = np.linspace(0.0, duration_s, SERIES), errors_of(told)
     try:
