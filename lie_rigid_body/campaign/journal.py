@@ -29,8 +29,6 @@ RESUMED: Final = "the same command does the rest"
 _NONE: Final = -1
 """Place of a row that is not in the file."""
 _SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
-_ROWS_AT_ONCE: Final = 10_000
-"""Number of rows of the table that are in memory together."""
 
 
 class Journal(AbstractContextManager["Journal"]):
@@ -275,7 +273,7 @@ class Journal(AbstractContextManager["Journal"]):
         schema, path = schema.with_metadata({OF_TABLE: self._heading.strip()}), self.folder / name
         try:
             with written(path, overwrite=True) as stream, pyarrow.parquet.ParquetWriter(stream, schema) as writer:
-                while some := list(islice(rows, _ROWS_AT_ONCE)):
+                while some := list(islice(rows, 10_000)):  # so many are in memory together
                     writer.write_table(pyarrow.Table.from_pylist(some, schema))
         except BagError as error:
             raise BagError(f"{error}; {RESUMED}") from None
