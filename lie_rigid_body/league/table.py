@@ -21,8 +21,7 @@ from lie_rigid_body.wording import call_repr, counted, listed, shown
 EDITION: Final = "2026.1"
 """Edition of the cases and of the reference rows: rows of one edition can be compared."""
 REFERENCE: Final = CONFIG / "league" / f"{EDITION}.json"
-_MOST_BYTES: Final = 2**22
-"""Most bytes of a file of rows; the reference has a tenth of that."""
+
 _ROWS_FILE: Final = "a file that 'league --json' writes"
 _ALWAYS_KNOWN: Final = {"total_deg", "heading_deg", "inclination_deg"}
 """Errors that each case has; the others may be None."""
@@ -204,7 +203,8 @@ def rows_of(path: str | Path) -> list[FilterRow]:
     InputError
         If it is no such file, or of another edition.
     """
-    content = load_json(read_text(path, _MOST_BYTES, kind=_ROWS_FILE), str(path), _ROWS_FILE)
+    # the reference has a tenth of so many bytes
+    content = load_json(read_text(path, 2**22, kind=_ROWS_FILE), str(path), _ROWS_FILE)
     edition = content.get("edition") if isinstance(content, dict) else None
     if edition not in (None, EDITION):
         raise InputError(
