@@ -12,10 +12,7 @@ from _thread import interrupt_main, start_new_thread
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
-from typing import TYPE_CHECKING, ClassVar, Final
-
-if TYPE_CHECKING:
-    from sys import UnraisableHookArgs
+from typing import ClassVar, Final
 
 ENDING: Final = tuple(each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"))
 """Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
@@ -128,7 +125,7 @@ class Interruption:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
 
-    def _ignored(self, lost: UnraisableHookArgs) -> None:
+    def _ignored(self, lost: sys.UnraisableHookArgs) -> None:
         """Handle what a finaliser or a callback from C raises, which would lose an interrupt."""
         if not self._raises_again(lost.exc_type):
             self._unraisable(lost)
