@@ -24,8 +24,7 @@ _UNFINISHED: Final = (".lie_rigid_body-", ".part")
 """Beginning and end of the name of an unfinished file, which replaces an older one when it is whole."""
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Numbers of errors by which a write fails for want of room."""
-_PERMISSIONS: Final = 0o777
-"""Bits of a mode that a new file takes from the older one; not those by which a program runs as its owner."""
+
 LARGEST_BACKLOG: Final = 32 * 1024**2
 """Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
@@ -273,8 +272,8 @@ def _beside(target: Path) -> tuple[Path, _GrowingFile, contextlib.ExitStack]:
         with contextlib.suppress(OSError):  # where there are no locks, nobody gets one either
             held = lock(file)
         if os.fstat(file.fileno()).st_nlink:
-            if is_own:
-                os.chmod(file.fileno() if os.chmod in os.supports_fd else path, older.st_mode & _PERMISSIONS)
+            if is_own:  # without the bits by which a program runs as its owner
+                os.chmod(file.fileno() if os.chmod in os.supports_fd else path, older.st_mode & 0o777)
             return path, file, held
         file.close()  # it was taken for a rest before it was locked
         held.close()
