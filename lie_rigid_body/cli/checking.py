@@ -53,12 +53,11 @@ def check(given: argparse.Namespace) -> int:
                 1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag))
             )
             verdicts = judge_bodies(name, bodies, inertia)
-        else:
-            bar.total = console.bytes_of(name) * (1 + passes(first, residuals) + (residuals is not None))
-            certificate = certify(first, inertia, residuals)
-            pieces = thinned_segments(first, certificate) if residuals and certificate.segments else []
-    if others or isinstance(first, BagError):
-        return _answer(given, verdicts)
+            bar.close()
+            return _answer(given, verdicts)
+        bar.total = console.bytes_of(name) * (1 + passes(first, residuals) + (residuals is not None))
+        certificate = certify(first, inertia, residuals)
+        pieces = thinned_segments(first, certificate) if residuals and certificate.segments else []
     proof = None
     if given.prove is not None:
         proof = Proof(tuple(console.progress(prove(first, certificate, given.prove, inertia), unit=" samples")))
