@@ -64,23 +64,23 @@ def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     """Sentence about what was wrong with a file; empty if it was whole."""
-    at, damaged, rewritten, found = recovery.broken_at, recovery.damaged, recovery.rewritten, []
-    if at is not None:
-        gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
-        found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
-    if damaged:
-        found.append(
-            f"has {counted(len(damaged), 'damaged or foreign record')}, left out or taken in part, the first at byte "
-            f"{damaged[0]}"
-        )
-    if rewritten:
-        found.append(
-            f"has {counted(len(rewritten), 'chunk')} of more than one compressed frame, written anew, at byte "
-            f"{rewritten[0]}"
-        )
-    if recovery.is_altered:
-        found.append("has another checksum or number of messages than it says: some may be altered or missing")
-    return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
+    at, damaged, rewritten = recovery.broken_at, recovery.damaged, recovery.rewritten
+    gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
+    found = (
+        f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}" if at is not None else "",
+        f"has {counted(len(damaged), 'damaged or foreign record')}, left out or taken in part, the first at byte "
+        f"{damaged[0]}"
+        if damaged
+        else "",
+        f"has {counted(len(rewritten), 'chunk')} of more than one compressed frame, written anew, at byte "
+        f"{rewritten[0]}"
+        if rewritten
+        else "",
+        "has another checksum or number of messages than it says: some may be altered or missing"
+        if recovery.is_altered
+        else "",
+    )
+    return f"{printable(str(broken))} {' and '.join(filter(None, found))}" if any(found) else ""
 
 
 def _what_next(given: argparse.Namespace, is_folder: bool) -> Iterator[str]:
