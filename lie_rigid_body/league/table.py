@@ -117,17 +117,16 @@ class FilterRow:
             row = cls(**{**content, "results": results, "other_readings": tuple(content.get("other_readings", ()))})
             of_cases = [vars(row.results[str(case)]) for case in CASES]
             texts = (row.filter, row.version, row.setting, *(each["failure"] for each in of_cases))
-            sizes = [
-                size
-                for each in of_cases
-                for name, size in each.items()
-                if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
-            ]
             if not (
                 row.filter
                 and all(map(str.isprintable, texts))
                 and len(results) == len(CASES)
-                and all(map(_is_size, sizes))
+                and all(
+                    _is_size(size)
+                    for each in of_cases
+                    for name, size in each.items()
+                    if name != "failure" and (size is not None or name in _ALWAYS_KNOWN)
+                )
                 and isinstance(row.sees_future, bool)
                 and {*row.other_readings} <= {*map(str, CASES)}
             ):
@@ -238,18 +237,17 @@ def standing(table: LeagueTable, row: FilterRow) -> str:
     best, worst = table.best_and_worst(row)
     failed = [name for name, result in row.results.items() if result.failure]
     biases = [result.gyro_bias_rms_rad_s for result in row.results.values() if result.gyro_bias_rms_rad_s is not None]
-    sentences = [
+    sentences = (
         f"{row.name} is number {table.rank(row)} of {len(table.rows)}: {angle(row.typical_deg('mems'))}° with MEMS "
         f"sensors, where {angle(table.best_possible.typical_deg('mems'))}° is the best possible.",
         f"It is best at {best} (number {table.place(row, best)}) and worst at {worst} "
         f"(number {table.place(row, worst)}).",
-    ]
-    if biases:
-        sentences.append(f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case.")
-    if failed:
-        sentences.append(
-            f"It failed in {counted(len(failed), 'case')}, first in {failed[0]}: {row.results[failed[0]].failure}"
-        )
-    if row.other_readings:
-        sentences.append(f"This machine makes other readings than the reference in {listed(row.other_readings)}.")
-    return " ".join(sentences)
+        f"Its gyro bias is {np.median(biases):.2g} rad/s off in the median case." if biases else "",
+        f"It failed in {counted(len(failed), 'case')}, first in {failed[0]}: {row.results[failed[0]].failure}"
+        if failed
+        else "",
+        f"This machine makes other readings than the reference in {listed(row.other_readings)}."
+        if row.other_readings
+        else "",
+    )
+    return " ".join(filter(None, sentences))
