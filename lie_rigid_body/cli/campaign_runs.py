@@ -221,7 +221,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         )
     path, has_page = journal.write_table(), given.report is not None
     rows = [_outline(row, whole=has_page) for row in journal.rows()]
-    varied = {row.run: row.parameters for row in rows}
+
     lines = [
         Line(
             (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary if has_page)),
@@ -236,10 +236,9 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
     broken = [line.cells[0] for line in lines if not line.certified]
     told = [
         f"{counted(len(lines), 'run')}, {len(lines) - len(broken)} certified, attitudes within "
-        f"{max(0.0, *(line.accuracy for line in lines)):.2g} rad, in {printable(str(path))}"
+        f"{max(0.0, *(line.accuracy for line in lines)):.2g} rad, in {printable(str(path))}",
+        *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
     ]
-    if broken:
-        told.append(f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}")
     first, worst_first = tuple[str, ...](), [*campaign.contenders.values()]
     if campaign.estimator is not None:
         middle = f", median {median(totals):.3g}° rms" if totals else ""
@@ -249,13 +248,20 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         comparison = compare(campaign, journal.rows())
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         worst_first = [one.entry for one in comparison.worst_first]
+        varied = {row.run: row.parameters for row in rows}
         first = tuple(campaign_scores.sections(campaign, comparison, varied)) if has_page else ()
     if function := next((one.function for one in worst_first if one.function), None):
         what = "one" if campaign.estimators else "it"
         told.append(f"what is wrong with {what}: {console.program('diagnose')} {function}")
     if has_page:
-        title, more = f"Campaign {given.campaign}", [html_page.details("Campaign", campaign.to_json())]
-        content = page(title, "runs", ("run", *campaign.vary), lines, more, first=first)
+        content = page(
+            f"Campaign {given.campaign}",
+            "runs",
+            ("run", *campaign.vary),
+            lines,
+            [html_page.details("Campaign", campaign.to_json())],
+            first=first,
+        )
         write_file(given.report, content, overwrite=given.force)
         told.append(f"wrote {printable(given.report)}")
     console.say("\n".join(told), done=f"{path} is written")
