@@ -114,8 +114,9 @@ def say(text: str, done: str = "") -> bool:
         return False
     except OSError as error:
         silence(sys.stdout)
-        before = f"{done}, but " if done else ""
-        raise InputError(f"{before}stdout cannot be written: {error.strerror}: send it elsewhere") from None
+        raise InputError(
+            f"{done}{', but ' if done else ''}stdout cannot be written: {error.strerror}: send it elsewhere"
+        ) from None
     return True
 
 
