@@ -218,9 +218,8 @@ def client_of(workers: int | None, scheduler: str | None) -> Iterator[Client]:
         finally:
             sys.path[:] = [place for place in sys.path if not place.startswith(own)]  # which is free for others now
             _end_what_is_left(own)
-            for process in active_children():  # there is none, unless the cluster was too late
-                if process not in others:
-                    process.kill()
+            for process in {*active_children()}.difference(others):  # there is none, unless the cluster was too late
+                process.kill()
 
 
 def _client_at(scheduler: str) -> Client:
