@@ -164,14 +164,13 @@ class Journal(AbstractContextManager["Journal"]):
 
     def rows(self) -> Iterator[Row]:
         """The rows of the finished runs in the order of their numbers."""
-        for place in self._places:
-            if place != _NONE:
-                try:
-                    self._file.seek(place)
-                    line = self._file.readline()
-                except OSError as error:
-                    raise BagError(f"{self.path} cannot be read: {error.strerror}: copy it to a better place") from None
-                yield self._row(line, place)
+        for place in (place for place in self._places if place != _NONE):
+            try:
+                self._file.seek(place)
+                line = self._file.readline()
+            except OSError as error:
+                raise BagError(f"{self.path} cannot be read: {error.strerror}: copy it to a better place") from None
+            yield self._row(line, place)
 
     def add(self, row: Row) -> None:
         """Keep the row of a run that is finished.
