@@ -127,8 +127,11 @@ def main(given: argparse.Namespace) -> int:
     name = given.scenario = given.scenario or given.name
     scenario = scenario_of(given)
     description = describe(scenario.body(), scenario.start())
-    is_whole = name and not (given.params_file or given.assignments)  # files and assignments make another of it
-    title = f"{name}: {describe_file(scenario_files()[name])}" if is_whole else ""
+    title = (
+        f"{name}: {describe_file(scenario_files()[name])}"
+        if name and not (given.params_file or given.assignments)  # which make another of it
+        else ""
+    )
     return answer(
         given,
         {},
