@@ -170,10 +170,8 @@ def require_other(path: str | Path, others: Iterable[str | Path], kind: str = "i
     ------
     BagError
     """
-    if not os.path.exists(path):
-        return
-    for other in others:
-        if os.path.exists(other) and os.path.samefile(path, other):
+    for other in filter(os.path.exists, others if os.path.exists(path) else ()):
+        if os.path.samefile(path, other):
             raise BagError(f"{path} is the {kind} {other} itself, which would be lost: give another name")
 
 
