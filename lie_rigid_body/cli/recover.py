@@ -42,8 +42,10 @@ def main(given: argparse.Namespace) -> int:
     is_folder = broken.is_dir()
     found = recover_folder(broken, out) if is_folder else {broken: recover(broken, out, overwrite=given.force)}
     parts = {path: each for path, each in found.items() if isinstance(each, Recovery)}
-    wrong = [text for path, each in parts.items() if (text := _what_was_wrong(path, each))]
-    wrong += [printable(str(each)) for each in found.values() if not isinstance(each, Recovery)]
+    wrong = [
+        *filter(None, (_what_was_wrong(path, each) for path, each in parts.items())),
+        *(printable(str(each)) for each in found.values() if not isinstance(each, Recovery)),
+    ]
     lines = [
         _how_much(out, [*parts.values()]),
         *(wrong or [f"{printable(given.broken)}: its messages were all whole"]),
@@ -58,8 +60,10 @@ def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
     times_ns = [time for part in parts for time in part.log_times_ns]
     first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
     messages, topics = sum(part.messages for part in parts), max(part.topics for part in parts)
-    where = f"{printable(str(out))} ({console.size(sum(file.stat().st_size for file in files))})"
-    return f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in {where}"
+    return (
+        f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in "
+        f"{printable(str(out))} ({console.size(sum(file.stat().st_size for file in files))})"
+    )
 
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
