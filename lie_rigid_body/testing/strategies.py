@@ -29,8 +29,7 @@ _SECOND_MOMENT = st.floats(0.05, 5.0)
 
 def attitudes() -> SearchStrategy[np.ndarray]:
     """Unit quaternions x, y, z, w of all rotations; simplest is no rotation."""
-    component = st.floats(-1.0, 1.0)
-    four = st.tuples(component, component, component, component).map(np.array)
+    four = st.tuples(*[st.floats(-1.0, 1.0)] * 4).map(np.array)
     return four.map(lambda q: quaternion.normalize(q) if quaternion.norm(q) > 0.1 else np.array([0.0, 0.0, 0.0, 1.0]))
 
 
