@@ -200,7 +200,7 @@ def _circled(description: Description) -> int:
     return 0 if description.regime == "about_smallest" else 2
 
 
-def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
+def _motion_rows(description: Description) -> list[tuple[str, str]]:
     """Quantities of the motion by name: the rows of `_MOTION` that its cases have."""
     cases = {"any", "steady" if description.steady else "circling" if description.circulation else "rest"}
     values: dict[str, object] = {"momentum": _vector(description.world_momentum_kg_m2_s)}
@@ -222,9 +222,11 @@ def _motion_rows(description: Description) -> Iterator[tuple[str, str]]:
         if top := description.symmetric_top:
             cases.add("symmetric")
             values |= {"to_axis": _degrees(top.rate_to_axis_rad), "to_momentum": _degrees(top.rate_to_momentum_rad)}
-    for case, name, value in _MOTION:
-        if case in cases:
-            yield name.format(**values), value.format(d=description, c=circulation, **values)
+    return [
+        (name.format(**values), value.format(d=description, c=circulation, **values))
+        for case, name, value in _MOTION
+        if case in cases
+    ]
 
 
 def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
@@ -269,14 +271,16 @@ def _conservation_lines(description: Description) -> Iterator[str]:
         yield from _wrapped(_WHY["no axis"])
 
 
-def _sensor_rows(scenario: Scenario) -> Iterator[tuple[str, str]]:
+def _sensor_rows(scenario: Scenario) -> list[tuple[str, str]]:
     """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
     from lie_rigid_body.sensors import GRADE, SENSORS
 
     off = {name for sensor in SENSORS.values() if sensor.name not in scenario.sensors.on for name in sensor.names}
-    for name, value in scenario.sensor_parameters:
-        if name != GRADE and value != SENSORS.parameters[name].default and name not in off:
-            yield name, _value(value)
+    return [
+        (name, _value(value))
+        for name, value in scenario.sensor_parameters
+        if name != GRADE and value != SENSORS.parameters[name].default and name not in off
+    ]
 
 
 def _value(value: Value) -> str:
@@ -311,9 +315,8 @@ def _wrapped(sentences: str, indent: str = "") -> list[str]:
     return textwrap.wrap(sentences, _WIDTH, initial_indent=indent, subsequent_indent=indent)
 
 
-def _columns(rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+def _columns(rows: Iterable[tuple[str, ...]]) -> list[str]:
     """Rows of cells as lines of aligned columns."""
     table = list(rows)
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    for row in table:
-        yield "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    return ["   ".join(map(str.ljust, row, widths)).rstrip() for row in table]
