@@ -74,12 +74,9 @@ def run_of(case: Case, seed: int = SEED) -> Run:
 
 def readings_hash(run: Run) -> str:
     """Hash of the readings of a run, as 16 hexadecimal digits: stamps, and vectors to `RESOLUTION` of their range."""
-    digest = hashlib.sha256()
     assert run.imu is not None
     assert run.magnetometer is not None
-    for stamps in (run.imu.t_ns, run.magnetometer.t_ns):
-        digest.update(stamps.astype("<i8").tobytes())
-    for vectors in (run.imu.gyro, run.imu.specific_force, run.magnetometer.field):
-        steps = vectors / (RESOLUTION * np.abs(vectors).max())
-        digest.update(np.round(steps).astype("<i8").tobytes())
-    return digest.hexdigest()[:16]
+    vectors = (run.imu.gyro, run.imu.specific_force, run.magnetometer.field)
+    steps = (np.round(each / (RESOLUTION * np.abs(each).max())) for each in vectors)
+    hashed = b"".join(each.astype("<i8").tobytes() for each in (run.imu.t_ns, run.magnetometer.t_ns, *steps))
+    return hashlib.sha256(hashed).hexdigest()[:16]
