@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import Any, Final, NamedTuple
@@ -95,7 +94,7 @@ class Standing:
         if not len(values):
             return np.nan
         place = share * len(values)
-        return float(0.5 * values[math.ceil(place) - 1] + 0.5 * values[min(int(place), len(values) - 1)])
+        return float(0.5 * values[int(np.ceil(place)) - 1] + 0.5 * values[min(int(place), len(values) - 1)])
 
     def worst(self, count: int) -> list[int]:
         """Numbers of the runs of the largest errors, first those in which it failed."""
