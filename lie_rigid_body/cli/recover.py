@@ -91,9 +91,10 @@ def _what_next(given: argparse.Namespace, is_folder: bool) -> Iterator[str]:
     from lie_rigid_body.recording.bag_files import whole_of
 
     whole = None if is_folder else whole_of(Path(given.broken))
-    if whole is None:
-        yield console.how_to_certify(given.out)
-    else:
-        yield f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"
+    yield (
+        console.how_to_certify(given.out)
+        if whole is None
+        else f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"
+    )
     if is_folder:
         yield f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {console.quoted(given.out)}"
