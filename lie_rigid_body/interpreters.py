@@ -11,7 +11,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -29,9 +29,6 @@ STARTING_S: Final = 20.0
 """Least time that a process has to start and to import the estimator, s."""
 _SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
 """Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
-_SERVE: Final = "import sys; sys.path[:] = {}; from lie_rigid_body.interpreters import serve; serve()"
-_GUARD: Final = 'read -r _; kill -9 "-$1"'
-"""Command of a shell that kills a group of processes as soon as nobody can write to it."""
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 """Folder of the standard library, in which installed packages have one of their own."""
 
@@ -48,15 +45,13 @@ def variable(name: str, value: str) -> Iterator[None]:
         os.environ.update({} if former is None else {name: former})
 
 
-@contextmanager
-def safe_path() -> Iterator[None]:
+def safe_path() -> AbstractContextManager[None]:
     """Context whose Python processes import nothing from their working folder, which may be somebody else's.
 
     Python 3.10 does not heed that.
     """
     name, value = _SAFE_PATH
-    with variable(name, os.environ.get(name, value)):
-        yield
+    return variable(name, os.environ.get(name, value))
 
 
 def told(error: BaseException) -> str:
@@ -108,7 +103,11 @@ class Interpreter:
         # a user's code runs there: without what `safe_path` put into the environment
         environment = {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
         process = self._process = self._process or subprocess.Popen(
-            [sys.executable, "-c", _SERVE.format(repr(sys.path))],
+            [
+                sys.executable,
+                "-c",
+                f"import sys; sys.path[:] = {sys.path!r}; from lie_rigid_body.interpreters import serve; serve()",
+            ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
@@ -205,7 +204,8 @@ def guarded(process: subprocess.Popen[Any]) -> Iterator[None]:
         if hasattr(os, "killpg"):
             with suppress(OSError):
                 guard = subprocess.Popen(
-                    ["/bin/sh", "-c", _GUARD, "sh", str(process.pid)],
+                    # kills a group of processes as soon as nobody can write to it
+                    ["/bin/sh", "-c", 'read -r _; kill -9 "-$1"', "sh", str(process.pid)],
                     stdin=subprocess.PIPE,
                     stdout=subprocess.DEVNULL,
                     stderr=subprocess.DEVNULL,
