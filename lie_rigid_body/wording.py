@@ -29,7 +29,7 @@ _SHORT_WORD: Final = 24
 _SHORT_PATH: Final = 40
 """Length, characters, up to which only the end of a path is kept, with the name of the file."""
 _MOST_NUMBERS: Final = 7
-_MOST_BITS: Final = 128
+
 _NUMERAL: Final = re.compile(r"(?<!\w)[-+]?\d[\d.]*(?:[eE][-+]?\d+)?")
 
 
@@ -50,7 +50,7 @@ class _ShortRepr(reprlib.Repr):
 
     def repr_int(self, x: int, level: int) -> str:
         """All digits, or how many there are: Python refuses to print very many."""
-        return repr(x) if x.bit_length() <= _MOST_BITS else f"<{'-' if x < 0 else ''}2**{x.bit_length() - 1} or more>"
+        return repr(x) if x.bit_length() <= 128 else f"<{'-' if x < 0 else ''}2**{x.bit_length() - 1} or more>"
 
     def repr_instance(self, x: Any, level: int) -> str:
         """Repr of an object; of a long one in the form of a call its name alone."""
