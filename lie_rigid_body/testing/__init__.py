@@ -110,7 +110,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Call a test with every run that its marker chooses, unless it chooses them by ``parametrize``."""
-    if FIXTURE not in metafunc.fixturenames or _is_parametrised(metafunc) or _is_anothers(metafunc):
+    if FIXTURE not in metafunc.fixturenames or _has_its_own(metafunc):
         return
 
     from lie_rigid_body.scenario.parameter_file import scenario_files
@@ -156,15 +156,13 @@ def _fail(message: str) -> NoReturn:
     raise pytest.fail.Exception(f"{FIXTURE}: {message}", pytrace=False) from None
 
 
-def _is_parametrised(metafunc: pytest.Metafunc) -> bool:
+def _has_its_own(metafunc: pytest.Metafunc) -> bool:
+    """Whether a test chooses its runs by ``parametrize``, or its project has a fixture of this name itself."""
     names = [mark.args[0] for mark in metafunc.definition.iter_markers("parametrize") if mark.args]
-    return any(FIXTURE in (name.split(",") if isinstance(name, str) else name) for name in names)
-
-
-def _is_anothers(metafunc: pytest.Metafunc) -> bool:
-    """Whether the project that is tested has a fixture of this name itself."""
-    found = getattr(metafunc, "_arg2fixturedefs", {}).get(FIXTURE, ())
-    return any(definition.func.__module__ != __name__ for definition in found)
+    fixtures = getattr(metafunc, "_arg2fixturedefs", {}).get(FIXTURE, ())
+    return any(FIXTURE in (name.split(",") if isinstance(name, str) else name) for name in names) or any(
+        fixture.func.__module__ != __name__ for fixture in fixtures
+    )
 
 
 @pytest.fixture
