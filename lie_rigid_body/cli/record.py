@@ -104,12 +104,10 @@ def _chunk_size(text: str) -> int:
 
 def _require_room(out: Path, count: int, needed: int) -> None:
     """Refuse samples that need more bytes than are free where they are to be written."""
-    try:
+    with suppress(OSError):  # opening the file will say what is wrong with the folder
         total, _, free = shutil.disk_usage(out.parent)
-    except OSError:
-        return  # opening the file will say what is wrong with the folder
-    if needed > free and total:  # /proc and its like have no size at all
-        raise BagError(
-            f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
-            "record a shorter time, a lower rate, or elsewhere"
-        )
+        if needed > free and total:  # /proc and its like have no size at all
+            raise BagError(
+                f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
+                "record a shorter time, a lower rate, or elsewhere"
+            )
