@@ -114,8 +114,12 @@ class Parameter:
                 return self._array(value)
             case "int", _:
                 return self._integer(value)
+            case "string_array", list() | tuple() if all(isinstance(v, str) for v in value):
+                return tuple(value)
             case "string_array", _:
-                return self._strings(value)
+                raise ParameterError(
+                    self.name, f"{shown(value)} is not a list of strings: give for example [/evaluator]"
+                )
             case ("bool", bool() as given) | ("string", str() as given) if not self.choices or given in self.choices:
                 return given
             case "string", str():
@@ -158,11 +162,6 @@ class Parameter:
         if len(value) not in self.lengths:
             raise ParameterError(self.name, f"{shown(value)} has {len(value)} numbers: give {self._example()}")
         return tuple(self._number(v) for v in value)
-
-    def _strings(self, value: object) -> tuple[str, ...]:
-        if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
-            raise ParameterError(self.name, f"{shown(value)} is not a list of strings: give for example [/evaluator]")
-        return tuple(value)
 
 
 def read_table(table: Collection[Parameter], given: Mapping[str, object]) -> dict[str, Value]:
