@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from operator import attrgetter
-from typing import Any, Final, TypeAlias, TypeGuard
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
@@ -100,15 +100,11 @@ def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
     return ""
 
 
-def _is_finite(value: object) -> TypeGuard[int | float]:
-    """Whether a value is a number that a double can hold."""
-    return math.isfinite(as_double(value))
-
-
 def _number(what: str, value: object) -> float:
-    if not _is_finite(value):
+    number = as_double(value)
+    if not math.isfinite(number):
         raise InputError(f"{what}: {shown(value)} is not a finite number: give one")
-    return float(value)
+    return number
 
 
 def _values(what: str, value: object) -> list[Any]:
@@ -150,7 +146,7 @@ def _at_least_0(what: str, value: object) -> Draw:
 def _limited(what: str, draw: Draw, allows: Callable[[float], bool], limit: str, u: Uniforms) -> float:
     """Draw a number, and refuse one outside of a limit."""
     drawn = draw(u)
-    if not (_is_finite(drawn) and allows(drawn)):
+    if not (math.isfinite(as_double(drawn)) and allows(drawn)):
         raise InputError(
             f"{what}: {shown(drawn)} was drawn in run {u.run} and is not a finite number {limit}: draw from others only"
         )
