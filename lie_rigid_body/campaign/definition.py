@@ -95,9 +95,10 @@ class Campaign:
         self.exact_duration  # noqa: B018 refuses what is no duration
         if not isinstance(self.scenario, str | None):
             raise InputError(f"scenario: {shown(self.scenario)} is no name: give that of a shipped scenario")
-        for name, given in (("parameters", self.parameters), ("vary", self.vary)):
-            if not isinstance(given, Mapping):
-                raise InputError(f"{name} is to be a mapping of parameter names: write '{name}:' and lines below it")
+        if wrong := [name for name in ("parameters", "vary") if not isinstance(getattr(self, name), Mapping)]:
+            raise InputError(
+                f"{wrong[0]} is to be a mapping of parameter names: write '{wrong[0]}:' and lines below it"
+            )
         if unknown := [str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME]:
             raise InputError(
                 f"there is no parameter {shown(unknown[0])}: {suggestion(unknown[0], BY_NAME, 'parameters')}"
@@ -336,9 +337,10 @@ def _contender(name: object, content: object) -> Contender:
             f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, with its "
             "quotations closed, and no parameters or grid"
         )
-    for key, values in grid.items():
-        if not (isinstance(values, list | tuple) and values):
-            raise InputError(f"{place}.grid.{key}: {shown(values)} is no list of values: give some, or leave it out")
+    if wrong := [key for key, values in grid.items() if not (isinstance(values, list | tuple) and values)]:
+        raise InputError(
+            f"{place}.grid.{wrong[0]}: {shown(grid[wrong[0]])} is no list of values: give some, or leave it out"
+        )
     if both := [key for key in parameters if key in grid]:
         raise InputError(f"{place}: {both[0]} is in parameters and in grid: leave it out of one of them")
     if "grid" in content and not grid:

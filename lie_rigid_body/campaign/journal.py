@@ -314,6 +314,6 @@ def _require_own(folder: Path) -> None:
         )
     if folder.is_dir() and not (folder / JOURNAL).exists() and any(folder.iterdir()):
         raise InputError(f"{folder} holds other files and no campaign: give a new folder, or an empty one")
-    for path in (*folder.glob("*"), *(folder / BAGS).glob("*")):
-        if path.is_symlink():  # what is written to it would replace a file elsewhere
-            raise InputError(f"{path} is a link: a campaign writes files of its own alone: move it away")
+    # what is written to a link would replace a file elsewhere
+    if links := [path for path in (*folder.glob("*"), *(folder / BAGS).glob("*")) if path.is_symlink()]:
+        raise InputError(f"{links[0]} is a link: a campaign writes files of its own alone: move it away")
