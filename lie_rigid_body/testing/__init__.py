@@ -120,9 +120,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if marker is not None and marker.args:
         _fail(f"{shown(marker.args[0])} has no name: give scenarios=, grades= or arguments of simulate by name")
     chosen = dict(marker.kwargs) if marker else {}
-    for name in ("scenario", "grade"):
-        if name in chosen:
-            _fail(f"{name}={shown(chosen[name])} is no argument: did you mean {name}s=?")
+    if wrong := [name for name in ("scenario", "grade") if name in chosen]:
+        _fail(f"{wrong[0]}={shown(chosen[wrong[0]])} is no argument: did you mean {wrong[0]}s=?")
     if {"grades", "sensor_grade"} <= chosen.keys():
         _fail("sensor_grade= is given beside grades=: give one of them")
     scenarios, grades = _names(chosen, "scenarios", scenario_files()), _names(chosen, "grades", GRADES)
