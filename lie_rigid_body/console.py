@@ -218,7 +218,6 @@ def run(main: Main) -> Main:
         The same, which returns 130 when interrupted by SIGINT, SIGTERM or SIGHUP, and 2 after a usage error and any
         other exception.
     """
-    verb = main.__module__.rpartition(".")[2]
 
     @functools.wraps(main)
     def wrapped(argv: Sequence[str] | None = None) -> int:
@@ -226,7 +225,7 @@ def run(main: Main) -> Main:
             with Interruption.current().allowed():
                 return main(argv)
 
-        return status_of(program(verb), action, to_the_end=argv is None)
+        return status_of(program(main.__module__.rpartition(".")[2]), action, to_the_end=argv is None)
 
     return wrapped
 
