@@ -69,8 +69,13 @@ def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
         return lost(failure)
     total = np.degrees(error.total)
     of_axis = [float(np.degrees(rms(angle[settled]))) for angle in (error.total, error.heading, error.inclination)]
-    converged = time_to_converge(t_s, total, settling_limit(t_s, total))
-    return CaseResult(of_axis[0], of_axis[1], of_axis[2], converged, gyro_bias_rms_rad_s=off)
+    return CaseResult(
+        of_axis[0],
+        of_axis[1],
+        of_axis[2],
+        converged_s=time_to_converge(t_s, total, settling_limit(t_s, total)),
+        gyro_bias_rms_rad_s=off,
+    )
 
 
 def lost(failure: InputError) -> CaseResult:
