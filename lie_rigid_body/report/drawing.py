@@ -6,8 +6,7 @@ import argparse
 import json
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -39,8 +38,7 @@ _SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap"}
 
 def png(draw: Callable[[], Figure]) -> bytes:
     """PNG of the figure that a function draws with Matplotlib."""
-    with _own_style():
-        return _saved(draw(), format="png")
+    return _saved(draw, format="png")
 
 
 def svg(draw: Callable[[], Figure]) -> str:
@@ -48,29 +46,25 @@ def svg(draw: Callable[[], Figure]) -> str:
 
     A browser can search its text.
     """
-    with _own_style():
-        text = _saved(draw(), format="svg", metadata={"Date": None}).decode()
+    text = _saved(draw, format="svg", metadata={"Date": None}).decode()
     return text[text.index("<svg") :]
 
 
-def _saved(figure: Figure, **how: Any) -> bytes:
-    """File of a figure, without a warning of characters that the font lacks, such as Chinese ones of a name."""
-    out = BytesIO()
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
-        figure.savefig(out, **how)
-    return out.getvalue()
+def _saved(draw: Callable[[], Figure], **how: Any) -> bytes:
+    """File of a figure in Matplotlib's own style, whatever a ``matplotlibrc`` of some folder says.
 
-
-@contextmanager
-def _own_style() -> Iterator[None]:
-    """Context in which figures are drawn in Matplotlib's own style, whatever a ``matplotlibrc`` of some folder says."""
+    There is no warning of characters that the font lacks, such as Chinese ones of a name.
+    """
     import matplotlib
 
-    with np.errstate(all="ignore"), matplotlib.rc_context():  # recorded numbers may be anything
+    out = BytesIO()
+    # recorded numbers may be anything
+    with np.errstate(all="ignore"), matplotlib.rc_context(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
         matplotlib.rcdefaults()
-        matplotlib.rcParams["svg.hashsalt"], matplotlib.rcParams["svg.fonttype"] = "lie_rigid_body", "none"
-        yield
+        matplotlib.rcParams.update({"svg.hashsalt": "lie_rigid_body", "svg.fonttype": "none"})
+        draw().savefig(out, **how)
+    return out.getvalue()
 
 
 def require_outputs(
