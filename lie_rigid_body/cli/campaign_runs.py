@@ -239,7 +239,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         f"{max(0.0, *(line.accuracy for line in lines)):.2g} rad, in {printable(str(path))}",
         *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
     ]
-    first, worst_first = tuple[str, ...](), [*campaign.contenders.values()]
+    first, worst_first = list[str](), [*campaign.contenders.values()]
     if campaign.estimator is not None:
         middle = f", median {median(totals):.3g}° rms" if totals else ""
         reasons = (f"; run {run} is not: {error}" for run, (error,) in enumerate(errors) if error is not None)
@@ -249,7 +249,7 @@ def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseExceptio
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         worst_first = [one.entry for one in comparison.worst_first]
         varied = {row.run: row.parameters for row in rows}
-        first = tuple(campaign_scores.sections(campaign, comparison, varied)) if has_page else ()
+        first = campaign_scores.sections(campaign, comparison, varied) if has_page else []
     if function := next((one.function for one in worst_first if one.function), None):
         what = "one" if campaign.estimators else "it"
         told.append(f"what is wrong with {what}: {console.program('diagnose')} {function}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import cycle
 from typing import Any, Final
 
 import numpy as np
@@ -82,8 +83,9 @@ def _number(value: float, unit: str = "") -> str:
 
 def _sentences(comparison: Comparison) -> Iterator[str]:
     for first, second, difference in comparison.differences:
-        runs = counted(difference.left_out, "run")
-        left_out = f"; {runs} left out, in which one failed" if difference.left_out else ""
+        left_out = (
+            f"; {counted(difference.left_out, 'run')} left out, in which one failed" if difference.left_out else ""
+        )
         yield f"{difference.sentence(first.name, second.name)}{left_out}."
     for one in comparison.standings:
         if one.points:
@@ -99,9 +101,9 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield from (f"{one.name}{what}: {v.message}. {v.covered}." for what, v in verdicts.items() if v)
     if best := comparison.best:
         left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
-        of = {one.name: float(one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings}
-        errors = (f"{name} {_number(error / best.rms_deg)}" for name, error in of.items())
-        yield f"{left}. In that run the errors are so many times as large: {', '.join(errors)}."
+        errors = [(one.name, one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings]
+        larger = ", ".join(f"{name} {_number(error / best.rms_deg)}" for name, error in errors)
+        yield f"{left}. In that run the errors are so many times as large: {larger}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: runs have the same noise; draw sensor_seed by run."
     elif comparison.has_covariances and any(one.covariance for one in comparison.standings):
@@ -123,20 +125,22 @@ def _at_the_edge(one: Standing) -> Iterator[str]:
                     yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
 
 
-def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> Iterator[str]:
+def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[str]:
     """HTML of the estimators."""
-    yield "<h2>Estimators</h2>"
-    yield from map(paragraph, _sentences(comparison))
-    yield table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings])
-    yield paragraph(_HEAD)
-    shown = [(one, DISTINCT[at % len(DISTINCT)]) for at, one in enumerate(comparison.standings)]
-    yield grid(_figures(comparison, shown, varied), wide=True)
+    shown = [*zip(comparison.standings, cycle(DISTINCT), strict=False)]
     commands = [
         f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
         for one in comparison.standings
         for run in one.worst(_WORST)
     ]
-    yield listing("Worst runs", commands)
+    return [
+        "<h2>Estimators</h2>",
+        *map(paragraph, _sentences(comparison)),
+        table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings]),
+        paragraph(_HEAD),
+        grid(_figures(comparison, shown, varied), wide=True),
+        listing("Worst runs", commands),
+    ]
 
 
 def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Varied) -> Iterator[str]:
@@ -181,11 +185,10 @@ def _grid(one: Standing, colour: str) -> str:
     name, *others = one.entry.grid
     ranked = [point.parameters[name] for point in one.points]
     are_numbers = _are_numbers(ranked)
-    lines: dict[str, list[tuple[Any, float | None]]] = {}
-    for point, value in zip(one.points, ranked, strict=True):
+    lines: dict[str, list[tuple[Any, float]]] = {}
+    for point, value in zip(one.points, ranked if are_numbers else map(json.dumps, ranked), strict=True):
         key = ", ".join(f"{other} {json.dumps(point.parameters[other])}" for other in others)
-        mean = None if np.isnan(point.mean_deg) else point.mean_deg
-        lines.setdefault(key, []).append((value if are_numbers else json.dumps(value), mean))
+        lines.setdefault(key, []).append((value, point.mean_deg))
     traces = [
         {
             "type": "scatter",
@@ -193,9 +196,9 @@ def _grid(one: Standing, colour: str) -> str:
             "y": [mean for _, mean in means],
             "name": key or one.name,
             "mode": "lines+markers" if are_numbers else "markers",
-            "line": {"color": colour if len(lines) == 1 else DISTINCT[at % len(DISTINCT)]},
+            "line": {"color": colour if len(lines) == 1 else own},
         }
-        for at, (key, means) in enumerate(lines.items())
+        for (key, means), own in zip(lines.items(), cycle(DISTINCT), strict=False)
     ]
     xaxis = _scale(name, np.array(ranked, dtype=float)) if are_numbers else axis(name, type="category")
     yaxis = _scale("mean total error, °", np.array([point.mean_deg for point in one.points]))
@@ -205,11 +208,17 @@ def _grid(one: Standing, colour: str) -> str:
 
 def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Standing, str]]) -> str:
     """Error of every run over a parameter that varies."""
-    traces = []
-    for one, colour in shown:
-        points = np.column_stack([[values[int(run)] for run in one.runs], one.scores["total_rms_deg"]])
-        look = {"mode": "markers", "marker": {"color": colour, "size": 5, "opacity": 0.7}}
-        traces.append(line(points[~one.failed], one.name, colour, 1, **look))
+    traces = [
+        line(
+            np.column_stack([[values[int(run)] for run in one.runs], one.scores["total_rms_deg"]])[~one.failed],
+            one.name,
+            colour,
+            1,
+            mode="markers",
+            marker={"color": colour, "size": 5, "opacity": 0.7},
+        )
+        for one, colour in shown
+    ]
     errors = np.concatenate([one.scores["total_rms_deg"] for one, _ in shown])
     xaxis, yaxis = _scale(name, np.array([*values.values()], dtype=float)), _scale("total error, °", errors)
     return figure(f"Error over {name}", drawn(traces, xaxis=xaxis, yaxis=yaxis))
