@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -22,10 +23,6 @@ if TYPE_CHECKING:
 
 _MISTAKES: Final = "{:<20} {:<18.18} {:>10} {:>10}  {}"
 _PROBES: Final = "{:<20} {:<8} {:>10}  "
-_SMALLEST_DEG: Final = 1e-4
-"""Smallest error that is drawn, degrees."""
-_COLOURS: Final = (ORANGE, BLUE, GREEN, BLACK)
-
 _HEADINGS: Final = ("filter", "rank", *GRADES, "faults", "overall")
 _ROWS: Final = "{:<42.42} {:>4} {:>8} {:>10} {:>8} {:>8} {:>8} {:>8}"
 
@@ -92,10 +89,9 @@ def _draw(found: FilterDiagnosis, width: float) -> Figure:
 
     figure = Figure(figsize=(width, 3.8), layout="constrained")
     axes = figure.subplots()
-    for number, each in enumerate(found.errors):
-        errors = np.maximum(each.error_deg, _SMALLEST_DEG)  # those of a right filter may be 0
-        label = f"{each.code} repaired" if each.code else "as it is"
-        axes.plot(each.t_s, errors, color=_COLOURS[number % len(_COLOURS)], label=label)
+    for each, colour in zip(found.errors, cycle((ORANGE, BLUE, GREEN, BLACK)), strict=False):
+        errors = np.maximum(each.error_deg, 1e-4)  # those of a right filter may be 0
+        axes.plot(each.t_s, errors, color=colour, label=f"{each.code} repaired" if each.code else "as it is")
     axes.axhline(found.floor_deg, color="#888888", linestyle=":", label="floor")
     axes.set(xlabel="time, s", ylabel="total error, °", yscale="log")
     axes.margins(x=0.0)

@@ -37,7 +37,12 @@ def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
 def _arrays(run: Run) -> str:
     """Table of the arrays of a run."""
     rows = [("truth", str(len(run.t_ns)), "t_ns, attitude_xyzw, body_rate")] if run.truth else []
-    for name, readings in run.sensors.items():
-        told = [array for array, values in vars(readings).items() if values is not None]
-        rows.append((name, str(len(readings.t_ns)), ", ".join(told)))
+    rows += [
+        (
+            name,
+            str(len(readings.t_ns)),
+            ", ".join(array for array, values in vars(readings).items() if values is not None),
+        )
+        for name, readings in run.sensors.items()
+    ]
     return html_page.table(("", "samples", "arrays"), [(row, True) for row in rows])
