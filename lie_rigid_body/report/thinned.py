@@ -61,10 +61,11 @@ def thinned_segments(bag: Bag | Recording, certificate: Certificate | None = Non
     BagError, ParameterError
         See `survey`.
     """
-    if certificate is None:
-        found = [(each.segment, each.count) for each in survey(bag).segments]
-    else:
-        found = [(each.segment, each.samples) for each in certificate.segments]
+    found = (
+        [(each.segment, each.count) for each in survey(bag).segments]
+        if certificate is None
+        else [(each.segment, each.samples) for each in certificate.segments]
+    )
     size = -(-sum(count for _, count in found) // _BUCKETS)
     thinning = [_Thinning(segment, count, size) for segment, count in found]
     for i, block in numbered_blocks(bag, [segment for segment, _ in found]):
@@ -134,32 +135,27 @@ class LawOverTime:
 
     def __init__(self, unit: str, start_ns: int) -> None:
         self.unit, self._start_ns, self._length_ns = unit, start_ns, 1
-        self._residuals = np.full(INTERVALS, -np.inf)
-        self._limits = np.full(INTERVALS, -np.inf)
-        self._broken = np.zeros(INTERVALS, dtype=bool)
+        # residuals, limits, and 1 where a residual is beyond its limit
+        self._largest = np.full((3, INTERVALS), -np.inf)
 
     def add(self, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
         """Take residuals, not negative, NaN for broken; those before the first interval count as its own."""
         while (int(stamps_ns.max()) - self._start_ns) // self._length_ns >= INTERVALS:
             self._double()
         at = np.maximum(0, (stamps_ns - self._start_ns) // self._length_ns)
-        limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
-        for kept, new in (
-            (self._residuals, np.where(np.isnan(residuals), np.inf, residuals)),
-            (self._limits, limits),
-            (self._broken, ~(residuals <= limits)),
-        ):
-            np.maximum.at(kept, at, new)
+        weights = np.where(np.isnan(residuals), np.inf, residuals)
+        of_each = np.stack(np.broadcast_arrays(weights, limits, ~(residuals <= limits)))
+        for largest, new in zip(self._largest, of_each, strict=True):
+            np.maximum.at(largest, at, new)
 
     def _double(self) -> None:
         self._length_ns *= 2
-        for kept in (self._residuals, self._limits, self._broken):
-            half = kept.reshape(-1, 2).max(axis=1)
-            kept[: INTERVALS // 2] = half
-            kept[INTERVALS // 2 :] = False if kept.dtype == bool else -np.inf
+        half = self._largest.reshape(3, -1, 2).max(axis=2)
+        self._largest = np.hstack([half, np.full_like(half, -np.inf)])
 
     def series(self, origin_ns: int) -> tuple[Array, Array, Array, Booleans]:
         """Middles of the intervals that have a residual, s since a stamp, residuals, limits, and which are broken."""
-        found = np.flatnonzero(self._residuals >= 0.0)
+        found = np.flatnonzero(self._largest[0] >= 0.0)
         middles = np.asarray((self._start_ns - origin_ns + (found + 0.5) * self._length_ns) * 1e-9, dtype=np.float64)
-        return middles, self._residuals[found], self._limits[found], self._broken[found]
+        residuals, limits, broken = self._largest[:, found]
+        return middles, residuals, limits, broken > 0.0
