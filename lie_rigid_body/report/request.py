@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
+from lie_rigid_body.output_file import write_file
 from lie_rigid_body.wording import listed, shown
 
 if TYPE_CHECKING:
@@ -193,7 +194,10 @@ def _answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Recor
     )
 
 
-def _require_score(score: object, title: object) -> None:
+def _write(
+    score: object, path: str | Path, suffix: str, title: object, content: Callable[[], bytes], *, overwrite: bool
+) -> None:
+    """Write what shows a score, unless it is none, the title no text, or the name of the file ends otherwise."""
     from lie_rigid_body.evaluation import Score
 
     if not isinstance(title, str):
@@ -201,6 +205,8 @@ def _require_score(score: object, title: object) -> None:
     if not isinstance(score, Score):
         kind = type(score).__name__
         raise InputError(f"a {kind} is no score: {_INSTEAD.get(kind, 'give what evaluate() or run.score() returns')}")
+    require_suffix("path", str(path), suffix)
+    write_file(path, content(), overwrite=overwrite)
 
 
 def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
@@ -220,12 +226,10 @@ def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite:
     InputError, BagError
         If it is no score, the title no text, the name ends otherwise, or the file exists or cannot be written.
     """
-    from lie_rigid_body.output_file import write_file
     from lie_rigid_body.report import drawing, scores
 
-    _require_score(score, title)
-    require_suffix("path", str(path), ".png")
-    write_file(path, drawing.png(partial(scores.draw, title, score)), overwrite=overwrite)
+    picture = partial(scores.draw, title, score)
+    _write(score, path, ".png", title, partial(drawing.png, picture), overwrite=overwrite)
 
 
 def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
@@ -233,9 +237,6 @@ def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrit
 
     Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
     """
-    from lie_rigid_body.output_file import write_file
     from lie_rigid_body.report import scores
 
-    _require_score(score, title)
-    require_suffix("path", str(path), ".html")
-    write_file(path, scores.page(title, None, score), overwrite=overwrite)
+    _write(score, path, ".html", title, partial(scores.page, title, None, score), overwrite=overwrite)
