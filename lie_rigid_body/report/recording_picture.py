@@ -92,20 +92,22 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
 
 def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]) -> None:
     """Draw relative changes of kinetic energy and world momentum since the start."""
-    t, changes = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces]), []
-    for piece in pieces:
-        body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
-        H, L = float(body.kinetic_energy(start)), body.angular_momentum(start)
-        of_energy = (body.kinetic_energy(piece.states) - H) / (H or 1.0)
-        of_momentum = (body.angular_momentum(piece.states) - L) / (float(so3.norm(L)) or 1.0)
-        changes.append(np.column_stack([of_energy, of_momentum]))
-    drifts = np.concatenate(changes)
+    t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
+    drifts = np.concatenate([_drifts(piece) for piece in pieces])
     _draw_envelope(energy, t, drifts[:, 0], GREY)
     for name, colour, drift in zip("xyz", COLOURS, drifts[:, 1:].T, strict=True):
         _draw_envelope(momentum, t, drift, colour, rf"$L_{name}$")
     energy.set_ylabel("energy drift\n$(H - H_0)/H_0$")
     momentum.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
     momentum.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{INTERVALS}")
+
+
+def _drifts(piece: RecordedSegment) -> Array:
+    """Relative changes of kinetic energy and world momentum since the start, shape (N, 4)."""
+    body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
+    H, L = float(body.kinetic_energy(start)), body.angular_momentum(start)
+    of_momentum = (body.angular_momentum(piece.states) - L) / (float(so3.norm(L)) or 1.0)
+    return np.column_stack([(body.kinetic_energy(piece.states) - H) / (H or 1.0), of_momentum])
 
 
 def _drawable(values: Array) -> Array:
