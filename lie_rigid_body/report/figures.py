@@ -38,7 +38,6 @@ from lie_rigid_body.report.recorded_motion import (
     screen,
     times,
     usable,
-    world_rates,
 )
 from lie_rigid_body.report.thinned import LawOverTime, RecordedSegment, ResidualsOverTime
 
@@ -72,12 +71,10 @@ _FACES: Final = (
     *((0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6)),  # across y
     *((0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),  # across z
 )
-_TINTS: Final = tuple(tint for tint in ("#7FA6D9", "#B5CBE8", "#E3ECF7") for _ in range(4))
 _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
 """Numbers of a box's corners along a path through all its edges."""
 _NONE: Final = np.zeros((1, 3))
 
-_BINS: Final = 30
 _LEAST_SPAN: Final = 0.3
 """Least span of a distribution, decades."""
 _BEYOND: Final = 10.0
@@ -157,7 +154,7 @@ def herpolhode(piece: RecordedSegment) -> Figure | None:
     size, fastest = float(np.linalg.norm(momentum)), scenario.rate_bound()
     if size == 0.0 or not len(states.body_rate):
         return None
-    upright, rates = momentum / size, world_rates(states)
+    upright, rates = momentum / size, quaternion.rotate(states.attitude_xyzw, states.body_rate)
     across = rates - np.outer(rates @ upright, upright)
     right = across[0]  # of ω's first part across the momentum, or any if it has none
     if np.linalg.norm(right) < 1e-9 * fastest:
@@ -185,7 +182,6 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
     momentum = momentum / (float(np.linalg.norm(momentum)) or 1.0)
     followed = int(np.argmax(np.abs(scenario.initial_body_rate)))
     moving = _moving(piece, states, followed)
-    world = {"text": ["", "X", "", "", "Y", "", "", "Z", ""], "textfont": {"size": 12, "color": _WORLD}}
     data = [
         *({**look, **_places(points[0])} for look, points in zip(_LOOKS, moving, strict=True)),
         _arrow(np.stack([_NONE[0], _ARROW * momentum]), "angular momentum L (fixed)", _MOMENTUM),
@@ -197,17 +193,23 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
             opacity=0.6,
             hoverinfo="name",
         ),
-        line(_cross(1.0), "axes of the world", _WORLD, 2, mode="lines+text", hoverinfo="name", **world),
+        line(
+            _cross(1.0),
+            "axes of the world",
+            _WORLD,
+            2,
+            mode="lines+text",
+            hoverinfo="name",
+            text=["", "X", "", "", "Y", "", "", "Z", ""],
+            textfont={"size": 12, "color": _WORLD},
+        ),
     ]
     # the eye is across the angular momentum and somewhat above
     azimuth = float(np.arctan2(momentum[1], momentum[0])) + np.radians(60.0)
     eye = coordinates(1.1 * np.array([np.cos(azimuth), np.sin(azimuth), 0.45]))
     hidden = {f"{name}axis": {"visible": False, "range": [-_REACH, _REACH]} for name in "xyz"}
-    layout = {
-        "scene": {**hidden, "aspectmode": "cube", "camera": {"eye": eye}},
-        "uirevision": "kept",
-        "margin": {"l": 0, "r": 0, "t": 30, "b": 0},
-    }
+    scene = {**hidden, "aspectmode": "cube", "camera": {"eye": eye}}
+    content = drawn(data, scene=scene, uirevision="kept", margin={"l": 0, "r": 0, "t": 30, "b": 0})
     digits = max(0, 2 - int(np.floor(np.log10(t[-1])))) if t[-1] > 0.0 else 0
     duration = float(np.clip(1e3 * t[-1], *_DURATION_MS))
     each = [[_places(points[k]) for points in moving] for k in range(len(t))]
@@ -216,7 +218,7 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
         "duration": duration,
         "pictures": [{name: [place[name] for place in places] for name in "xyz"} for places in each],
     }
-    return {**drawn(data, **layout), "film": film}, (
+    return {**content, "film": film}, (
         f"The first {t[-1]:.4g} s, as recorded, played in {1e-3 * duration:.3g} s: a box of the body's principal "
         "moments in the world. Drag to turn, scroll to come nearer."
     )
@@ -239,7 +241,8 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
     own, fastest = piece.segment.scenario.body(), piece.segment.scenario.rate_bound()
     box = (_CORNERS * box_sides(own.principal_moments)) @ own.principal_axes.T
     corners, axes = (quaternion.rotate(states.attitude_xyzw[:, np.newaxis], points) for points in (box, _cross(_AXIS)))
-    rates = world_rates(states)[:, np.newaxis] * (_ARROW / fastest if fastest else 0.0)
+    scale = _ARROW / fastest if fastest else 0.0
+    rates = scale * quaternion.rotate(states.attitude_xyzw, states.body_rate)[:, np.newaxis]
     latest = np.maximum(0, np.arange(len(rates))[:, np.newaxis] + np.arange(-_TAIL, 1))
     return (
         corners,
@@ -264,24 +267,29 @@ def _arrow(points: Array, name: str, colour: str) -> dict[str, Any]:
     return line(points, name, colour, 8, mode="lines+markers", marker=marker, hoverinfo="name")
 
 
-_LETTERS: Final[dict[str, Any]] = {
-    "mode": "lines+text",
-    "line": {"color": [colour for colour in COLOURS for _ in range(3)], "width": 5},
-    "text": ["", "x", "", "", "y", "", "", "z", ""],
-    "textfont": {"size": 14},
-}
 _LOOKS: Final = (
     {
         "type": "mesh3d",
         "name": "body",
         **dict(zip("ijk", zip(*_FACES, strict=True), strict=True)),
-        "facecolor": _TINTS,
+        "facecolor": [tint for tint in ("#7FA6D9", "#B5CBE8", "#E3ECF7") for _ in range(4)],
         "flatshading": True,
         "lighting": {"ambient": 0.75, "diffuse": 0.5, "specular": 0.05},
         "hoverinfo": "skip",
     },
     line(_NONE, "edges", "#3B5B85", 3, showlegend=False, hoverinfo="skip"),
-    line(_NONE, "axes of the body", COLOURS[0], 4, **_LETTERS, showlegend=False, hoverinfo="skip"),
+    line(
+        _NONE,
+        "axes of the body",
+        COLOURS[0],
+        5,
+        mode="lines+text",
+        line={"color": [colour for colour in COLOURS for _ in range(3)], "width": 5},
+        text=["", "x", "", "", "y", "", "", "z", ""],
+        textfont={"size": 14},
+        showlegend=False,
+        hoverinfo="skip",
+    ),
     _arrow(_NONE, "angular velocity ω", _RATE),
     line(_NONE, "latest part of it", RED, 4, showlegend=False, hoverinfo="name"),
 )
@@ -314,8 +322,7 @@ def residuals_over_time(
             label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
             time = axis("time [s]", range=[0.0, max(float(trace["x"][-1]) for trace in traces)])
             size = logarithmic(label, np.concatenate([trace["y"] for trace in traces]))
-            look = {"xaxis": time, "yaxis": size, "shapes": resets(pieces), "showlegend": len(own) > 1}
-            yield figure(name, drawn(traces, **look))
+            yield figure(name, drawn(traces, xaxis=time, yaxis=size, shapes=resets(pieces), showlegend=len(own) > 1))
 
 
 def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
@@ -370,7 +377,7 @@ def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> di
     """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
     low, high = np.log10(residuals.min()), np.log10(residuals.max())
     widen = max(0.0, _LEAST_SPAN - (high - low)) / 2.0 + 1e-9
-    edges = np.logspace(low - widen, high + widen, _BINS + 1)
+    edges = np.logspace(low - widen, high + widen, 31)  # of 30 bars
     traces: list[dict[str, Any]] = []
     beyond = residuals > own
     for which, label, colour in ((~beyond, "within the limit", COLOURS[2]), (beyond, "beyond the limit", RED)):

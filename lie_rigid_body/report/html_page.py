@@ -222,9 +222,14 @@ def logarithmic(title: str, values: Array) -> dict[str, Any]:
 
 def line(points: Array, name: str, colour: str, width: float, **more: Any) -> dict[str, Any]:
     """Line through points of shape (N, 2) or (N, 3), in a plane or in space."""
-    kind = "scatter3d" if points.shape[-1] == 3 else "scatter"
-    look = {"color": colour, "width": width}
-    return {"type": kind, "name": name, "mode": "lines", "line": look, **coordinates(points), **more}
+    return {
+        "type": "scatter3d" if points.shape[-1] == 3 else "scatter",
+        "name": name,
+        "mode": "lines",
+        "line": {"color": colour, "width": width},
+        **coordinates(points),
+        **more,
+    }
 
 
 def over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:

@@ -183,8 +183,8 @@ class Line:
     def row(self) -> tuple[tuple[str, ...], bool]:
         """Cells of the table, and whether it is certified: only then its attitudes are worth a bound."""
         accuracy, verdict = (f"{self.accuracy:.2g}", "certified") if self.certified else ("", "NOT CERTIFIED")
-        name, *others = self.cells  # the verdict beside it: a wide table is cut off at the right
-        return (name, verdict, *others, *self.worst, accuracy), self.certified
+        # the verdict is beside the name: a wide table is cut off at the right
+        return (self.cells[0], verdict, *self.cells[1:], *self.worst, accuracy), self.certified
 
 
 def _share(worst: float, limit: float) -> tuple[bool, float]:
@@ -283,6 +283,5 @@ def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterato
         shown = {id(line) for line in sorted(lines, key=lambda line: line.rank)[:MOST_LINES]}
         yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
         lines = [line for line in lines if id(line) in shown]
-    own, *others = headings
-    head = (own, "", *others, "worst law", "of limit", "attitude, rad")
+    head = (headings[0], "", *headings[1:], "worst law", "of limit", "attitude, rad")
     yield html_page.table(head, [line.row for line in lines])

@@ -8,7 +8,6 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.report.thinned import RecordedSegment
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -171,8 +170,3 @@ class Ellipsoid:
             return round(usual * in_front * width, 9), usual * in_front
 
         return max(VIEWS, key=merit)
-
-
-def world_rates(states: State) -> Array:
-    """Body rates on the axes of the world, shape (N, 3), rad/s."""
-    return quaternion.rotate(states.attitude_xyzw, states.body_rate)

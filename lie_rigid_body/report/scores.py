@@ -71,8 +71,8 @@ _NARROW: Final = 5.0
 def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
     """Lines of a score for a terminal, without a final newline."""
     notes = (line for note in read.notes for line in wrapped(note, "note: "))
-    head = [printable(title), *wrapped(extent(read, score)), "", *table(score), "", *notes]
-    return "\n".join([*head, *findings(score), *chain.from_iterable(map(wrapped, verdict(score)))])
+    sentences = chain(findings(score), *map(wrapped, verdict(score)))
+    return "\n".join([printable(title), *wrapped(extent(read, score)), "", *table(score), "", *notes, *sentences])
 
 
 def table_of_several(title: str, scored: Scored) -> str:
@@ -265,8 +265,8 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
     axes.set_xlabel("time since the first estimate [s]")
     if titles[0]:
         # the names of a file and a topic may hold anything, and ``$`` is no formula
-        above = "\n".join(shortened(printable(title), _LONGEST_LINE) for title in titles)
-        figure.suptitle(above, fontsize=11, parse_math=False)
+        above = [shortened(printable(title), _LONGEST_LINE) for title in titles]
+        figure.suptitle("\n".join(above), fontsize=11, parse_math=False)
     return figure
 
 
