@@ -173,8 +173,8 @@ class Magnetometer(Instrument):
         if model.disturbance is not None:
             world_field = world_field + model.disturbance.field(times_ns)
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
-        signal = Signal(field, model.converter).through(self._soft_iron).plus(np.array(model.hard_iron))
-        signal = signal.plus(self._noise.draw(first, count))
+        distorted = Signal(field, model.converter).through(self._soft_iron).plus(np.array(model.hard_iron))
+        signal = distorted.plus(self._noise.draw(first, count))
         if model.faults is not None and self._faulty is not None:
             signal = self._faulty.disturbed(first, times_ns, signal.plus(model.faults.drift(times_ns)))
         return {"field": signal}

@@ -255,12 +255,12 @@ class TriadModel:
             faults=TriadFaults.from_values(sensor, values),
         )
         require_at_most(f"{sensor}_scale_factor", found.scale_factor, LARGEST_SCALE_FACTOR, "")
-        turn = found.misalignment
-        angle = float(so3.norm(turn))
+        angle = float(so3.norm(found.misalignment))
         if angle > math.pi:
             raise ParameterError(
                 f"{sensor}_misalignment",
-                f"{list(turn)} turns by {angle:g} rad, more than pi: give the rotation vector of the shorter way",
+                f"{list(found.misalignment)} turns by {angle:g} rad, more than pi: give the rotation vector of the "
+                "shorter way",
             )
         return found
 

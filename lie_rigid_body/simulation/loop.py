@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from operator import attrgetter
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -268,15 +268,16 @@ class Simulation:
         for queue, wanted in zip(running.queues, (count, *counts), strict=True):
             queue.prepare(wanted)
         truth = running.truth.take(count)
-        sensors = zip(running.sensors.items(), counts, strict=True)
-        taken = {name: of_one.take(wanted) for (name, of_one), wanted in sensors}
+        taken = {
+            name: queue.take(wanted) for (name, queue), wanted in zip(running.sensors.items(), counts, strict=True)
+        }
         # those up to the last sample and no further: however a run is cut into batches, each is in the same place
         times = (truth.times_ns, *(rows.times_ns for rows in taken.values()))
         last_ns = max((int(of_one[-1]) for of_one in times if len(of_one)), default=-1)
         if last_ns < 0 and stamp_ns == fault_end_ns:
             last_ns = fault_end_ns
-        received = {name: rows.received() for name, rows in taken.items()}
-        return Taken(truth, received, self._faults.take(last_ns), running.segment.scenario)
+        sensors = {name: rows.received() for name, rows in taken.items()}
+        return Taken(truth, sensors, self._faults.take(last_ns), running.segment.scenario)
 
     def _oldest(self) -> _RunningSegment:
         """The first segment of which something is left."""
@@ -357,8 +358,7 @@ class SharedMotion:
         self._in_step &= is_known or self._calls == latest.number + 1
         if is_known and self._in_step:
             self._motion = copy.copy(latest.motion)
-            kept: State = latest.states
-            return kept
+            return cast(State, latest.states)
         states = self._motion.at(t_ns)
         if self._in_step:
             latest.number, latest.t_ns, latest.states = self._calls, np.array(t_ns), states
