@@ -14,7 +14,7 @@ from lie_rigid_body.messages import PoseTwistEncoder, ReadingEncoder, encode_str
 from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.messages.layout import Payloads
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import SENSORS, Fault, Sensors
+from lie_rigid_body.sensors import SENSORS, Sensors
 from lie_rigid_body.sensors.fault import LONGEST_TEXT
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Samples, Taken
@@ -166,10 +166,5 @@ class BatchEncoder:
             for encoder in self._sensors[name] if len(samples) else ():
                 yield Messages(encoder.topic.name, samples.times_ns, encoder.encode(samples))
         if taken.faults:
-            yield _told(taken.faults)
-
-
-def _told(faults: tuple[Fault, ...]) -> Messages:
-    """Encode faults, each as a message at its begin."""
-    times = np.array([fault.begin_ns for fault in faults], dtype=np.int64)
-    return Messages(FAULTS, times, encode_strings([fault.to_json() for fault in faults], LONGEST_TEXT))
+            begins = np.array([fault.begin_ns for fault in taken.faults], dtype=np.int64)
+            yield Messages(FAULTS, begins, encode_strings([fault.to_json() for fault in taken.faults], LONGEST_TEXT))
