@@ -25,8 +25,8 @@ from lie_rigid_body.evaluation.attitudes import GAP, period_ns
 from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.evaluation.track import spread
 from lie_rigid_body.messages import decode_string
+from lie_rigid_body.messages.decoding import Frames
 from lie_rigid_body.messages.definitions import TF_MESSAGE
-from lie_rigid_body.messages.framed import Frames
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of

@@ -6,7 +6,7 @@ a multiple of n. Padding is written as zeros; rclpy leaves there what the memory
 - `layout`: the fields that all messages share, and rows of bytes that differ in some words only;
 - `encoding`: samples as messages;
 - `batch`: the messages of the truth and the sensors, in the order of their stamps;
-- `decoding`: messages of either byte order, from any writer; `framed`: those of two frames;
+- `decoding`: messages of either byte order, from any writer, also those of two frames;
 - `definitions`: type names and definitions of the messages, and their quality of service.
 """
 

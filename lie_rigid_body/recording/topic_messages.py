@@ -19,6 +19,7 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
+from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transforms
 from lie_rigid_body.messages.definitions import (
     IMU,
     ODOMETRY,
@@ -30,7 +31,6 @@ from lie_rigid_body.messages.definitions import (
     TWIST_STAMPED,
     places,
 )
-from lie_rigid_body.messages.framed import FramedNumbers, Frames, decode_odometry, decode_transforms
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.sensors import SENSORS, Field, Topic

@@ -9,8 +9,8 @@ import pytest
 from estimate_messages import STORE, messages
 
 from lie_rigid_body.errors import BagError
+from lie_rigid_body.messages.decoding import decode_odometry, decode_transforms
 from lie_rigid_body.messages.definitions import ODOMETRY, TF_MESSAGE
-from lie_rigid_body.messages.framed import decode_odometry, decode_transforms
 from said import numbers
 
 NS = 10**9

@@ -35,8 +35,7 @@ from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.league.table import rows_of
-from lie_rigid_body.messages.decoding import decode, decode_string
-from lie_rigid_body.messages.framed import decode_odometry, decode_transforms
+from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import _MOST_OTHERS
 from lie_rigid_body.recording.mcap_contents import nothing
