@@ -29,14 +29,9 @@ class UndecidedError(ArithmeticError):
 
 
 def integers(x: arb) -> Integers:
-    """A ball as the integers that it is made of."""
+    """A ball as the integers that it is made of, of which ``arb`` makes one that holds it, whatever the precision."""
     (m, e), (r, s) = x.mid().man_exp(), x.rad().man_exp()
     return (int(m), int(e)), (int(r), int(s))
-
-
-def ball(parts: Integers) -> arb:
-    """A ball that holds that of `integers`, whatever the present precision: its radius is rounded up, to 30 bits."""
-    return arb(*parts)
 
 
 def dot(a: Balls, b: Balls) -> arb:
@@ -118,29 +113,14 @@ def at_most(ball: arb) -> float:
     """The least double that no number of a ball exceeds; infinite where the ball is not finite."""
     if not ball.is_finite():
         return math.inf
-    return _rounded(_fraction(ball.upper()), upward=True)
+    mantissa, exponent = (int(part) for part in ball.upper().man_exp())
+    value = Fraction(mantissa) * Fraction(2) ** exponent
+    if abs(value) > LARGEST:
+        return math.inf if value > 0 else -LARGEST
+    nearest = float(value)
+    return math.nextafter(nearest, math.inf) if Fraction(nearest) < value else nearest
 
 
 def at_least(ball: arb) -> float:
     """The largest double that every number of a ball reaches; minus infinity where the ball is not finite."""
-    if not ball.is_finite():
-        return -math.inf
-    return _rounded(_fraction(ball.lower()), upward=False)
-
-
-def _fraction(exact_ball: arb) -> Fraction:
-    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
-    return Fraction(mantissa) * Fraction(2) ** exponent
-
-
-def _rounded(value: Fraction, *, upward: bool) -> float:
-    """The nearest double on one side of a rational number."""
-    if abs(value) > LARGEST:
-        beyond, last = (math.inf, LARGEST) if value > 0 else (-math.inf, -LARGEST)
-        return beyond if upward == (value > 0) else last
-    nearest = float(value)
-    if upward and Fraction(nearest) < value:
-        return math.nextafter(nearest, math.inf)
-    if not upward and Fraction(nearest) > value:
-        return math.nextafter(nearest, -math.inf)
-    return nearest
+    return 0.0 - at_most(-ball)  # of 0 it is not -0.0

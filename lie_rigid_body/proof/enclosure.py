@@ -19,7 +19,6 @@ from lie_rigid_body.proof.balls import (
     UndecidedError,
     at_least,
     at_most,
-    ball,
     conjugate,
     integers,
     norm,
@@ -67,7 +66,9 @@ class Enclosure:
     @property
     def width(self) -> float:
         """The largest width of a component of the attitude, and of the rate relative to its norm, rounded up."""
-        return max(at_most(widest(self.attitude_xyzw)), _relative_width(self.body_rate))
+        width = widest(self.body_rate)
+        relative = 0.0 if width == 0 else at_most(width / norm(self.body_rate))
+        return max(at_most(widest(self.attitude_xyzw)), relative)
 
     def attitude_error(self, attitude_xyzw: ArrayLike) -> tuple[float, float]:
         """Bounds of the angle between a given attitude and the true one.
@@ -114,7 +115,7 @@ class Enclosure:
 
 
 def _from_integers(attitude: tuple[Integers, ...], rate: tuple[Integers, ...], bits: int) -> Enclosure:
-    return Enclosure(tuple(map(ball, attitude)), tuple(map(ball, rate)), bits)
+    return Enclosure(tuple(arb(*parts) for parts in attitude), tuple(arb(*parts) for parts in rate), bits)
 
 
 def enclose(
@@ -146,9 +147,7 @@ def enclose(
     LieRigidBodyError
         If 65 536 bits are too few.
     """
-    start = Start.of(inertia, attitude_xyzw, body_rate)
-    t_ns = whole_number("t_ns", t_ns, -(2**63), 2**63 - 1)
-    return _thin(lambda bits: exact_state(start, t_ns), width)
+    return _thin(lambda start, t, bits: exact_state(start, t), inertia, attitude_xyzw, body_rate, t_ns, width)
 
 
 def enclose_by_taylor(
@@ -158,28 +157,30 @@ def enclose_by_taylor(
 
     It takes some 30 ms for each radian of p t/I₁, with p the norm of the momentum and I₁ the smallest moment.
     """
+    return _thin(taylor_state, inertia, attitude_xyzw, body_rate, t_ns, width)
+
+
+def _thin(
+    state: Callable[[Start, int, int], tuple[Balls, Balls]],
+    inertia: ArrayLike,
+    attitude_xyzw: ArrayLike,
+    body_rate: ArrayLike,
+    t_ns: int,
+    width: float,
+) -> Enclosure:
+    """The first enclosure that is thin enough, by ``state(start, t_ns, bits)``, with twice the bits each time."""
     start = Start.of(inertia, attitude_xyzw, body_rate)
     t_ns = whole_number("t_ns", t_ns, -(2**63), 2**63 - 1)
-    return _thin(lambda bits: taylor_state(start, t_ns, bits), width)
-
-
-def _thin(state: Callable[[int], tuple[Balls, Balls]], width: float) -> Enclosure:
-    """The first enclosure that is thin enough, with twice the bits each time."""
     if not 0.0 < as_double(width) < 1.0:
         raise InputError(f"width: {shown(width)} is not between 0 and 1: give for example 1e-20")
     bits = _FIRST_BITS
     while bits <= _MOST_BITS:
         with ctx.workprec(bits), suppress(UndecidedError):
-            found = Enclosure(*state(bits), bits)
+            found = Enclosure(*state(start, t_ns, bits), bits)
             if found.width <= width:
                 return found
         bits *= 2
     raise LieRigidBodyError(f"{_MOST_BITS} bits are too few to enclose this motion: ask for a shorter time")
-
-
-def _relative_width(rate: Balls) -> float:
-    width = widest(rate)
-    return 0.0 if width == 0 else at_most(width / norm(rate))
 
 
 def _balls(name: str, values: ArrayLike, size: int) -> Balls:

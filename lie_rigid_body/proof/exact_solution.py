@@ -47,7 +47,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flint import acb, arb, fmpq_poly
+from flint import acb, arb, fmpq, fmpq_poly
 
 from lie_rigid_body.proof.balls import (
     Balls,
@@ -63,7 +63,7 @@ from lie_rigid_body.proof.balls import (
     scaled,
     sign,
 )
-from lie_rigid_body.proof.start import Kind, Start, seconds
+from lie_rigid_body.proof.start import Kind, Start
 
 
 def exact_state(start: Start, t_ns: int) -> tuple[Balls, Balls]:
@@ -80,7 +80,7 @@ def exact_state(start: Start, t_ns: int) -> tuple[Balls, Balls]:
     attitude_xyzw, rate : tuple of 4, tuple of 3 arb
         World from body, continuous from the start; rad/s in the body frame. Not finite where the precision is too low.
     """
-    t = arb(seconds(t_ns))
+    t = arb(fmpq(t_ns, 10**9))
     kind = start.kind
     given = exact(start.attitude_xyzw)
     attitude = scaled(1 / norm(given), given)

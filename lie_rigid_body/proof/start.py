@@ -17,11 +17,10 @@ L. D. Landau, E. M. Lifshitz, Mechanics, 3rd ed., §37.
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from flint import fmpq, fmpq_mat, fmpz
+from flint import fmpq, fmpq_mat
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import as_numbers
@@ -84,7 +83,7 @@ class Start:
     @property
     def momentum(self) -> Rationals:
         """Angular momentum p = M ω, body frame, kg m²/s."""
-        return times(self.inertia, self.rate)
+        return tuple((self.inertia * fmpq_mat(3, 1, list(self.rate))).entries())
 
     @property
     def momentum_squared(self) -> fmpq:
@@ -123,19 +122,12 @@ class Start:
             return Kind.STEADY
         if self.repeated_moment is not None:
             return Kind.SYMMETRIC
-        squared = self.momentum_squared
-        shifted = self.inertia * self.twice_energy
-        for i in range(3):
-            shifted[i, i] -= squared
-        side = shifted.det()
+        squared, none = self.momentum_squared, fmpq(0)
+        shift = fmpq_mat(3, 3, [squared, none, none, none, squared, none, none, none, squared])
+        side = (self.inertia * self.twice_energy - shift).det()
         if side == 0:
             return Kind.SEPARATRIX
         return Kind.ABOUT_SMALLEST if side < 0 else Kind.ABOUT_LARGEST
-
-
-def times(matrix: fmpq_mat, vector: Rationals) -> Rationals:
-    """Matrix times vector."""
-    return tuple(_dot(tuple(matrix[i, j] for j in range(3)), vector) for i in range(3))
 
 
 def _dot(a: Rationals, b: Rationals) -> fmpq:
@@ -164,15 +156,4 @@ def _rationals(name: str, value: ArrayLike, *shapes: tuple[int, ...]) -> Rationa
     is_real = array.shape in shapes and not np.iscomplexobj(array)
     if not (is_real and np.isfinite(array := array.astype(np.float64)).all()):
         raise InputError(f"{name}: {array.tolist()!s:.80} is not finite numbers of the right shape")
-    return tuple(_rational(number) for number in array.ravel().tolist())
-
-
-def _rational(number: float) -> fmpq:
-    mantissa, exponent = math.frexp(number)
-    whole, shift = fmpz(int(mantissa * 2.0**53)), exponent - 53
-    return fmpq(whole) * fmpq(2) ** shift
-
-
-def seconds(t_ns: int) -> fmpq:
-    """Nanoseconds as seconds, exactly."""
-    return fmpq(t_ns, 10**9)
+    return tuple(fmpq(*number.as_integer_ratio()) for number in array.ravel().tolist())

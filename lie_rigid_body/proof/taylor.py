@@ -34,7 +34,7 @@ from dataclasses import dataclass
 from flint import arb, arb_mat, fmpq
 
 from lie_rigid_body.proof.balls import Balls, added, at_most, exact, norm, scaled
-from lie_rigid_body.proof.start import Start, seconds
+from lie_rigid_body.proof.start import Start
 
 _BITS_PER_TERM = 3
 """Bits that each term of a series adds: a term is at most s = 2⁻³ times the one before."""
@@ -106,12 +106,11 @@ def taylor_state(start: Start, t_ns: int, bits: int) -> tuple[Balls, Balls]:
     """
     equations = _Equations.of(start)
     attitude = exact(start.attitude_xyzw)
-    zero = arb(0)
-    state = _Set.around(exact(start.momentum), scaled(1 / norm(attitude), attitude), zero, zero)
+    state = _Set.around(exact(start.momentum), scaled(1 / norm(attitude), attitude), arb(0), arb(0))
     turned = equations.largest * norm(state.momentum) * abs(t_ns) / 10**9
     # e P h / 2 is s, a little less than 2⁻³
     steps = max(1, math.ceil(at_most(turned) / 2 * 2**_BITS_PER_TERM * 1.001))
-    h = arb(seconds(t_ns) / steps)
+    h = arb(fmpq(t_ns, 10**9 * steps))
     for _ in range(steps):
         state = _step(equations, state, h, bits)
     momentum = tuple(x + arb(0, state.momentum_radius) for x in state.momentum)
@@ -147,8 +146,7 @@ def _series(equations: _Equations, state: _Set, h: arb, terms: int) -> tuple[Bal
     rates = list(equations.rate(p))
     p_sum, q_sum = p, q
     for n in range(terms - 1):
-        flat = [x for row in rows for x in row]
-        S = arb_mat(7, n + 1, flat) * arb_mat(n + 1, 3, rates)
+        S = arb_mat(7, n + 1, [x for row in rows for x in row]) * arb_mat(n + 1, 3, rates)
         factor = h / (n + 1)
         p = scaled(factor, (S[1, 2] - S[2, 1], S[2, 0] - S[0, 2], S[0, 1] - S[1, 0]))
         q = scaled(
