@@ -72,10 +72,7 @@ def diagonal_matrix(moments: ArrayLike) -> Array:
     ParameterError
         If the shape is another or a number is not finite.
     """
-    array = real_array(_NAME, moments, "(…, 3)")
-    matrix = np.zeros((*array.shape, 3))
-    matrix[..., range(3), range(3)] = array
-    return matrix
+    return np.asarray(real_array(_NAME, moments, "(…, 3)")[..., np.newaxis] * np.eye(3))
 
 
 def principal_decomposition(matrix: Array) -> tuple[Array, Array]:

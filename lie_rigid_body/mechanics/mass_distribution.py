@@ -71,7 +71,9 @@ def moments_on_grid(density: ArrayLike, low: ArrayLike, high: ArrayLike) -> Mass
         If shapes do not match, a density is negative or not finite, or ``high`` is not above ``low``.
     """
     rho = real_array("density", density, "(…)")
-    ends = _corners(low, high, rho.ndim)
+    ends = np.array([real_array(name, end, f"({rho.ndim},)") for name, end in (("low", low), ("high", high))])
+    for a, b in ends.T:
+        _require_order(a, b)
     require_share("density", rho, " kg/mⁿ")
     steps = (ends[1] - ends[0]) / rho.shape
     centres = [a + h * (np.arange(count) + 0.5) for a, h, count in zip(ends[0], steps, rho.shape, strict=True)]
@@ -124,8 +126,7 @@ def moments_of_density(
     limits = [*limits] if np.iterable(limits) else []
     nodes = _affordable(nodes, len(limits))
     allowed = float(real_array("tolerance", tolerance, "()"))
-    coarse = _weighed(*_masses_at_nodes(density, limits, nodes - 2))
-    fine = _weighed(*_masses_at_nodes(density, limits, nodes))
+    coarse, fine = (_weighed(*_masses_at_nodes(density, limits, count)) for count in (nodes - 2, nodes))
     error = _disagreement(coarse, fine)
     if not error <= allowed:
         raise ParameterError(
@@ -142,13 +143,6 @@ def _weighed(points: Array, masses: Array) -> MassMoments:
     offsets = points - centre
     central = (masses[:, None] * offsets).T @ offsets
     return MassMoments(mass, centre, symmetrised(central))
-
-
-def _corners(low: ArrayLike, high: ArrayLike, n: int) -> Array:
-    ends = [real_array("low", low, f"({n},)"), real_array("high", high, f"({n},)")]
-    for a, b in zip(*ends, strict=True):
-        _require_order(a, b)
-    return np.array(ends)
 
 
 def _require_order(low: float, high: float) -> None:

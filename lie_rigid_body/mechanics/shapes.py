@@ -111,8 +111,7 @@ def box_sides(principal_moments: ArrayLike) -> Array:
     moments = np.asarray(principal_moments, dtype=np.float64)
     moments = moments / moments.max()
     sides = np.sqrt(np.maximum(moments.sum() - 2.0 * moments, 0.0))
-    visible: Array = np.maximum(sides / sides.max(), THINNEST)
-    return visible
+    return np.asarray(np.maximum(sides / sides.max(), THINNEST))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused
