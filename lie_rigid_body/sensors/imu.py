@@ -250,19 +250,20 @@ class Imu(Instrument):
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings before their converters; see `Instrument.measure`."""
-        rates = self._rate.over(times_ns, states) if self._integrates else states.body_rate
-        rate = Signal(rates, condition=lambda: self._rate_conditioning(states))
+        rate = Signal(
+            self._rate.over(times_ns, states) if self._integrates else states.body_rate,
+            condition=lambda: self._rate_conditioning(states),
+        )
         gyro, gyro_bias = self._gyro.signals(first, times_ns, rate)
         force, force_bias = self._accelerometer.signals(first, times_ns, self._force.signal(states))
-        signals = {
+        told = self._model.orientation
+        return {
             "gyro": gyro,
             "specific_force": force,
             "gyro_bias": gyro_bias,
             "accelerometer_bias": force_bias,
+            **({} if told is None else {"orientation_xyzw": told.signal(states, self._turn, first)}),
         }
-        if self._model.orientation is not None:
-            signals["orientation_xyzw"] = self._model.orientation.signal(states, self._turn, first)
-        return signals
 
     def _rate_conditioning(self, states: State) -> Conditioning:
         """How far the true rates may differ; an integrated one is the difference of two attitudes over the interval."""

@@ -59,8 +59,11 @@ class SensorTable(dict[str, Sensor]):
         super().__init__({sensor.name: sensor for sensor in sensors})
         told = [parameter for sensor in sensors for parameter in sensor.told]
         rates = [parameter for parameter in told if any(parameter.name == sensor.switch for sensor in sensors)]
-        later = [parameter for sensor in sensors for parameter in sensor.parameters]
-        quiet = [*later, *WINDOW_PARAMETERS, *(fault for sensor in sensors for fault in sensor.all_faults)]
+        quiet = [
+            *(parameter for sensor in sensors for parameter in sensor.parameters),
+            *WINDOW_PARAMETERS,
+            *(fault for sensor in sensors for fault in sensor.all_faults),
+        ]
         PARTS[:] = [part for sensor in sensors for part in (sensor.name, *sensor.parts)]
         self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
         self.parameters = {parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)}

@@ -99,8 +99,7 @@ class _SegmentFaults:
     def take(self, until_ns: int) -> list[Fault]:
         if self._faulty and until_ns >= self._known_ns:
             end_ns = min(until_ns + 1 + self._ahead_ns, MAX_EPOCH_NS + 1)
-            new = [fault for sensor in self._faulty for fault in self._of(sensor, end_ns)]
-            self._ready += sorted(new, key=_BEGIN)
+            self._ready += sorted((fault for sensor in self._faulty for fault in self._of(sensor, end_ns)), key=_BEGIN)
             self._known_ns = end_ns
         count = bisect_right(self._ready, until_ns, key=_BEGIN)
         taken, self._ready = self._ready[:count], self._ready[count:]

@@ -43,9 +43,13 @@ class Samples:
 
     def joined(self, later: Samples) -> Samples:
         """Join these samples and later ones."""
-        attitude = np.concatenate([self.states.attitude_xyzw, later.states.attitude_xyzw])
-        body_rate = np.concatenate([self.states.body_rate, later.states.body_rate])
-        return Samples(np.concatenate([self.stamps_ns, later.stamps_ns]), State.trusted(attitude, body_rate))
+        return Samples(
+            np.concatenate([self.stamps_ns, later.stamps_ns]),
+            State.trusted(
+                np.concatenate([self.states.attitude_xyzw, later.states.attitude_xyzw]),
+                np.concatenate([self.states.body_rate, later.states.body_rate]),
+            ),
+        )
 
 
 @short_dataclass(frozen=True)

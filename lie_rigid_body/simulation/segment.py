@@ -115,8 +115,14 @@ class Segment:
         """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""
         from lie_rigid_body import __version__
 
-        numbers = {"first_sample": self.first_sample, "start_ns": self.start_ns}
-        return json.dumps({"software": f"{SOFTWARE} {__version__}", **self.scenario.parameters(), **numbers})
+        return json.dumps(
+            {
+                "software": f"{SOFTWARE} {__version__}",
+                **self.scenario.parameters(),
+                "first_sample": self.first_sample,
+                "start_ns": self.start_ns,
+            }
+        )
 
     @classmethod
     def from_json(cls, text: str) -> Segment:
