@@ -183,6 +183,11 @@ def components(vector: Iterable[float], digits: int) -> str:
     return ", ".join(f"{round(float(v), digits + 1) + 0.0:.{digits}g}" for v in vector)
 
 
+def numerals(numbers: Iterable[float]) -> str:
+    """Numbers to six digits, enough to recognise them elsewhere, with commas between them."""
+    return ", ".join(f"{number:.6g}" for number in numbers)
+
+
 def counted(count: int, noun: str) -> str:
     """A number of things, with an s where there is not one."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -14,7 +14,7 @@ from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.report import figures, html_page
 from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.thinned import RecordedSegment, ResidualsOverTime
-from lie_rigid_body.wording import counted, printable
+from lie_rigid_body.wording import counted, numerals, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Headings of the columns of `law_cells`."""
@@ -186,13 +186,12 @@ def _law_json(law: LawResult, time_s: float | None) -> dict[str, object]:
 def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> tuple[str, ...]:
     """Facts about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
-    inertia, rate = (", ".join(f"{v:g}" for v in values) for values in (scenario.inertia, scenario.initial_body_rate))
     steps = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
     return (
         f"segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
         f"from {certificate.segment.start_ns} ns",
-        f"inertia [{inertia}] kg m²",
-        f"initial body rate [{rate}] rad/s",
+        f"inertia [{numerals(scenario.inertia)}] kg m²",
+        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s",
         steps if scenario.motion == "moving_chart" else scenario.motion,
     )
 

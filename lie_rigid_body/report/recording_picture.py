@@ -26,7 +26,7 @@ from lie_rigid_body.report.recorded_motion import (
     times,
 )
 from lie_rigid_body.report.thinned import RecordedSegment
-from lie_rigid_body.wording import counted
+from lie_rigid_body.wording import counted, numerals
 
 INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
@@ -188,12 +188,12 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
 
 def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     scenario, count = pieces[0].segment.scenario, len(pieces) - 1
-    inertia, rate = (", ".join(f"{v:g}" for v in values) for values in (scenario.inertia, scenario.initial_body_rate))
     stepper = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
     marks = "dashed" if count <= MOST_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
     return (
-        f"torque-free body, {whose}inertia [{inertia}] kg m², initial body rate [{rate}] rad/s\n"
+        f"torque-free body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
+        f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s\n"
         f"{motion}; {counted(sum(piece.count for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
     )

@@ -21,7 +21,7 @@ from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_bet
 from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
-from lie_rigid_body.wording import call_repr, shown, suggestion
+from lie_rigid_body.wording import call_repr, numerals, shown, suggestion
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The
@@ -299,22 +299,18 @@ def _require_normal(body: RigidBody, start: State) -> None:
     if not (_is_normal(body.principal_moments) and _is_normal(1.0 / body.principal_moments)):
         raise ParameterError(
             "inertia",
-            f"principal moments {_listed(body.principal_moments)}, or their inverses, are beyond double precision: "
+            f"principal moments {numerals(body.principal_moments)}, or their inverses, are beyond double precision: "
             "give moments between 1e-300 and 1e300 kg m²",
         )
     energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",
-            f"{_listed(start.body_rate)} rad/s gives an energy of {energy:g} J and a momentum of {momentum:g} kg m²/s, "
-            "beyond double precision: give an ordinary rate, or zeros",
+            f"{numerals(start.body_rate)} rad/s gives an energy of {energy:g} J and a momentum of {momentum:g} "
+            "kg m²/s, beyond double precision: give an ordinary rate, or zeros",
         )
 
 
 def _is_normal(values: Array) -> bool:
     """Whether positive numbers are normal in double precision: finite, and not so small that they lose digits."""
     return bool(np.all(np.isfinite(values) & (values >= np.finfo(np.float64).tiny)))
-
-
-def _listed(values: Array) -> str:
-    return ", ".join(f"{value:g}" for value in values)

@@ -29,7 +29,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.wording import shown
+from lie_rigid_body.wording import numerals, shown
 
 PACKAGE: Final = "simulation_interfaces"
 
@@ -298,7 +298,7 @@ class StandardServices:
     def get_entity_info(self, request: Any, response: Any) -> None:
         """Description and category of the body."""
         self._require_known(request.entity)
-        moments = ", ".join(f"{moment:g}" for moment in self._run.segment.scenario.body().principal_moments)
+        moments = numerals(self._run.segment.scenario.body().principal_moments)
         response.info.category.category = CATEGORY_DYNAMIC_OBJECT
         response.info.description = f"a torque-free rigid body with the principal moments {moments} kg m²"
 
