@@ -25,7 +25,6 @@ from lie_rigid_body.report.html_page import (
     line,
     logarithmic,
     mark,
-    over_time,
     paragraph,
 )
 from lie_rigid_body.report.recorded_motion import (
@@ -109,12 +108,19 @@ def rate(pieces: Sequence[RecordedSegment]) -> Figure:
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     rates = np.concatenate([piece.states.body_rate for piece in pieces])
     few = {"mode": "markers" if len(t) <= FEW_SAMPLES else "lines", "cliponaxis": True}
-    traces = []
-    for name, colour, component in zip("xyz", COLOURS, rates.T, strict=True):
-        at = extremes(t, component)
-        traces.append(over_time(t[at], component[at], f"ω<sub>{name}</sub>", colour, **few))
+    traces = [
+        _over_time(t, component, f"ω<sub>{name}</sub>", colour, **few)
+        for name, colour, component in zip("xyz", COLOURS, rates.T, strict=True)
+    ]
     time = axis("time [s]", range=[0.0, float(t[-1]) or 1.0])
     return drawn(traces, xaxis=time, yaxis=axis("body rate [rad/s]"), shapes=resets(pieces))
+
+
+def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:
+    """Line through the extremes of values over time, with a mark at each of 50 points at most."""
+    marks = {"mode": "lines+markers" if len(t) <= 50 else "lines", "marker": {"color": colour, "size": 5}}
+    points = np.stack([t, values], axis=-1)[extremes(t, values)]
+    return line(points, name, colour, 1.2, **{"cliponaxis": False, **marks, **more})
 
 
 def polhode(piece: RecordedSegment) -> Figure | None:
@@ -333,14 +339,14 @@ def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> It
         if not (residuals > 0.0).any():
             continue
         if (limit > 0.0).any():
-            limits.append(over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT))
+            limits.append(_over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT))
         finite = np.isfinite(residuals)
         top = _BEYOND * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
         heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
         name, colour = (worst.name[-1], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
-        yield over_time(t, heights, name, colour)
+        yield _over_time(t, heights, name, colour)
         if broken.any():
-            yield over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
+            yield _over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
         if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
             at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
             circle = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
@@ -387,9 +393,7 @@ def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> di
             traces.append({"type": "bar", "marker": {"color": colour}, "name": label, **bars})
     top, least, most = max(int(np.max(trace["y"])) for trace in traces), float(limits.min()), float(limits.max())
     corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
-    if least == most:
-        traces.append({**line(corners[:2], "limit", GREY, 1.4), **_LIMIT})
-    else:
-        traces.append({**line(corners, "limits", GREY, 1.4), **_LIMIT, "fill": "toself"})
+    area = {**line(corners, "limits", GREY, 1.4), "fill": "toself"}
+    traces.append({**(line(corners[:2], "limit", GREY, 1.4) if least == most else area), **_LIMIT})
     size = logarithmic("worst residual", np.append(edges, limits))
     return drawn(traces, xaxis=size, yaxis=axis(whose, rangemode="tozero"), barmode="stack", bargap=0)

@@ -26,8 +26,6 @@ Figure = Mapping[str, Any]
 
 _MARKS: Final = 6
 """Largest number of decades that are labelled."""
-_FEW: Final = 50
-"""Largest number of points that are each marked on a curve over time."""
 
 _STYLE: Final = """
 :root { color-scheme: light dark; --ink: #222; --paper: white; --line: #ddd; }
@@ -230,12 +228,6 @@ def line(points: Array, name: str, colour: str, width: float, **more: Any) -> di
         **coordinates(points),
         **more,
     }
-
-
-def over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> dict[str, Any]:
-    """Line of values over time, with a mark at each where there are few."""
-    marks = {"mode": "lines+markers" if len(t) <= _FEW else "lines", "marker": {"color": colour, "size": 5}}
-    return line(np.stack([t, values], axis=-1), name, colour, 1.2, **{"cliponaxis": False, **marks, **more})
 
 
 def mark(point: Array, name: str, **look: Any) -> dict[str, Any]:
