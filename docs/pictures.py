@@ -30,8 +30,8 @@ from lie_rigid_body.groups import (
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.report import write_plot
+from lie_rigid_body.report.recorded_motion import thinned_segments
 from lie_rigid_body.report.recording_picture import draw
-from lie_rigid_body.report.thinned import thinned_segments
 
 if TYPE_CHECKING:
     from collections.abc import Callable

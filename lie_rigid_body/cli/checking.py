@@ -26,7 +26,7 @@ from lie_rigid_body.recording.bodies import topic_types
 from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
-from lie_rigid_body.report.thinned import ResidualsOverTime, thinned_segments
+from lie_rigid_body.report.recorded_motion import ResidualsOverTime, thinned_segments
 from lie_rigid_body.system import cores, real_path
 from lie_rigid_body.wording import listed
 

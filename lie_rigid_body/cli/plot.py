@@ -39,7 +39,7 @@ def main(given: argparse.Namespace) -> int:
 
     from lie_rigid_body.recording.bag_reader import Bag
     from lie_rigid_body.report.drawing import answer, png
-    from lie_rigid_body.report.thinned import thinned_segments
+    from lie_rigid_body.report.recorded_motion import thinned_segments
 
     with console.progress_of_bags([given.bag]) as bar:
         pieces = thinned_segments(Bag(given.bag, bar.update, topics))

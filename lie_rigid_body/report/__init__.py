@@ -6,8 +6,7 @@
 - `campaign_scores`: the estimators of a campaign;
 - `recording_picture`: the picture of a recording, by Matplotlib;
 - `figures`, `html_page`: the figures of pages, by plotly.js, and the frame of a page;
-- `thinned`: the samples and the residuals of a long recording that are drawn;
-- `recorded_motion`: the geometry that these share;
+- `recorded_motion`: what is drawn of a long recording, its samples and residuals, and the geometry that these share;
 - `notebook`: what a notebook shows of a result;
 - `drawing`: pictures in the formats of files, and the answer of a verb;
 - `request`: what is asked for of a score, by a command line or, as `write_plot` and `write_report`, from Python.

@@ -13,7 +13,7 @@ from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificat
 from lie_rigid_body.certificate.proved import Proof
 from lie_rigid_body.report import figures, html_page
 from lie_rigid_body.report.html_page import escaped
-from lie_rigid_body.report.thinned import RecordedSegment, ResidualsOverTime
+from lie_rigid_body.report.recorded_motion import RecordedSegment, ResidualsOverTime
 from lie_rigid_body.wording import counted, numerals, printable
 
 HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")

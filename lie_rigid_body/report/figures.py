@@ -31,6 +31,9 @@ from lie_rigid_body.report.recorded_motion import (
     FEW_SAMPLES,
     MOST_RESETS,
     Ellipsoid,
+    LawOverTime,
+    RecordedSegment,
+    ResidualsOverTime,
     extremes,
     path,
     reset_times,
@@ -38,7 +41,6 @@ from lie_rigid_body.report.recorded_motion import (
     times,
     usable,
 )
-from lie_rigid_body.report.thinned import LawOverTime, RecordedSegment, ResidualsOverTime
 
 _POINTS: Final = 3000
 """Largest number of points of a polhode or herpolhode."""

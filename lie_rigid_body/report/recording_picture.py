@@ -21,11 +21,11 @@ from lie_rigid_body.report.recorded_motion import (
     MANY_SAMPLES,
     MOST_RESETS,
     Ellipsoid,
+    RecordedSegment,
     curve_style,
     reset_times,
     times,
 )
-from lie_rigid_body.report.thinned import RecordedSegment
 from lie_rigid_body.wording import counted, numerals
 
 INTERVALS: Final = 60

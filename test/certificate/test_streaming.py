@@ -17,7 +17,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording import bag_reader, samples
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report.thinned import ResidualsOverTime
+from lie_rigid_body.report.recorded_motion import ResidualsOverTime
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Simulation, Taken
 from sampled import sampled

@@ -29,8 +29,7 @@ from lie_rigid_body.report import figures as of_pages
 from lie_rigid_body.report import html_page, write_report
 from lie_rigid_body.report.html_page import badge, escaped, paragraph, table
 from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
-from lie_rigid_body.report.recorded_motion import extremes, path
-from lie_rigid_body.report.thinned import thinned_segments
+from lie_rigid_body.report.recorded_motion import extremes, path, thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 

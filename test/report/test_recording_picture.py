@@ -17,9 +17,8 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report.recorded_motion import Ellipsoid
+from lie_rigid_body.report.recorded_motion import Ellipsoid, thinned_segments
 from lie_rigid_body.report.recording_picture import INTERVALS, draw, envelope
-from lie_rigid_body.report.thinned import thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 from lie_rigid_body.simulation import Simulation, Taken

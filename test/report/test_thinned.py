@@ -12,8 +12,8 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.samples import Block, numbered_blocks
-from lie_rigid_body.report import thinned
-from lie_rigid_body.report.thinned import INTERVALS, LawOverTime, ResidualsOverTime, thinned_segments
+from lie_rigid_body.report import recorded_motion
+from lie_rigid_body.report.recorded_motion import INTERVALS, LawOverTime, ResidualsOverTime, thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -67,8 +67,8 @@ def two_segments(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_thinned_bag_keeps_its_envelope(two_segments, monkeypatch):
-    monkeypatch.setattr(thinned, "_ALL_OF", 10)
-    monkeypatch.setattr(thinned, "_BUCKETS", 12)
+    monkeypatch.setattr(recorded_motion, "_ALL_OF", 10)
+    monkeypatch.setattr(recorded_motion, "_BUCKETS", 12)
     thin_segments = thinned_segments(Bag(two_segments))
     blocks = [*numbered_blocks(read_bag(two_segments), [thin.segment for thin in thin_segments])]
     for i, (thin, count) in enumerate(zip(thin_segments, (1500, 700), strict=True)):
