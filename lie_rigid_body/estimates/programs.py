@@ -24,8 +24,8 @@ from lie_rigid_body.bounded_input import real
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation.arguments import quantity
 from lie_rigid_body.interpreters import Interpreter, guarded
+from lie_rigid_body.messages.batch import ReadingEncoder
 from lie_rigid_body.messages.decoding import Frames
-from lie_rigid_body.messages.encoding import ReadingEncoder
 from lie_rigid_body.output_file import reason
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.estimate import Estimate

@@ -4,14 +4,12 @@ A payload is 4 bytes of encapsulation (0, the byte order, two options) and a bod
 a multiple of n. Padding is written as zeros; rclpy leaves there what the memory held before.
 
 - `layout`: the fields that all messages share, and rows of bytes that differ in some words only;
-- `encoding`: samples as messages;
-- `batch`: the messages of the truth and the sensors, in the order of their stamps;
+- `batch`: samples as messages, and those of the truth and the sensors in the order of their stamps;
 - `decoding`: messages of either byte order, from any writer, also those of two frames;
 - `definitions`: type names and definitions of the messages, and their quality of service.
 """
 
-from lie_rigid_body.messages.decoding import Decoded, decode, decode_places, decode_string
-from lie_rigid_body.messages.encoding import (
+from lie_rigid_body.messages.batch import (
     NOT_GIVEN,
     PoseTwistEncoder,
     ReadingEncoder,
@@ -20,6 +18,7 @@ from lie_rigid_body.messages.encoding import (
     encode_strings,
     numbers_of,
 )
+from lie_rigid_body.messages.decoding import Decoded, decode, decode_places, decode_string
 from lie_rigid_body.messages.layout import POSE_NUMBERS, TWIST_NUMBERS
 
 __all__ = [

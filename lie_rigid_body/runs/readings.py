@@ -9,7 +9,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.messages.encoding import told_fields
+from lie_rigid_body.messages.batch import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
 from lie_rigid_body.recording.topic_messages import TopicMessages, value_columns
