@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Array, Integers, windows
 from lie_rigid_body.bounded_input import LONGEST_NAME, LONGEST_STRING
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.layout import FRAME, numbers_after
+from lie_rigid_body.messages.layout import FRAME, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -27,12 +27,6 @@ Frames: TypeAlias = tuple[str, str]
 
 _BYTE_ORDERS: Final = {b"\x00\x00": ">", b"\x00\x01": "<"}
 """Byte order, as `struct` names it, by the first two bytes of plain CDR."""
-_ENCAPSULATION: Final = 2
-"""Least length of a payload, bytes: its first two tell the encapsulation and with it the layout."""
-_ODOMETRY_NUMBERS: Final = 7 + 36 + 6 + 36
-"""float64 fields of an Odometry: pose and its covariance, twist and its covariance."""
-_TRANSFORM_NUMBERS: Final = 7
-"""float64 fields of a transform: translation x y z, rotation x y z w."""
 _SPARE: Final = 8
 """Bytes by which a middleware may pad the end of a message, to a multiple of 4 or 8, and one more."""
 
@@ -93,7 +87,7 @@ def decode_places(
         Naming a message that is not such a payload.
     """
     shortest = int(np.argmin(ends - starts)) if len(starts) else 0
-    if len(starts) and ends[shortest] - starts[shortest] < _ENCAPSULATION:
+    if len(starts) and ends[shortest] - starts[shortest] < 2:  # the encapsulation, which tells the layout
         byte_order(bytes(data[starts[shortest] : ends[shortest]]), first + shortest)  # which refuses it
     stamps = np.zeros(len(starts), dtype=np.int64)
     values = np.empty((len(starts), numbers))
@@ -221,8 +215,7 @@ def byte_order(payload: bytes, index: int) -> str:
 def _word(payload: bytes, at: int, order: str, index: int) -> int:
     if len(payload) < at + 4:
         raise BagError(f"message {index} ends after {len(payload)} bytes, before its text")
-    value: int = struct.unpack_from(f"{order}I", payload, at)[0]
-    return value
+    return int(struct.unpack_from(f"{order}I", payload, at)[0])
 
 
 def _require_size(payload: bytes, size: int, index: int) -> None:
@@ -263,12 +256,13 @@ def decode_odometry(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
     BagError
         Naming the first message that is not such a payload.
     """
-    return _decoded(payloads, lambda fields: 1, _ODOMETRY_NUMBERS)
+    # pose and its covariance, twist and its covariance
+    return _decoded(payloads, lambda fields: 1, POSE_NUMBERS + 36 + TWIST_NUMBERS + 36)
 
 
 def decode_transforms(payloads: Sequence[bytes]) -> dict[Frames, FramedNumbers]:
     """Read tf2_msgs/TFMessage, by frame and child frame; see `decode_odometry`."""
-    return _decoded(payloads, _Fields.word, _TRANSFORM_NUMBERS)
+    return _decoded(payloads, _Fields.word, POSE_NUMBERS)
 
 
 def _decoded(payloads: Sequence[bytes], count: Callable[[_Fields], int], numbers: int) -> dict[Frames, FramedNumbers]:
@@ -302,8 +296,7 @@ class _Fields:
 
     def word(self, kind: str = "I") -> int:
         self._at = -(-self._at // 4) * 4
-        value: int = self._unpack(kind)[0]
-        return value
+        return int(self._unpack(kind)[0])
 
     def _text(self) -> str:
         length = self.word()

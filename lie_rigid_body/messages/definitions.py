@@ -69,8 +69,6 @@ _PARTS: Final = {
     ),
     VECTOR3_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),
 }
-_SEPARATOR: Final = "=" * 80 + "\n"
-"""Line between the types of a definition."""
 _NUMBER: Final = "float64"
 """Type of the numbers of messages, perhaps with a length in brackets behind it."""
 
@@ -88,7 +86,7 @@ def definition(message_type: str) -> str:
     str
     """
     own = _FIELDS[message_type.replace("/msg/", "/")]
-    return own + "".join(f"{_SEPARATOR}MSG: {part}\n{_FIELDS[part]}" for part in _PARTS[message_type])
+    return own + "".join(f"{'=' * 80}\nMSG: {part}\n{_FIELDS[part]}" for part in _PARTS[message_type])
 
 
 def has_fields_of(text: str, message_type: str) -> bool:
