@@ -12,8 +12,7 @@ In the order of a measurement:
 - `imu`, `magnetometer`, `pointing`: the sensors.
 """
 
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Fault
+from lie_rigid_body.sensors.fault import Delivery, Fault
 from lie_rigid_body.sensors.imu import Imu, ImuModel
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
 from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, graded

@@ -14,8 +14,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.parameters import Parameter, Vector
-from lie_rigid_body.sensors.delivery import Delivery
-from lie_rigid_body.sensors.fault import Faulty
+from lie_rigid_body.sensors.fault import Delivery, Faulty
 from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.short_dataclass import short_dataclass

@@ -15,7 +15,7 @@ from lie_rigid_body.bounded_input import LONGEST_NUMBER
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Delivery
+from lie_rigid_body.sensors.fault import Delivery, nanoseconds
 from lie_rigid_body.short_dataclass import short_dataclass
 
 SOFTWARE: Final = "lie_rigid_body"
@@ -211,6 +211,7 @@ class Arrivals:
 
     def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: Delivery) -> None:
         self._clock, self._first, self._start_ns, self._delivery = clock, first, start_ns, delivery
+        self._latency_ns, self._jitter_ns = nanoseconds(delivery.latency), nanoseconds(delivery.latency_jitter)
 
     def stamp_ns(self, number: int) -> int:
         """Time at which one reading arrives, ns."""
@@ -218,8 +219,8 @@ class Arrivals:
 
     def count_until(self, stamp_ns: int) -> int:
         """Number of readings of the clock, from number 0 on, that arrive at or before a time, ns."""
-        at_most = self._clock.count_until(stamp_ns - self._delivery.latency_ns)
-        at_least = self._clock.count_until(stamp_ns - self._delivery.latency_ns - self._delivery.jitter_ns)
+        at_most = self._clock.count_until(stamp_ns - self._latency_ns)
+        at_least = self._clock.count_until(stamp_ns - self._latency_ns - self._jitter_ns)
         at_least = max(at_least, min(self._first, at_most))
         if at_least == at_most or stamp_ns > MAX_EPOCH_NS:
             return at_most
@@ -236,9 +237,9 @@ class Arrivals:
     def _latest(self, number: int, measured_ns: Integers) -> Integers:
         """Arrival times of the readings from one number on, ns: no reading overtakes an earlier one."""
         before = number
-        if self._delivery.jitter_ns and len(measured_ns):
+        if self._jitter_ns and len(measured_ns):
             # of those measured more than the jitter ago none can be late enough to hold up another
-            since = self._clock.count_until(int(measured_ns[0]) - self._delivery.jitter_ns - 1)
+            since = self._clock.count_until(int(measured_ns[0]) - self._jitter_ns - 1)
             before = min(max(self._first, since), number)
         times = np.concatenate([self._clock.stamps_ns(before, number - before), measured_ns])
         delays = self._delivery.delays_ns(before - self._first, len(times))
