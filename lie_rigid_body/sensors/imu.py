@@ -73,16 +73,17 @@ class ImuModel(SensorModel):
     @classmethod
     def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
-        lever_arm, tells = values["accelerometer_lever_arm"], values["imu_orientation"]
-        require_at_most("accelerometer_lever_arm", lever_arm, LONGEST_LEVER_ARM_M, "m")
+        require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], LONGEST_LEVER_ARM_M, "m")
         return {
             "gyro_rate": values["gyro_rate"],
             "gyro": TriadModel.from_values("gyro", values),
             "accelerometer": TriadModel.from_values("accelerometer", values),
             "accelerometer_mode": values["accelerometer_mode"],
             "gravity": values["gravity"],
-            "lever_arm": lever_arm,
-            "orientation": OrientationModel(**values_of(OrientationModel, sensor, values)) if tells else None,
+            "lever_arm": values["accelerometer_lever_arm"],
+            "orientation": (
+                OrientationModel(**values_of(OrientationModel, sensor, values)) if values["imu_orientation"] else None
+            ),
         }
 
     @property

@@ -162,8 +162,9 @@ class Magnetometer(Instrument):
 
     def __init__(self, model: MagnetometerModel, body: RigidBody | None = None) -> None:
         self._model, self._soft_iron = model, np.array(model.soft_iron).reshape(3, 3)
-        sigma = model.noise_density * math.sqrt(model.rate)
-        self._noise = WhiteNoise(model.seed, NoiseSource.MAGNETOMETER_WHITE, sigma)
+        self._noise = WhiteNoise(
+            model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate)
+        )
         self._faulty = None if model.faults is None else FaultyTriad(model.faults, model.rate, model.converter)
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:

@@ -76,11 +76,9 @@ class Instrument(ABC):
         InputError
             If the instrument integrates over time and the times do not rise.
         """
-        parts = []
-        for begin in range(0, max(1, len(times_ns)), BLOCK):
-            rows = slice(begin, begin + BLOCK)
-            signals = self.signals(times_ns[rows], states[rows], first + begin)
-            parts.append({name: signal.read() for name, signal in signals.items()})
+        blocks = [slice(begin, begin + BLOCK) for begin in range(0, max(1, len(times_ns)), BLOCK)]
+        signals = (self.signals(times_ns[rows], states[rows], first + rows.start) for rows in blocks)
+        parts = [{name: signal.read() for name, signal in of_block.items()} for of_block in signals]
         return parts[0] if len(parts) == 1 else {n: np.concatenate([part[n] for part in parts]) for n in parts[0]}
 
 

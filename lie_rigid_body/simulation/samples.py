@@ -149,15 +149,12 @@ class SampleQueue(Generic[R]):
         missing = count - len(self._ready)
         if missing > 0:
             try:
-                rows = self._following(max(missing, self._look_ahead))
+                rows = self._compute(self._clock.stamps_ns(self._next, max(missing, self._look_ahead)))
             except ParameterError:
                 # the stamps end before that, though perhaps not before the samples that are wanted
-                rows = self._following(missing)
+                rows = self._compute(self._clock.stamps_ns(self._next, missing))
             self._ready = self._ready.joined(rows) if len(self._ready) else rows
             self._next += len(rows)
-
-    def _following(self, count: int) -> R:
-        return self._compute(self._clock.stamps_ns(self._next, count))
 
     def take(self, count: int) -> R:
         """The next ``count`` samples."""
