@@ -25,7 +25,7 @@ from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.showing import Shown
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed
+from lie_rigid_body.wording import counted, listed
 
 _BETTER: Final = "record with motion closed_form, a higher order or a smaller max_step"
 Blocks: TypeAlias = Iterator[tuple[int, Block]]
@@ -55,7 +55,7 @@ class SegmentCertificate:
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
         verdict = _verdict(self.laws, self.law("closed form").worst + CLOSED_FORM)
-        return f"<SegmentCertificate: {verdict}; {_counted(self.samples, 'sample')} from {self.segment.start_ns} ns>"
+        return f"<SegmentCertificate: {verdict}; {counted(self.samples, 'sample')} from {self.segment.start_ns} ns>"
 
     @property
     def passed(self) -> bool:
@@ -100,7 +100,7 @@ class Certificate(Shown):
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
         samples, segments = sum(segment.samples for segment in self.segments), len(self.segments)
-        what = f"{_counted(samples, 'sample')} in {_counted(segments, 'segment')}"
+        what = f"{counted(samples, 'sample')} in {counted(segments, 'segment')}"
         return f"<Certificate: {_verdict(self.laws, self.attitude_accuracy)}; {what}>"
 
     @property
@@ -148,10 +148,6 @@ class Certificate(Shown):
 def _verdict(laws: Iterable[LawResult], accuracy: float) -> str:
     broken = dict.fromkeys(law.name for law in laws if not law.holds)
     return f"broken: {listed(broken)}" if broken else f"certified, attitude within {accuracy:.2g} rad"
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def certify(
