@@ -86,11 +86,10 @@ class LawTally:
     """
 
     def __init__(self, name: str, unit: str, what: str, noun: str = "sample", watch: Watch | None = None) -> None:
-        self.name, self._unit, self._what, self._watch = name, unit, what, watch
-        self._checked = 0
-        self._broken = _Broken(noun)
-        self._largest = _Worst()
-        self._farthest = _Worst()
+        self.name, self._unit, self._what, self._noun, self._watch = name, unit, what, noun, watch
+        self._checked = self._broken = self._last = 0
+        self._first = list[int]()
+        self._largest, self._farthest = _Worst(), _Worst()
 
     def add(
         self, residuals: Array, limits: Array | float | Callable[[], Array], samples: Integers, stamps_ns: Integers
@@ -125,22 +124,26 @@ class LawTally:
             self._largest.add(weights, residuals, limits, samples, stamps_ns)
             beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
             self._farthest.add(beyond, residuals, limits, samples, stamps_ns)
-            self._broken.add(samples[broken])
+            self._broken += int(np.count_nonzero(broken))
+            self._first += samples[broken][: _SHOWN - len(self._first)].tolist()
+            self._last = int(samples[broken][-1])
 
     def result(self) -> LawResult:
         """The result for all residuals so far."""
-        count = self._broken.count
-        at = self._farthest if count else self._largest
-        message = ""
-        if count:
-            message = self._what.format(
-                worst=f"{at.residual:.3g}",
-                limit=f"{at.limit:.2g}",
-                where=self._broken.in_words(at.sample),
-                count=f"{count} of {self._checked}",
-            )
-        sample, stamp = (at.sample, at.stamp_ns) if self._checked else (None, None)
-        return LawResult(self.name, self._unit, at.residual, at.limit, sample, stamp, count, self._checked, message)
+        broken, checked = self._broken, self._checked
+        at = self._farthest if broken else self._largest
+        numbers = {"worst": f"{at.residual:.3g}", "limit": f"{at.limit:.2g}", "count": f"{broken} of {checked}"}
+        message = self._what.format(**numbers, where=self._where(at.sample)) if broken else ""
+        sample, stamp = (at.sample, at.stamp_ns) if checked else (None, None)
+        return LawResult(self.name, self._unit, at.residual, at.limit, sample, stamp, broken, checked, message)
+
+    def _where(self, worst: int) -> str:
+        """The samples of a broken law in words."""
+        if self._broken == 1:
+            return f"{self._noun} {worst}"
+        if self._broken <= _SHOWN:
+            return f"{self._noun}s " + ", ".join(str(k) for k in self._first)
+        return f"{self._broken} {self._noun}s from {self._first[0]} to {self._last}, worst at {worst}"
 
 
 class _Worst:
@@ -156,25 +159,3 @@ class _Worst:
             self._weight = float(weights[i])
             self.residual, self.limit = float(residuals[i]), float(limits[i])
             self.sample, self.stamp_ns = int(samples[i]), int(stamps_ns[i])
-
-
-class _Broken:
-    """The samples of a broken law: how many, the first ones, the last."""
-
-    def __init__(self, noun: str) -> None:
-        self._noun = noun
-        self.count = 0
-        self._first: list[int] = []
-        self._last = 0
-
-    def add(self, samples: Integers) -> None:
-        self.count += samples.size
-        self._first += samples[: _SHOWN - len(self._first)].tolist()
-        self._last = int(samples[-1])
-
-    def in_words(self, worst: int) -> str:
-        if self.count == 1:
-            return f"{self._noun} {worst}"
-        if self.count <= _SHOWN:
-            return f"{self._noun}s " + ", ".join(str(k) for k in self._first)
-        return f"{self.count} {self._noun}s from {self._first[0]} to {self._last}, worst at {worst}"
