@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -186,7 +186,8 @@ def certify(
         foreseen = surveyor.foreseen() if watch is None else None  # which is to be told of a residual once
         surveyed = foreseen or survey(bag, inertia)
     except ParameterError as error:
-        return Certificate((), (whole_bag.impossible(error),))
+        fault = f"the bag declares an impossible scenario: {error}"  # which has no motion to be compared with
+        return Certificate((), (LawResult.of_faults("declaration", 1, fault),))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
         if foreseen is not None:
             held, of_sensors = _held(bag, foreseen, surveyor.blocks, watch)
@@ -197,7 +198,12 @@ def certify(
         sensors = of_sensors.findings()
     return Certificate(
         tuple(
-            _certificate(found, laws, of_its_sensors, notes, as_written=surveyed.as_written)
+            SegmentCertificate(
+                found.segment,
+                found.count,
+                (found.stamps, *laws.results, *of_its_sensors),
+                (*_notes(found, laws, as_written=surveyed.as_written), *notes),
+            )
             for found, laws, of_its_sensors, notes in zip(
                 surveyed.segments, held, sensors.laws, sensors.notes, strict=True
             )
@@ -249,46 +255,28 @@ def _of_segments(surveyed: Survey, blocks: Blocks, watch: Watch | None) -> Itera
         pass  # displaced beyond a reset: their sensors' messages still count
 
 
-def _certificate(
-    found: SurveyedSegment,
-    held: HeldLaws,
-    of_sensors: tuple[LawResult, ...],
-    notes_of_sensors: tuple[str, ...],
-    *,
-    as_written: bool,
-) -> SegmentCertificate:
-    laws = (found.stamps, *held.results)
-    certificate = SegmentCertificate(found.segment, found.count, (*laws, *of_sensors))
-    notes = list(_notes(found, held, attitude_holds=certificate.law("closed form").holds))
-    if found.stamps.unit == GAP and not as_written and all(law.holds for law in held.results):
-        notes.append(_loss(found))
-    return replace(certificate, notes=(*notes, *notes_of_sensors))
-
-
-def _notes(found: SurveyedSegment, held: HeldLaws, *, attitude_holds: bool) -> Iterator[str]:
-    segment = found.segment
+def _notes(found: SurveyedSegment, held: HeldLaws, *, as_written: bool) -> Iterator[str]:
+    segment, broken = found.segment, {law.name: law.limit for law in held.results if not law.holds}
     if found.first is not None and found.first > segment.first_sample and found.begins_late:
         late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
         yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
     turn = found.longest_span * segment.scenario.rate_bound()
     if turn > LONGEST_TURN:
         yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
-    if held.motion_error > ATTITUDE_CAP and not attitude_holds:
+    if held.motion_error > ATTITUDE_CAP and "closed form" in broken:
         yield (
             f"the declared motion errs by up to {held.motion_error:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} "
             f"at most: {_BETTER}, or a slower body"
         )
-    elif any(not law.holds and law.limit == ENERGY_CAP for law in held.results):
+    elif ENERGY_CAP in broken.values():
         yield (
             "the declared stepper may keep energy and momentum less well than a ground truth has to, to "
             f"{ENERGY_CAP:g}: {_BETTER}"
         )
-
-
-def _loss(found: SurveyedSegment) -> str:
-    """Who lost the messages of a gap, after which all go on as if none were missing."""
-    return (
-        f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
-        "that follow are numbered and move on as if they were there: the node published them, and the recorder or the "
-        "network lost them: give the recorder config/rosbag2/qos.yaml of this package, by --qos-profile-overrides-path"
-    )
+    if found.stamps.unit == GAP and not as_written and not broken:  # all go on as if none were missing
+        yield (
+            f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
+            "that follow are numbered and move on as if they were there: the node published them, and the recorder or "
+            "the network lost them: give the recorder config/rosbag2/qos.yaml of this package, by "
+            "--qos-profile-overrides-path"
+        )

@@ -50,6 +50,11 @@ class LawResult:
     checked: int
     message: str = ""
 
+    @classmethod
+    def of_faults(cls, name: str, faults: int, message: str, checked: int = 1) -> LawResult:
+        """The result of a law that counts faults, and holds where there are none."""
+        return cls(name, "", float(faults), 0.0, None, None, faults, checked, message if faults else "")
+
     @property
     def holds(self) -> bool:
         """Whether no residual exceeds its limit."""

@@ -214,11 +214,8 @@ class SensorLaws:
     def _strays_of(self, place: int, name: str) -> Iterator[LawResult]:
         for topic in SENSORS[name].topics:
             if count := self._strays[place, topic.name]:
-                yield _stray(
-                    f"{SENSORS[name].title} stamps",
-                    count,
-                    f"{self._full_name(topic.name)}: readings of a sensor that the scenario has not",
-                )
+                what = f"{self._full_name(topic.name)}: readings of a sensor that the scenario has not"
+                yield LawResult.of_faults(f"{SENSORS[name].title} stamps", count, f"{what}: {count}", count)
 
     def _sensor_laws(
         self, place: int, name: str, ends: Mapping[str, int], begun: set[str], notes: list[str], *, is_last: bool
@@ -269,14 +266,18 @@ class SensorLaws:
         """The laws of what belongs to no segment, and of the messages about faults."""
         laws, own = list[LawResult](), self._surveyed.as_written
         for name, clocks in self._clocks.items():
-            topic, (unshown, first) = self._full_name(name), clocks.unshown
-            if clocks.early and own:
-                laws.append(
-                    _stray("sensor stamps", clocks.early, f"{topic}: readings before the first scenario's start")
+            unshown, first = clocks.unshown
+            odd = {
+                "before the first scenario's start": own * clocks.early,
+                f"whose stamp no clock of the scenario shows (first {first} ns)": unshown,
+            }
+            laws += (
+                LawResult.of_faults(
+                    "sensor stamps", count, f"{self._full_name(name)}: readings {which}: {count}", count
                 )
-            if unshown:
-                text = f"{topic}: readings whose stamp no clock of the scenario shows (first {first} ns)"
-                laws.append(_stray("sensor stamps", unshown, text))
+                for which, count in odd.items()
+                if count
+            )
         if self._faults is not None:
             law = self._faults.result(self._full_name(FAULTS), self._end_ns)
             self._logged_otherwise += self._faults.logged_otherwise
@@ -308,8 +309,3 @@ def other_software(bag: Bag | Recording) -> str | None:
     """First software other than this one that a scenario of a bag names."""
     found = (json.loads(text).get("software") for _, text in bag.scenario_texts)
     return next((str(software) for software in found if software != LIBRARY), None)
-
-
-def _stray(name: str, count: int, what: str) -> LawResult:
-    """Broken law about readings that should not be in the bag."""
-    return LawResult(name, "", float(count), 0.0, None, None, count, count, f"{what}: {count}")
