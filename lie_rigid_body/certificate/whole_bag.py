@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.sensors import SensorFindings
 from lie_rigid_body.certificate.survey import Survey
-from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 
 
@@ -25,23 +24,21 @@ def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tup
         Of the same bag.
     """
     counts = surveyed.counts
-    faults = [*_clock_faults(surveyed), *_twist_faults(bag, surveyed), *_contradictions(surveyed)]
+    moved = f"{counts.moved} components of position or linear velocity are not 0"
+    faults = [*_declaration_faults(bag, surveyed)]
     laws = [
         _frames(surveyed),
-        _flag(
-            "position and linear velocity",
-            counts.moved,
-            f"{counts.moved} components of position or linear velocity are not 0",
-        ),
-        _flag("declaration", len(faults), "; ".join(faults)),
+        LawResult.of_faults("position and linear velocity", counts.moved, moved),
+        LawResult.of_faults("declaration", len(faults), "; ".join(faults)),
     ]
     if surveyed.as_written:  # this package logs and publishes every message at its stamp: by that they are replayed
         off = bag.published_otherwise + counts.logged_otherwise + sensors.logged_otherwise
-        laws.append(_flag("log times", off, f"{off} messages are not logged, or not published, at their stamps"))
+        message = f"{off} messages are not logged, or not published, at their stamps"
+        laws.append(LawResult.of_faults("log times", off, message))
     if bag.expected_samples is not None:
         found = max(counts.messages)
         message = f"the bag's end counts {bag.expected_samples} samples, the bag holds {found}"
-        laws.append(_flag("sample count", abs(bag.expected_samples - found), message))
+        laws.append(LawResult.of_faults("sample count", abs(bag.expected_samples - found), message))
     return (*laws, *sensors.whole)
 
 
@@ -50,11 +47,15 @@ def _frames(surveyed: Survey) -> LawResult:
     declared = sorted({frame for scenario in scenarios for frame in (scenario.world_frame, scenario.body_frame)})
     others = sorted(surveyed.counts.foreign_frames)
     message = f"frames {', '.join(map(repr, others))} are not those declared: {', '.join(declared)}"
-    return _flag("frames", len(others), message)
+    return LawResult.of_faults("frames", len(others), message)
 
 
-def _clock_faults(surveyed: Survey) -> Iterator[str]:
-    """Faults of resets that are not at a sample of the clock before, or whose clock neither goes on nor begins anew."""
+def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
+    """What is wrong with the scenarios of a bag.
+
+    Resets may not be at a sample of the clock before, or their clock neither goes on nor begins anew. The type of the
+    twists may be another, and so may the scenario of samples that came before it.
+    """
     segments = surveyed.declared
     if surveyed.as_written and segments[0].first_sample > 0:
         yield f"the first scenario begins with sample {segments[0].first_sample}: those before it are not in the bag"
@@ -66,27 +67,10 @@ def _clock_faults(surveyed: Survey) -> Iterator[str]:
             (after.start_ns, 0),
         ):
             yield f"the scenario that starts at {after.start_ns} ns does not follow the clock of the one before it"
-
-
-def _twist_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
-    stamped = bag.stamped
-    if any(segment.scenario.stamped_twist != stamped for segment in surveyed.declared):
-        yield f"a scenario declares stamped_twist {str(not stamped).lower()}, the twists are otherwise"
-
-
-def _contradictions(surveyed: Survey) -> Iterator[str]:
+    if any(segment.scenario.stamped_twist != bag.stamped for segment in segments):
+        yield f"a scenario declares stamped_twist {str(not bag.stamped).lower()}, the twists are otherwise"
     for start_ns in surveyed.counts.contradicted_ns:
         yield f"a scenario that starts at {start_ns} ns contradicts the one whose samples came before it"
-
-
-def _flag(name: str, faults: int, message: str) -> LawResult:
-    """The result of a law of the bag as a whole, which holds where there are no faults."""
-    return LawResult(name, "", float(faults), 0.0, None, None, faults, 1, message if faults else "")
-
-
-def impossible(error: ParameterError) -> LawResult:
-    """Broken law of a bag that declares an impossible body, which has no motion to be compared with."""
-    return _flag("declaration", 1, f"the bag declares an impossible scenario: {error}")
 
 
 def not_certified(
@@ -103,13 +87,14 @@ def not_certified(
     inertia : sequence of float, optional
         That which was used in place of the declared one, kg m².
     """
+    has_sensors = any(segment.scenario.has_sensors for segment in surveyed.declared)
     return (
         f"who wrote it (it says {bag.library!r:.50})",
         f"the names of topics ({bag.pose_topic}, {bag.twist_topic})",
         "with which stepper (motion, method and max_step set the limits)",
         "the scale of the inertia, which no torque-free motion shows",
         *_ends(bag, surveyed),
-        *_unshown(surveyed),
+        *(["parameters of the sensors that no reading shows"] if has_sensors else []),
         *uncovered(bag, surveyed, sensors, inertia),
         *_unread(bag),
         "and what stands beside the messages: attachments, sequence numbers, qualities of service, padding",
@@ -146,11 +131,6 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
     yield "what came after its last sample" + (
         "" if bag.expected_samples is None else ": whoever cuts samples off can lower their count"
     )
-
-
-def _unshown(surveyed: Survey) -> Iterator[str]:
-    if any(segment.scenario.has_sensors for segment in surveyed.declared):
-        yield "parameters of the sensors that no reading shows"
 
 
 def _unread(bag: Bag | Recording) -> Iterator[str]:
