@@ -233,7 +233,7 @@ class SensorLaws:
                 last = min(last, lost.end - 1)
             first = sensor.first if whole or not tally.count else tally.low
             is_due = tally.count or (whole and not has_ended)
-            wrong = tally.faults(topic.topic, first, last, lost) if is_due else []
+            wrong = [*tally.faults(topic.topic, first, last, lost)] if is_due else []
             faults += wrong
             checked += tally.count
             if tally.count:

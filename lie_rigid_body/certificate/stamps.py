@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
@@ -185,7 +185,7 @@ def stamp_law(
     end = max((tally.high for tally in tallies.values() if tally.count), default=segment.first_sample)
     if following is not None:
         end = int(number_samples(clock, np.array([following]))[0]) - 1
-    faults = []
+    faults = list[StampFault]()
     for topic, tally in tallies.items():
         first = tally.low if late_start and tally.count else segment.first_sample
         last = tally.high if open_end and tally.count else end - (cut_off and topic == "twist")
@@ -276,7 +276,7 @@ class StampTally:
         self._displaced += len(at)
         self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: _SHOWN - len(self._pairs)]]
 
-    def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> list[StampFault]:
+    def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> Iterator[StampFault]:
         """Faults of a topic that is to have all samples from one number to another, except for lost ones.
 
         Parameters
@@ -285,7 +285,6 @@ class StampTally:
         first, last : int
         lost : Lost, optional
         """
-        found = []
         gaps, arrived = self._gaps(first, last, lost)
         doubled = RunList(_SHOWN)
         edges, times = self._there.counted(self.low, self.high)
@@ -293,25 +292,24 @@ class StampTally:
         if arrived.count:
             some = _some([str(k) for k in arrived.first()], arrived.total)
             text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
-            found.append(StampFault(DUPLICATE, arrived.total, arrived.first()[0], text))
+            yield StampFault(DUPLICATE, arrived.total, arrived.first()[0], text)
         if self._displaced:
             text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
-            found.append(StampFault(DISORDER, self._displaced, self._earliest, text))
+            yield StampFault(DISORDER, self._displaced, self._earliest, text)
         if doubled.count:
             count = min(doubled.total, _MOST_DOUBLED)
             text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled.first()], count)}"
-            found.append(StampFault(DUPLICATE, count, doubled.first()[0], text))
+            yield StampFault(DUPLICATE, count, doubled.first()[0], text)
         if gaps.count:
             text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps.listed], gaps.count)}"
-            found.append(StampFault(GAP, gaps.total, gaps.listed[0][0], text))
+            yield StampFault(GAP, gaps.total, gaps.listed[0][0], text)
         if self._off:
             number, stamp = self._worst
             measured = self._clock.stamp_ns(number)
             right = int(self._shown(np.array([measured]))[0])
-            text = f"{topic}: {self._off} stamps off the grid, {self._noun} {number} stamped"
-            text += f" {right + stamp - measured} ns instead of {right}"
-            found.append(StampFault(OFF_GRID, self._farthest, number, text))
-        return found
+            said = f"{self._noun} {number} stamped {right + stamp - measured} ns instead of {right}"
+            text = f"{topic}: {self._off} stamps off the grid, {said}"
+            yield StampFault(OFF_GRID, self._farthest, number, text)
 
     def _gaps(self, first: int, last: int, lost: Lost) -> tuple[RunList, RunList]:
         """Runs of missing numbers between two, except for lost ones, and runs of lost numbers that are there."""
