@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -21,14 +21,38 @@ _BLOCK: Final = 65_536
 """Largest number of samples compared at once; a batch of a bag has fewer, unless its chunks are large."""
 
 
-class _Law(NamedTuple):
-    """Residuals of the last samples of a block, as many as they are, and their limits."""
-
-    name: str
-    unit: str
-    values: Array
-    limits: Array | float
-    what: str
+_LAWS: Final = (
+    ("unit norm", "1", "the norm of the quaternion is {worst} off 1 (limit {limit}) at {where}"),
+    (
+        "kinetic energy",
+        "rel",
+        "kinetic energy is {worst} off its value at the start (relative, limit {limit}) at {where}",
+    ),
+    *(
+        (
+            f"world momentum {axis}",
+            "rel",
+            f"world angular momentum {axis} is {{worst}} off its start (relative to |L|, limit {{limit}}) at {{where}}",
+        )
+        for axis in "xyz"
+    ),
+    (
+        "twist is the attitude's derivative",
+        "rad",
+        "the attitude's step differs by {worst} rad (limit {limit}) from what the twist makes it, up to {where}",
+    ),
+    (
+        "Euler's equations",
+        "rel",
+        "the twist's step differs by {worst} (of its largest, limit {limit}) from Euler's equations, up to {where}",
+    ),
+    ("sign continuity", "1", "the quaternion changes sign without turning, at {where} ({count})"),
+    ("closed form", "rad", "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}"),
+    ("exact rate", "rad/s", "the body rate is {worst} rad/s off the exact solution (limit {limit}) at {where}"),
+)
+"""Name of each law, unit of its residuals, and the message where it is broken."""
+_Residuals: TypeAlias = tuple[Array, Array | float]
+"""Residuals of a law for the last samples of a block, as many as they are, and their limits."""
 
 
 @dataclass(frozen=True)
@@ -98,30 +122,28 @@ class SegmentLaws:
     """
 
     def __init__(self, found: SurveyedSegment, watch: Watch | None = None) -> None:
-        self._found, self._watch, scenario = found, watch, found.segment.scenario
+        self._found, scenario = found, found.segment.scenario
         self._body, self._start = scenario.body(), scenario.start()
         self._motion = scenario.exact_motion()
         self._tolerance = tolerance(scenario, found.duration)
         WORK.compiled_for(found.count)
-        self._judgements: dict[str, LawTally] = {}
+        self._judgements = [LawTally(*law, watch=watch) for law in _LAWS]
         self._before: Block | None = None
         self._is_exact = True
 
     def add(self, block: Block) -> None:
         """Hold the laws against the samples that come next."""
-        for i in range(0, max(len(block.stamps_ns), 1), _BLOCK):
+        for i in range(0, len(block.stamps_ns), _BLOCK):
             self._add(block[i : i + _BLOCK])
 
     def _add(self, new: Block) -> None:
         block = new if self._before is None else Block.joined([self._before, new])
-        for law in _all_laws(self._compared(block)):
-            judgement = self._judgements.setdefault(law.name, LawTally(law.name, law.unit, law.what, watch=self._watch))
-            count = min(len(law.values), len(new.stamps_ns))  # the sample before the new ones was judged with its own
-            own, last = slice(len(law.values) - count, None), slice(len(block.stamps_ns) - count, None)
-            limits = np.broadcast_to(law.limits, law.values.shape)
-            judgement.add(law.values[own], limits[own], block.samples[last], block.stamps_ns[last])
-        if len(block.stamps_ns):
-            self._before = block[-1:]
+        for judgement, (values, limits) in zip(self._judgements, _all_laws(self._compared(block)), strict=True):
+            count = min(len(values), len(new.stamps_ns))  # the sample before the new ones was judged with its own
+            own, last = slice(len(values) - count, None), slice(len(block.stamps_ns) - count, None)
+            of_own = np.broadcast_to(limits, values.shape)[own]
+            judgement.add(values[own], of_own, block.samples[last], block.stamps_ns[last])
+        self._before = block[-1:]
 
     def _compared(self, block: Block) -> ComparedSamples:
         elapsed = block.stamps_ns - self._found.segment.start_ns
@@ -147,94 +169,62 @@ class SegmentLaws:
 
     def held(self) -> HeldLaws:
         """Results of the laws, after all samples of the segment."""
-        if not self._judgements:  # without a sample every law holds
-            self.add(Block.joined([]))
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
-        results = tuple(judgement.result() for judgement in self._judgements.values())
+        results = tuple(judgement.result() for judgement in self._judgements)
         return HeldLaws(results, expected, self._is_exact)
 
 
-def _all_laws(compared: ComparedSamples) -> tuple[_Law, ...]:
+def _all_laws(compared: ComparedSamples) -> tuple[_Residuals, ...]:
+    """Residuals in the order of `_LAWS`."""
     return (
         _unit_norm(compared),
         _kinetic_energy(compared),
         *_world_momentum(compared),
         *_neighbours(compared),
+        _sign_continuity(compared),
         _closed_form(compared),
         _exact_rate(compared),
     )
 
 
-def _unit_norm(compared: ComparedSamples) -> _Law:
+def _unit_norm(compared: ComparedSamples) -> _Residuals:
     """The attitude is a unit quaternion, |q| = 1."""
-    return _Law(
-        "unit norm",
-        "1",
-        np.abs(compared.found.norm - 1.0),
-        NORM_LIMIT,
-        "the norm of the quaternion is {worst} off 1 (limit {limit}) at {where}",
-    )
+    return np.abs(compared.found.norm - 1.0), NORM_LIMIT
 
 
-def _kinetic_energy(compared: ComparedSamples) -> _Law:
+def _kinetic_energy(compared: ComparedSamples) -> _Residuals:
     """The kinetic energy ½ ω·Mω is that of the start."""
     start = float(compared.body.kinetic_energy(compared.start))
-    return _Law(
-        "kinetic energy",
-        "rel",
-        _relative(np.abs(compared.found.energy - start), start),
-        compared.tolerance.energy(compared.t),
-        "kinetic energy is {worst} off its value at the start (relative, limit {limit}) at {where}",
-    )
+    return _relative(np.abs(compared.found.energy - start), start), compared.tolerance.energy(compared.t)
 
 
-def _world_momentum(compared: ComparedSamples) -> list[_Law]:
+def _world_momentum(compared: ComparedSamples) -> list[_Residuals]:
     """Each component of the angular momentum in the world, A M ω, is that of the start."""
     start = compared.body.angular_momentum(compared.start)
-    scale = float(so3.norm(start))
-    limits = compared.tolerance.world_momentum(compared.t)
+    scale, limits = float(so3.norm(start)), compared.tolerance.world_momentum(compared.t)
     return [
-        _Law(
-            f"world momentum {axis}",
-            "rel",
-            _relative(np.abs(compared.found.momentum[i] - start[i]), scale),
-            limits,
-            f"world angular momentum {axis} is {{worst}} off its start (relative to |L|, limit {{limit}}) at {{where}}",
-        )
-        for i, axis in enumerate("xyz")
+        (_relative(np.abs(component - its_start), scale), limits)
+        for component, its_start in zip(compared.found.momentum, start, strict=True)
     ]
 
 
-def _neighbours(compared: ComparedSamples) -> list[_Law]:
+def _neighbours(compared: ComparedSamples) -> list[_Residuals]:
     """Each sample follows from the one before by the Taylor flow.
 
-    The attitude follows from the twist, the twist from Euler's equations, the sign of the quaternion from continuity.
+    The attitude follows from the twist, the twist from Euler's equations.
     """
     found, resolved, spans = compared.found, compared.resolved, compared.spans
     if spans.size and spans.min() == spans.max():
         spans = spans[:1]  # one limit for all
     changed = _relative(found.step_changed, compared.tolerance.fastest)
     return [
-        _Law(
-            "twist is the attitude's derivative",
-            "rad",
-            np.where(resolved, found.step_turned, 0.0),
-            compared.tolerance.attitude_step(spans),
-            "the attitude's step differs by {worst} rad (limit {limit}) from what the twist makes it, up to {where}",
-        ),
-        _Law(
-            "Euler's equations",
-            "rel",
-            np.where(resolved, changed, 0.0),
-            compared.tolerance.rate_step(spans),
-            "the twist's step differs by {worst} (of its largest, limit {limit}) from Euler's equations, up to {where}",
-        ),
-        _sign_continuity(compared),
+        (np.where(resolved, found.step_turned, 0.0), compared.tolerance.attitude_step(spans)),
+        (np.where(resolved, changed, 0.0), compared.tolerance.rate_step(spans)),
     ]
 
 
-def _sign_continuity(compared: ComparedSamples) -> _Law:
+def _sign_continuity(compared: ComparedSamples) -> _Residuals:
     """Each quaternion has the sign of the continuous path from the one before.
 
     The first, and any after a long gap, has that of the path from the segment's start.
@@ -242,35 +232,17 @@ def _sign_continuity(compared: ComparedSamples) -> _Law:
     by_start = compared.found.by_start
     continued = np.where(compared.resolved, compared.found.by_neighbour, by_start[1:])
     agreement = continued if compared.follows else np.concatenate([by_start[:1], continued])
-    return _Law(
-        "sign continuity",
-        "1",
-        np.where(agreement < 0.0, 2.0, 0.0),
-        1.0,
-        "the quaternion changes sign without turning, at {where} ({count})",
-    )
+    return np.where(agreement < 0.0, 2.0, 0.0), 1.0
 
 
-def _closed_form(compared: ComparedSamples) -> _Law:
+def _closed_form(compared: ComparedSamples) -> _Residuals:
     """The attitude is that of the closed form from the segment's start, with the closed form's own error."""
-    return _Law(
-        "closed form",
-        "rad",
-        compared.found.turned + compared.tolerance.phases(compared.t),
-        compared.tolerance.attitude(compared.t),
-        "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}",
-    )
+    return compared.found.turned + compared.tolerance.phases(compared.t), compared.tolerance.attitude(compared.t)
 
 
-def _exact_rate(compared: ComparedSamples) -> _Law:
+def _exact_rate(compared: ComparedSamples) -> _Residuals:
     """The body rate is that of the closed form from the segment's start."""
-    return _Law(
-        "exact rate",
-        "rad/s",
-        compared.rate_error,
-        READING * compared.speed + compared.tolerance.stepper_rate(compared.t),
-        "the body rate is {worst} rad/s off the exact solution (limit {limit}) at {where}",
-    )
+    return compared.rate_error, READING * compared.speed + compared.tolerance.stepper_rate(compared.t)
 
 
 def _relative(residuals: Array, scale: float) -> Array:

@@ -94,9 +94,8 @@ class Residuals:
             inertia, inverse = (np.ascontiguousarray(tensor).ravel() for tensor in (body.inertia, body.inverse_inertia))
             arrays = (np.ascontiguousarray(a) for a in (states.attitude_xyzw, states.body_rate, exact.attitude_xyzw))
             compiled(inertia, inverse, *arrays, spans, substeps, terms, np.zeros(AREA), samples, steps)
-        norm, energy, *momentum, sine, cosine, by_start = samples
+        norm, energy, x, y, z, sine, cosine, by_start = samples
         step_sine, step_cosine, changed, by_neighbour = steps
-        x, y, z = momentum
         return cls(
             norm,
             energy,
