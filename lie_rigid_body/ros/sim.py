@@ -40,7 +40,7 @@ def _main(argv: Sequence[str] | None) -> int:
     given = parse(sys.argv[1:] if argv is None else argv)
     require_ros()
     _require_readable(given.ros)
-    from lie_rigid_body.ros.simulator import simulate  # only now: it needs ROS
+    from lie_rigid_body.ros.node import simulate  # only now: it needs ROS
 
     simulate(given, Interruption.current())
     return console.SUCCESS
