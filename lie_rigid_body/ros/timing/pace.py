@@ -36,11 +36,9 @@ class Pace(Protocol):
 
     def due_ns(self, steady_ns: int) -> int:
         """The latest stamp that is due at a time of the steady clock, ns."""
-        ...
 
     def wait_ns(self, stamp_ns: int, steady_ns: int) -> int:
         """Time from ``steady_ns`` until a stamp is due, ns; negative when it has been due for that long."""
-        ...
 
     def last_ns(self, stamp_ns: int, steady_ns: int, credit_ns: int) -> int:
         """The last stamp that may go out, from ``stamp_ns`` on, which is due, with a credit of steady time."""

@@ -54,11 +54,9 @@ class Sink(Protocol):
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the segment that the next samples belong to, at the start and at each reset."""
-        ...
 
     def write(self, batch: Batch) -> None:
         """Take messages, at most `LARGEST_BATCH` of a kind. Called only when every sink is ready."""
-        ...
 
     def ready(self) -> bool:
         """Whether there is room for another batch. A sink that always has room leaves this as it is."""
