@@ -80,9 +80,8 @@ class Following:
             if self.estimate not in there:
                 return
             kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
-            subscription = subscribe(self._node, self.estimate, kind)
             self.live = self._begin(self.estimate, kind)
-            self._subscriptions[self.estimate] = subscription, self.live.hear_estimates
+            self._hear(self.estimate, kind, self.live.hear_estimates)
         self._true_kinds, truth = kinds, self.live.truth
         for topic, kind in kinds.items():
             self._hear(topic, kind, truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind))
