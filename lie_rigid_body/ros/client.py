@@ -6,6 +6,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, Final
 
 from geometry_msgs.msg import PoseStamped
@@ -45,15 +46,15 @@ def ask(given: argparse.Namespace, calls: Iterable[str], interruption: Interrupt
     """
     with own_node("lie_rigid_body_listener") as node:
         client = Client(node, interruption)
-        for name in calls:
-            if service := getattr(given, name):
-                return client.trigger(f"--{name}", service)
-        if given.scenario:
-            return client.scenario(given.scenario)
-        if given.get:
-            return client.get_parameter(given.node, given.get)
-        if given.set:
-            return client.set_parameter(given.node, given.set)
+        requests: dict[str, Callable[[str], None]] = {
+            **{name: partial(client.trigger, f"--{name}") for name in calls},
+            "scenario": client.scenario,
+            "get": partial(client.get_parameter, given.node),
+            "set": partial(client.set_parameter, given.node),
+        }
+        for option, request in requests.items():
+            if value := getattr(given, option):
+                return request(value)
         return client.listen(given.pose)
 
 
