@@ -86,8 +86,12 @@ class Propagation:
     growth: ErrorGrowth
 
     @classmethod
-    def of(cls, body: RigidBody, start: State, duration: float, fastest: float) -> Propagation:
-        """The propagation along the motion from a start."""
+    @lru_cache(maxsize=SHARED // 8)
+    def of(
+        cls, inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
+    ) -> Propagation:
+        """The propagation along a motion: most of the work, and the same for all steps and rates of samples."""
+        body, start = RigidBody(inertia), State(attitude_xyzw, body_rate)
         near = State(start.attitude_xyzw, start.body_rate + _ASIDE * so3.norm(start.body_rate))
         circulation = MotionConstants.of(body, near).circulation
         turning = float(so3.norm(start.body_rate))
@@ -214,7 +218,7 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     Tolerance
     """
     body, start, fastest = scenario.body(), scenario.start(), scenario.rate_bound()
-    propagation = _propagation(
+    propagation = Propagation.of(
         scenario.inertia, scenario.initial_attitude_xyzw, scenario.initial_body_rate, duration, fastest
     )
     conditions = ConditionNumbers.of(body, propagation.states, fastest)
@@ -229,11 +233,3 @@ def tolerance(scenario: Scenario, duration: float) -> Tolerance:
     error = step_error(body, propagation.states, method, fastest, step, conditions.rate_of_momentum)
     steps = MuntheKaasDrift.of(body, propagation.states, propagation.growth, error, conditions, fastest, step)
     return Tolerance(fastest, conditions, steps, propagation, conditions.inverse)
-
-
-@lru_cache(maxsize=SHARED // 8)
-def _propagation(
-    inertia: Vector, attitude_xyzw: Vector, body_rate: Vector, duration: float, fastest: float
-) -> Propagation:
-    """Propagation of a motion, which does not depend on steps and rates of samples, and is most of the work."""
-    return Propagation.of(RigidBody(inertia), State(attitude_xyzw, body_rate), duration, fastest)
