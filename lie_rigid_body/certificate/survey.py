@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
@@ -131,7 +131,9 @@ class SegmentTally:
         if not len(common):
             self._alone_since += len(alone) if self._count else 0
             return
-        self._span(np.diff(common, prepend=self._last_ns if self._count else common[0]) * 1e-9)
+        spans = np.diff(common, prepend=self._last_ns if self._count else common[0]) * 1e-9
+        self._longest = max(self._longest, float(spans.max()))
+        self._followed = max(self._followed, float(np.max(spans[spans * self._fastest <= LONGEST_TURN], initial=0.0)))
         if self._count:
             self._unpaired += self._alone_since + int(np.count_nonzero(alone < common[0]))
         else:
@@ -140,10 +142,6 @@ class SegmentTally:
         self._alone_since = int(np.count_nonzero(alone > common[-1]))
         self._count += len(common)
         self._last_ns = int(common[-1])
-
-    def _span(self, spans: Array) -> None:
-        self._longest = max(self._longest, float(spans.max()))
-        self._followed = max(self._followed, float(np.max(spans[spans * self._fastest <= LONGEST_TURN], initial=0.0)))
 
     def result(self, following: int | None, *, late_start: bool, open_end: bool, cut_off: bool) -> SurveyedSegment:
         """The segment, before one that starts at ``following``, ns."""
