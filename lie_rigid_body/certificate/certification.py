@@ -124,11 +124,10 @@ class Certificate(Shown):
     @property
     def messages(self) -> tuple[str, ...]:
         """One sentence for each broken law."""
-        broken = []
-        for i, segment in enumerate(self.segments, 1):
-            prefix = f"segment {i}: " if len(self.segments) > 1 else ""
-            broken += [prefix + law.message for law in segment.laws if not law.holds]
-        return (*broken, *(law.message for law in self.whole if not law.holds))
+        prefix = "segment {}: " if len(self.segments) > 1 else ""
+        laws = [(prefix.format(i), law) for i, segment in enumerate(self.segments, 1) for law in segment.laws]
+        laws += [("", law) for law in self.whole]
+        return tuple(f"{where}{law.message}" for where, law in laws if not law.holds)
 
     @property
     def attitude_accuracy(self) -> float:
