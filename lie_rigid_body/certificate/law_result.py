@@ -10,8 +10,8 @@ import numpy as np
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.short_dataclass import short_dataclass
 
-_SHOWN: Final = 4
-"""Number of samples of a broken law that are listed."""
+SHOWN: Final = 4
+"""Number of samples of a broken law, or of faults of a kind, that are listed."""
 
 
 @short_dataclass(frozen=True)
@@ -130,7 +130,7 @@ class LawTally:
             beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
             self._farthest.add(beyond, residuals, limits, samples, stamps_ns)
             self._broken += int(np.count_nonzero(broken))
-            self._first += samples[broken][: _SHOWN - len(self._first)].tolist()
+            self._first += samples[broken][: SHOWN - len(self._first)].tolist()
             self._last = int(samples[broken][-1])
 
     def result(self) -> LawResult:
@@ -146,7 +146,7 @@ class LawTally:
         """The samples of a broken law in words."""
         if self._broken == 1:
             return f"{self._noun} {worst}"
-        if self._broken <= _SHOWN:
+        if self._broken <= SHOWN:
             return f"{self._noun}s " + ", ".join(str(k) for k in self._first)
         return f"{self._broken} {self._noun}s from {self._first[0]} to {self._last}, worst at {worst}"
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Booleans, Integers, runs_of
-from lie_rigid_body.certificate.law_result import LawResult
+from lie_rigid_body.certificate.law_result import SHOWN, LawResult
 from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 
@@ -19,8 +19,6 @@ GAP: Final = "gap"
 DUPLICATE: Final = "dup"
 DISORDER: Final = "ord"
 
-_SHOWN: Final = 4
-"""Number of faults of each kind listed in a message."""
 PAGE: Final = 2**15
 """Number of samples that are looked up together, to find those that were lost."""
 _MOST_DOUBLED: Final = 100_001
@@ -274,7 +272,7 @@ class StampTally:
         before = numbers[at]
         self._earliest = min([*([self._earliest] if self._displaced else []), int(before.min())])
         self._displaced += len(at)
-        self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: _SHOWN - len(self._pairs)]]
+        self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: SHOWN - len(self._pairs)]]
 
     def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> Iterator[StampFault]:
         """Faults of a topic that is to have all samples from one number to another, except for lost ones.
@@ -286,7 +284,7 @@ class StampTally:
         lost : Lost, optional
         """
         gaps, arrived = self._gaps(first, last, lost)
-        doubled = RunList(_SHOWN)
+        doubled = RunList(SHOWN)
         edges, times = self._there.counted(self.low, self.high)
         doubled.add(edges[:-1][times > 1], edges[1:][times > 1] - 1)
         if arrived.count:
@@ -313,7 +311,7 @@ class StampTally:
 
     def _gaps(self, first: int, last: int, lost: Lost) -> tuple[RunList, RunList]:
         """Runs of missing numbers between two, except for lost ones, and runs of lost numbers that are there."""
-        gaps, arrived = RunList(_SHOWN), RunList(_SHOWN)
+        gaps, arrived = RunList(SHOWN), RunList(SHOWN)
         edges, times = self._there.counted(first, last)
         while first <= last and first < lost.end:
             count = min(PAGE, last + 1 - first)
@@ -334,5 +332,5 @@ class StampTally:
 
 def _some(items: list[str], count: int) -> str:
     """Text: the first four faults, then the number of the rest."""
-    more = count - _SHOWN
-    return ", ".join(items[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    more = count - SHOWN
+    return ", ".join(items[:SHOWN]) + (f" and {more} more" if more > 0 else "")
