@@ -69,7 +69,7 @@ def test_findings_come_go_and_are_replaced_while_a_filter_runs(domain: int) -> N
 @pytest.mark.ros
 def test_a_small_offset_is_found_twice_before_it_is_told() -> None:
     """By samples of two times that do not overlap: a healthy filter errs slowly. A large one is told at once."""
-    from lie_rigid_body.ros.publishing.scores import Confirmed
+    from lie_rigid_body.ros.evaluator import Confirmed
 
     run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], motion="closed_form")
     scores = {
