@@ -182,12 +182,9 @@ def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> No
     for name, value in parameters.items():
         if name not in NODE_PARAMETERS:
             raise InputError(f"parameter {name} is unknown: {suggestion(name, NODE_PARAMETERS, 'parameters')}")
-        if name == "max_rms":
-            given.max_rms = str(value)
-        elif name == "max_after":
-            given.max_after = [str(v) for v in value] if isinstance(value, (list, tuple)) else [str(value)]
-        else:
-            setattr(given, name, value)
+        many = value if isinstance(value, (list, tuple)) else [value]
+        texts = {"max_rms": str(value), "max_after": [str(each) for each in many]}
+        setattr(given, name, texts.get(name, value))
     for name in ("duration", "wait"):
         value = getattr(given, name)
         if value is not None:
