@@ -206,7 +206,6 @@ class StandardServices:
     def get_simulator_features(self, request: Any, response: Any) -> Any:
         """The features offered."""
         response.features.features = list(FEATURES)
-        response.features.spawn_formats = []
         response.features.custom_info = CUSTOM_INFO
         return response
 
