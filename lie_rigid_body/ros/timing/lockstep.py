@@ -73,11 +73,12 @@ class Lockstep:
             # a longer time than between two looks was a pause, or one in which this process stood still itself
             self._waited_ns += min(steady_ns - self._asked_ns, 2 * LOOK_NS)
             if self._waited_ns > self._timeout_ns:
-                missed = f"no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s"
                 others = f"{counted(self._others, 'other')} came, last {self._other_ns} ns"
-                came = others if self._others else "none came"
-                remedy = "let the filter answer each pair of readings, and not by a timer"
-                raise LieRigidBodyError(f"{self._topic}: {missed}; {came}: {remedy}")
+                raise LieRigidBodyError(
+                    f"{self._topic}: no answer to {min(self._awaited)} ns in {self._timeout_ns / NS:g} s; "
+                    f"{others if self._others else 'none came'}: let the filter answer each pair of readings, and not "
+                    "by a timer"
+                )
             if self._waited_ns - self._awaited_at_ns > self._longest_ns:
                 self._awaited.clear()
         self._asked_ns = steady_ns
