@@ -150,7 +150,9 @@ class SamplePublisher(Sink):
     def _in_order(self, batch: Batch) -> Iterator[tuple[Publisher, bytes]]:
         clock = self.publishers.get(CLOCK)
         messages = batch.in_order()
-        for stamp, topic, payload in sorted(messages, key=_with_imu_last) if self._imu_last else messages:
+        if self._imu_last:
+            messages = sorted(messages, key=lambda message: (message[0], message[1] == IMU_TOPIC))
+        for stamp, topic, payload in messages:
             if clock is not None and stamp > self._clock_ns:
                 self._clock_ns = stamp
                 yield clock, clock_bytes(stamp)
@@ -181,11 +183,6 @@ class SamplePublisher(Sink):
         for publisher in samples:
             left = min(longest_ns, max(0, end - time.monotonic_ns()))
             publisher.wait_for_all_acked(Duration(nanoseconds=left))
-
-
-def _with_imu_last(message: tuple[int, str, bytes]) -> tuple[int, bool]:
-    stamp_ns, topic, _ = message
-    return stamp_ns, topic == IMU_TOPIC
 
 
 def clock_bytes(stamp_ns: int) -> bytes:
