@@ -80,10 +80,8 @@ class Client:
         def show(pose: PoseStamped) -> None:
             nonlocal shown, heard
             silence.cancel()
-            if time.monotonic() - shown < SHOWN_EVERY:
-                return
-            shown = time.monotonic()
-            heard = console.say(line(pose))
+            if time.monotonic() - shown >= SHOWN_EVERY:
+                shown, heard = time.monotonic(), console.say(line(pose))
 
         def report_silence() -> None:
             silence.cancel()
