@@ -88,13 +88,11 @@ class SurveyedSegment:
             followed_span=followed,
         )
 
-    def is_held_as(self, other: SurveyedSegment) -> bool:
-        """Whether laws of its samples have the limits and the steps of the flow that those of another segment have."""
-        return self.segment is other.segment and self.last_ns == other.last_ns and self._flow == other._flow
-
     @property
-    def _flow(self) -> tuple[int, int]:
-        return substeps_and_terms(self.segment.scenario.rate_bound() * self.followed_span)
+    def held_by(self) -> tuple[int, int | None, tuple[int, int]]:
+        """What decides on limits of its laws and on steps of the flow: the very segment, its end, steps and terms."""
+        steps = substeps_and_terms(self.segment.scenario.rate_bound() * self.followed_span)
+        return id(self.segment), self.last_ns, steps
 
 
 class SegmentTally:
@@ -230,8 +228,7 @@ class Survey:
 
     def is_as(self, foreseen: Survey) -> bool:
         """Whether laws that were held for a foreseen survey of the bag are valid for this one."""
-        own, others = self.segments, foreseen.segments
-        return len(own) == len(others) and all(map(SurveyedSegment.is_held_as, own, others))
+        return [each.held_by for each in self.segments] == [each.held_by for each in foreseen.segments]
 
 
 def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Survey:
