@@ -171,8 +171,7 @@ class SegmentLaws:
         """Results of the laws, after all samples of the segment."""
         t = np.array([self._found.duration] if self._found.count else [])
         expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
-        results = tuple(judgement.result() for judgement in self._judgements)
-        return HeldLaws(results, expected, self._is_exact)
+        return HeldLaws(tuple(judgement.result() for judgement in self._judgements), expected, self._is_exact)
 
 
 def _all_laws(compared: ComparedSamples) -> tuple[_Residuals, ...]:
