@@ -353,8 +353,7 @@ class Run(_NamedSensors, Shown):
         if imu is None or not told.size:
             raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
         told = told[np.argsort(imu.t_ns[told], kind="stable")]
-        times = integer_stamps("t_ns", t_ns)
-        return linear(times, imu.t_ns[told], bias[told])
+        return linear(integer_stamps("t_ns", t_ns), imu.t_ns[told], bias[told])
 
     def stamped(self, estimate: Estimate) -> Estimate:
         """An estimate with its stamps: by default those of the readings of the IMU, or of the samples of the truth.
