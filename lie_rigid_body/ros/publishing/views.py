@@ -11,10 +11,10 @@ from typing import Any, Final
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, Quaternion, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from std_msgs.msg import ColorRGBA
+from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from lie_rigid_body.arrays import Array
@@ -117,33 +117,38 @@ class Markers(Sink):
         attitude = state.attitude_xyzw
         rate = quaternion.rotate(attitude, state.body_rate) * self._rate_scale
         momentum = self._body.angular_momentum(state) * self._momentum_scale
-        box = self._marker(0, "body", Marker.CUBE, stamp_ns, BLUE)
-        box.pose.orientation = _message(Quaternion, quaternion.multiply(attitude, self._box))
-        box.scale = _message(Vector3, self._sides)
-        trail = self._marker(3, "polhode", Marker.LINE_STRIP, stamp_ns, PURPLE)
-        trail.pose.orientation = _message(Quaternion, attitude)
-        trail.scale.x = 0.01
-        trail.points = [_message(Point, point) for point in self._trail]
-        return MarkerArray(
-            markers=[
-                box,
-                self._arrow(1, "momentum", stamp_ns, GREEN, momentum),
-                self._arrow(2, "angular velocity", stamp_ns, ORANGE, rate),
-                trail,
-            ]
+        body = self._marker(
+            0,
+            "body",
+            Marker.CUBE,
+            stamp_ns,
+            BLUE,
+            pose=Pose(orientation=_message(Quaternion, quaternion.multiply(attitude, self._box))),
+            scale=_message(Vector3, self._sides),
         )
+        polhode = self._marker(
+            3,
+            "polhode",
+            Marker.LINE_STRIP,
+            stamp_ns,
+            PURPLE,
+            pose=Pose(orientation=_message(Quaternion, attitude)),
+            scale=Vector3(x=0.01),
+            points=[_message(Point, point) for point in self._trail],
+        )
+        arrows = (
+            self._arrow(1, "momentum", stamp_ns, GREEN, momentum),
+            self._arrow(2, "angular velocity", stamp_ns, ORANGE, rate),
+        )
+        return MarkerArray(markers=[body, *arrows, polhode])
 
     def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, tip: Array) -> Marker:
-        arrow = self._marker(number, name, Marker.ARROW, stamp_ns, color)
-        arrow.points = [Point(), _message(Point, tip)]
-        arrow.scale = Vector3(x=0.03, y=0.06, z=0.1)
-        return arrow
+        ends, widths = [Point(), _message(Point, tip)], Vector3(x=0.03, y=0.06, z=0.1)
+        return self._marker(number, name, Marker.ARROW, stamp_ns, color, points=ends, scale=widths)
 
-    def _marker(self, number: int, name: str, kind: int, stamp_ns: int, color: ColorRGBA) -> Marker:
-        marker = Marker(ns=name, id=number, type=kind, action=Marker.ADD, color=color)
-        marker.header.frame_id = self._frame
-        marker.header.stamp = Time(sec=stamp_ns // NS, nanosec=stamp_ns % NS)
-        return marker
+    def _marker(self, number: int, name: str, kind: int, stamp_ns: int, color: ColorRGBA, **fields: Any) -> Marker:
+        header = Header(frame_id=self._frame, stamp=Time(sec=stamp_ns // NS, nanosec=stamp_ns % NS))
+        return Marker(header=header, ns=name, id=number, type=kind, action=Marker.ADD, color=color, **fields)
 
 
 def _scale(vector: Array) -> float:
