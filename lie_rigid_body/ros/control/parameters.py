@@ -123,22 +123,21 @@ def _as_ros(value: Value) -> Any:
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """The description of a parameter for ROS, which ``ros2 param describe`` shows."""
-    fixed, told = parameter.name in FIXED, []
-    if parameter.choices:
-        told.append(f"one of {', '.join(parameter.choices)}")
-    if parameter.lengths:
-        told.append(f"{' or '.join(str(n) for n in parameter.lengths)} finite numbers")
+    fixed, low, high = parameter.name in FIXED, parameter.minimum, parameter.maximum
     when = "at once" if parameter.name in IMMEDIATE else "at the next ~/reset"
-    told.append("fixed at the start" if fixed else f"a change takes effect {when}")
-    described = ParameterDescriptor(
-        description=parameter.description, additional_constraints="; ".join(told), read_only=fixed
+    told = (
+        *([f"one of {', '.join(parameter.choices)}"] if parameter.choices else []),
+        *([f"{' or '.join(str(n) for n in parameter.lengths)} finite numbers"] if parameter.lengths else []),
+        "fixed at the start" if fixed else f"a change takes effect {when}",
     )
-    low, high = parameter.minimum, parameter.maximum
-    if parameter.kind == "double" and math.isfinite(high):
-        described.floating_point_range = [FloatingPointRange(from_value=low, to_value=high, step=0.0)]
-    if parameter.kind == "int" and math.isfinite(high):
-        described.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=0)]
-    return described
+    kind = parameter.kind if math.isfinite(high) else ""
+    return ParameterDescriptor(
+        description=parameter.description,
+        additional_constraints="; ".join(told),
+        read_only=fixed,
+        floating_point_range=[FloatingPointRange(from_value=low, to_value=high)] if kind == "double" else [],
+        integer_range=[IntegerRange(from_value=int(low), to_value=int(high))] if kind == "int" else [],
+    )
 
 
 def overrides(node: Node) -> dict[str, object]:
