@@ -247,8 +247,6 @@ def _quality(node: Node, topic: str) -> QoSProfile:
 
 def taken(subscription: Subscription) -> list[bytes]:
     """The bytes of the messages that have come, as rclpy.wait_for_message takes one."""
-    found = []
+    take = partial(subscription.handle.take_message, subscription.msg_type, True)
     with subscription.handle:
-        while (message := subscription.handle.take_message(subscription.msg_type, True)) is not None:
-            found.append(message[0])
-    return found
+        return [payload for payload, _ in iter(take, None)]
