@@ -81,10 +81,9 @@ def require_executables(*wanted: tuple[str, str]) -> None:
 
 def arguments_of_node(scenario: str, params_file: str, parameters: Mapping[str, str]) -> list[str]:
     """The arguments of the node's own command line, for what launch arguments give; empty: not given."""
-    words = [*(["--scenario", scenario] if scenario else []), *(["--params-file", params_file] if params_file else [])]
-    for name, value in parameters.items():
-        words += ["-p", f"{name}:={value}"] if value else []
-    return words
+    assignments = (("-p", f"{name}:={value}") for name, value in parameters.items() if value)
+    options = (("--scenario", scenario), ("--params-file", params_file), *assignments)
+    return [word for option, value in options if value for word in (option, value)]
 
 
 def scenario_of_node(words: list[str], name: str, namespace: str) -> Scenario:
