@@ -65,9 +65,9 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
         self._node = node
         values = read_parameters({**given, **overrides(node)})
         values.update(live_scenario(values).parameters())
-        for parameter in PARAMETERS:
-            value = _as_ros(values[parameter.name])
-            node.declare_parameter(parameter.name, value, descriptor(parameter), ignore_override=True)
+        node.declare_parameters(
+            "", [(each.name, _as_ros(values[each.name]), descriptor(each)) for each in PARAMETERS], ignore_override=True
+        )
         super().__init__(node)
 
     def values(self) -> dict[str, Any]:
