@@ -11,7 +11,6 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
@@ -46,11 +45,8 @@ class Diagnostics(Sink):
         self._due_ns = self._before[0]
 
     def begin_segment(self, segment: Segment) -> None:
-        """Take the body and the initial state, whose energy and momentum are conserved in this segment."""
-        scenario = segment.scenario
-        self._rate = scenario.rate
-        self._body, self._start = scenario.body(), scenario.start()
-        self._state: State = self._start
+        """Take the scenario, of whose initial state energy and momentum are conserved in this segment."""
+        self._scenario, self._state = segment.scenario, segment.scenario.start()
 
     def write(self, batch: Batch) -> None:
         """Keep the latest state."""
@@ -73,7 +69,7 @@ class Diagnostics(Sink):
         energy, momentum = self.drifts()
         values = {
             "samples per second": f"{(punctuality.sent - before.sent) * NS / max(1, steady_ns - then_ns):.6g}",
-            "samples per second of simulated time": f"{self._rate:g}",
+            "samples per second of simulated time": f"{self._scenario.rate:g}",
             "samples sent": str(punctuality.sent),
             "lateness of the latest sample (ms)": f"{punctuality.lateness_ns / 1e6:.3f}",
             "worst lateness so far (ms)": f"{punctuality.worst_ns / 1e6:.3f}",
@@ -86,8 +82,9 @@ class Diagnostics(Sink):
 
     def drifts(self) -> tuple[float, float]:
         """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
-        energies = [float(self._body.kinetic_energy(state)) for state in (self._start, self._state)]
-        momenta = [self._body.angular_momentum(state) for state in (self._start, self._state)]
+        body, states = self._scenario.body(), (self._scenario.start(), self._state)
+        energies = [float(body.kinetic_energy(state)) for state in states]
+        momenta = [body.angular_momentum(state) for state in states]
         size = float(np.linalg.norm(momenta[0]))
         if not (energies[0] and size):
             return 0.0, 0.0
