@@ -239,11 +239,9 @@ def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Record
             scenario_topic=node.names[SCENARIO],
             sensor_topics={topic: node.names[topic] for topic in SENSOR_TOPICS},
         )
-    except ExistsError:
-        kept = f"{path} exists and is kept: give another name, or move it away"
-        raise ParameterError("record_path", kept) from None
     except BagError as error:
-        raise ParameterError("record_path", str(error)) from None
+        kept = f"{path} exists and is kept: give another name, or move it away"
+        raise ParameterError("record_path", kept if isinstance(error, ExistsError) else str(error)) from None
     with writer as bag:
         recorder = Recorder(bag, node.report_failure)
         yield recorder
