@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager, nullcontext, suppress
 from functools import partial
 from typing import Any, Final
 
@@ -166,9 +166,9 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
             destroying(node),
             _started(scenario) as wall,
             spinning(node),
-            _lockstep(node, values, mailbox) as lockstep,
+            _lockstep(node, values, mailbox) if values["lockstep_topic"] else nullcontext() as lockstep,
             closing(node.publisher),
-            _recording(node, values["record_path"], values["real_time_factor"]) as recorder,
+            _recording(node, values) if values["record_path"] else nullcontext() as recorder,
         ):
             run = LiveRun(
                 Simulation(scenario),
@@ -197,11 +197,8 @@ def _started(scenario: Scenario) -> Iterator[Callable[[], int] | None]:
 
 
 @contextmanager
-def _lockstep(node: SimulatorNode, values: Mapping[str, Any], mailbox: Mailbox) -> Iterator[Lockstep | None]:
-    """Lock-step with the filter of ``lockstep_topic``, whose answers go into the mailbox; None without a topic."""
-    if not values["lockstep_topic"]:
-        yield None
-        return
+def _lockstep(node: SimulatorNode, values: Mapping[str, Any], mailbox: Mailbox) -> Iterator[Lockstep]:
+    """Lock-step with the filter of ``lockstep_topic``, whose answers go into the mailbox."""
     from lie_rigid_body.ros.answers import Answers  # which needs what reads bags
 
     given = values["lockstep_topic"], values["lockstep_nodes"]
@@ -212,8 +209,8 @@ def _lockstep(node: SimulatorNode, values: Mapping[str, Any], mailbox: Mailbox) 
 
 
 @contextmanager
-def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Recorder | None]:
-    """Keep the bag of ``record_path`` open, and finish it whatever happens; None without a path.
+def _recording(node: SimulatorNode, values: Mapping[str, Any]) -> Iterator[Recorder]:
+    """Keep the bag of ``record_path`` open, and finish it whatever happens.
 
     A run that goes as fast as possible, at a real-time factor of 0, waits for the disk. Others are not held up by it.
 
@@ -224,16 +221,14 @@ def _recording(node: SimulatorNode, path: str, factor: float) -> Iterator[Record
     BagError
         At the end, if the bag could not be written to its end.
     """
-    if not path:
-        yield None
-        return
     from lie_rigid_body.recording.bag_writer import BagWriter
 
+    path = values["record_path"]
     try:
         writer = BagWriter(
             path,
             stamped_twist=node.parameters.scenario().stamped_twist,
-            wait_for_disk=not factor,
+            wait_for_disk=not values["real_time_factor"],
             pose_topic=node.names[POSE],
             twist_topic=node.names[TWIST],
             scenario_topic=node.names[SCENARIO],
