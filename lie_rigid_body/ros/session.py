@@ -17,7 +17,7 @@ from typing import Final
 
 import rclpy
 from rcl_interfaces.msg import SetParametersResult
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity, get_logger_level, set_logger_level
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -131,10 +131,8 @@ def _spin(executor: MultiThreadedExecutor, node: Node, ended: Event) -> None:
     while rclpy.ok() and not ended.is_set():
         try:
             executor.spin_once(LONGEST_LOOK)
-        except ExternalShutdownException:
-            return
         except Exception as error:
-            if not rclpy.ok():  # it ended between two looks of the executor, whose wait set then fails
+            if not rclpy.ok():  # it ended amid a look of the executor, or between two, whose wait set then fails
                 return
             # one malformed request must not silence all services
             node.get_logger().error(f"a callback failed: {error!r}")
