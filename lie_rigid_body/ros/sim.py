@@ -56,9 +56,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         ``--ros-args``; empty if there are none.
     """
     own, ros = split_ros_arguments(argv)
-    given = Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG, scenario=True).parse_args(own)
-    given.ros = ros
-    return given
+    parser = Parser("sim", "Run the live ROS 2 node.", epilog=EPILOG, scenario=True)
+    return parser.parse_args(own, argparse.Namespace(ros=ros))
 
 
 def given_to_ros(ros: Sequence[str], *options: str) -> list[str]:
