@@ -17,7 +17,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
-from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, STALL_NS, Pace, UpTo, credit_ns, pace_of
+from lie_rigid_body.ros.timing.pace import BREATH_NS, Pace, UpTo, credit_ns, pace_of
 from lie_rigid_body.ros.timing.requests import ControlError, Mailbox, P, StepRequest, T
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
@@ -330,7 +330,8 @@ class LiveRun:
             self._take_pace(self._pace.postponed(stamp, now))
             return
         with self._interruption.allowed():
-            credit = self._credit_ns(stamp, now)
+            is_far_behind = self._pace.wait_ns(stamp, now) < -FAR_BEHIND_NS
+            credit = credit_ns(now - self._rested_ns, is_far_behind=is_far_behind)
             last_ns = self._pace.last_ns(stamp, now, credit) if self._lockstep is None else stamp
             try:
                 taken = self._simulation.take_until(last_ns, self._batch_size)
@@ -345,13 +346,6 @@ class LiveRun:
         if self._lockstep is not None:
             self._lockstep.sent((n, s) for n, some in taken.sensors.items() for s in some.stamps_ns.tolist())
         self._note(batch, now, -self._pace.wait_ns(stamp, now))
-
-    def _credit_ns(self, stamp_ns: int, steady_ns: int) -> int:
-        """Time whose samples may go out at once, if they are late, ns."""
-        overslept = steady_ns - self._rested_ns
-        if overslept < STALL_NS and self._pace.wait_ns(stamp_ns, steady_ns) < -FAR_BEHIND_NS:
-            return max(credit_ns(overslept), int(CATCH_UP * overslept))
-        return credit_ns(overslept)
 
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
         """Keep account of a batch: its punctuality, its last state, the step request it belongs to."""

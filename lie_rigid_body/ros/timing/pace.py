@@ -19,16 +19,18 @@ STALL_NS: Final = 25_000_000
 """Oversleep from which on it counts as a stall, of which nothing is made up for at once, ns."""
 
 
-def credit_ns(overslept_ns: int) -> int:
+def credit_ns(overslept_ns: int, *, is_far_behind: bool) -> int:
     """Time whose samples may go out at once, in a late run that rested so much longer than it had to, ns.
 
     In two breaths the run gains on time. In what it overslept beyond, it only keeps up with time: a late waking brings
-    no more samples than it brings to a punctual run. One sample may go out in any case.
+    no more samples than it brings to a punctual run. One that is far behind gains in all of it. One sample may go out
+    in any case.
     """
     if overslept_ns >= STALL_NS:
         return 0
     gaining = min(overslept_ns, 2 * BREATH_NS)  # half of it may be what the breath before left over
-    return int(CATCH_UP * gaining) + min(overslept_ns, LONGEST_CREDIT_NS) - gaining
+    credit = int(CATCH_UP * gaining) + min(overslept_ns, LONGEST_CREDIT_NS) - gaining
+    return max(credit, int(CATCH_UP * overslept_ns)) if is_far_behind else credit
 
 
 class Pace(Protocol):
