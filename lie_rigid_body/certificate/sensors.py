@@ -281,7 +281,7 @@ class SensorLaws:
         if self._faults is not None:
             law = self._faults.result(self._full_name(FAULTS), self._end_ns)
             self._logged_otherwise += self._faults.logged_otherwise
-            laws += [] if self._faults.is_too_far else [law]
+            laws += [] if self._faults.expected.is_too_far else [law]
         return tuple(laws)
 
     def _unheld(self) -> Iterator[str]:
@@ -296,7 +296,7 @@ class SensorLaws:
         early, faults = sum(clocks.early for clocks in self._clocks.values()), self._faults
         if early and not self._surveyed.as_written:
             yield f"readings before the first scenario's start: {early}"
-        if faults is not None and faults.is_too_far:
+        if faults is not None and faults.expected.is_too_far:
             yield f"{self._full_name(FAULTS)}: too many readings to compute the faults of all"
         elif faults is not None and not self._surveyed.as_written:
             if faults.early:

@@ -105,6 +105,8 @@ class FaultLaw:
 
     Attributes
     ----------
+    expected : ExpectedFaults
+        Faults that the scenarios make, as far as they are known.
     early, repeated : int
         Number of a recorder's messages about faults before the first segment, and number of repeated messages.
     logged_otherwise : int
@@ -112,7 +114,7 @@ class FaultLaw:
     """
 
     def __init__(self, segments: Sequence[Segment], horizon_ns: int, *, is_whole: bool, most: int) -> None:
-        self._expected = ExpectedFaults(segments, most)
+        self.expected = ExpectedFaults(segments, most)
         self._start_ns, self._horizon_ns, self._is_whole = segments[0].start_ns, horizon_ns, is_whole
         self._known = OrderedDict[Fault, _MadeFault]()  # by all but their sizes
         self._count = self._number = 0
@@ -120,11 +122,6 @@ class FaultLaw:
         self._wrong: dict[str, tuple[int, str]] = {}
         self._worst: tuple[int, int] | None = None
         self.early = self.repeated = self.logged_otherwise = 0
-
-    @property
-    def is_too_far(self) -> bool:
-        """Whether the search for faults needs more readings than allowed."""
-        return self._expected.is_too_far
 
     def add(self, messages: Iterable[tuple[int, str]]) -> None:
         """Check the next messages of the file, each of log time, ns, and text."""
@@ -159,13 +156,13 @@ class FaultLaw:
 
     def _expect(self, until_ns: int) -> None:
         """Remember the faults that begin up to a time, ns; beyond `_MOST_KEPT` judge and forget the oldest."""
-        for fault in self._expected.until(until_ns):
+        for fault in self.expected.until(until_ns):
             self._known[replace(fault, size=None)] = _MadeFault(self._number, fault)
             self._number += 1
             if len(self._known) > _MOST_KEPT:
                 _, oldest = self._known.popitem(last=False)
                 self._miss([oldest])
-                self._expected.left -= (not oldest.is_told) * _READINGS_PER_FAULT
+                self.expected.left -= (not oldest.is_told) * _READINGS_PER_FAULT
 
     def _found(self, text: str, fault: Fault) -> _MadeFault | None:
         """Expected fault that a message reports; None if the scenarios make no such fault."""
@@ -178,7 +175,7 @@ class FaultLaw:
             begin_ns, first = expected.fault.begin_ns, self._first
             is_due = until_ns < 0 or expected.number < self._last or (self._is_whole and begin_ns <= until_ns)
             if is_due and not expected.is_told and first is not None and expected.number >= first:
-                seconds = (begin_ns - self._expected.segment_at(begin_ns).start_ns) / NS
+                seconds = (begin_ns - self.expected.segment_at(begin_ns).start_ns) / NS
                 self._note("missing", f"{_in_words(expected.fault)}, {seconds:.9g} s after the start", begin_ns)
 
     def _note(self, what: str, where: str, begin_ns: int) -> None:
