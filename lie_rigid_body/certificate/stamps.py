@@ -239,7 +239,7 @@ class StampTally:
         self.count, self.low, self.high = 0, 0, -1
         self._previous = 0
         self._there = NumberRuns()
-        self._displaced, self._earliest, self._pairs = 0, 0, list[str]()
+        self._displaced, self._earliest, self._pairs = 0, int(np.iinfo(np.int64).max), list[str]()
         self._off, self._farthest, self._worst = 0, 0, (0, 0)
 
     def add(self, stamps_ns: Integers) -> None:
@@ -250,10 +250,7 @@ class StampTally:
         if not self.count:
             self._previous, self.low, self.high = int(found[0]), int(found[0]), int(found[0]) - 1
         self._take_grid(found, stamps_ns)
-        steps = np.diff(found, prepend=self._previous)
-        if not self.count:
-            steps[0] = 1
-        self._take_order(np.flatnonzero(steps < 0), np.concatenate([[self._previous], found]))
+        self._take_order(np.concatenate([[self._previous], found]))
         self._there.add(found)
         self.low, self.high = min(self.low, int(found.min())), max(self.high, int(found.max()))
         self._previous = int(found[-1])
@@ -266,11 +263,9 @@ class StampTally:
         if off[i] > self._farthest:
             self._farthest, self._worst = int(off[i]), (int(found[i]), int(stamps_ns[i]))
 
-    def _take_order(self, at: Integers, numbers: Integers) -> None:
-        if not len(at):
-            return
-        before = numbers[at]
-        self._earliest = min([*([self._earliest] if self._displaced else []), int(before.min())])
+    def _take_order(self, numbers: Integers) -> None:
+        at = np.flatnonzero(np.diff(numbers) < 0)
+        self._earliest = int(numbers[at].min(initial=self._earliest))
         self._displaced += len(at)
         self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: SHOWN - len(self._pairs)]]
 
