@@ -270,18 +270,12 @@ def _told(scenario: Scenario, name: str) -> dict[str, _Told]:
     """Content of a sensor's messages that the scenario determines, by topic."""
     found = {}
     for topic in SENSORS[name].topics:
-        encoder, varying = (
-            ReadingEncoder(topic, scenario.sensors.on[name], scenario),
-            varying_fields(topic.message_type),
-        )
-        numbers = np.array(encoder.numbers)
-        fixed = np.full(np.count_nonzero(varying), fill_value=True)
-        readings = []
-        for field in encoder.fields:
-            columns = value_columns(topic, field)
-            fixed[columns] = False
-            readings.append((field.quantity, field.unit, field.array, _as_slice(columns)))
-        found[topic.name] = _Told(encoder.frame, numbers[~varying].tobytes(), numbers[varying], fixed, tuple(readings))
+        encoder = ReadingEncoder(topic, scenario.sensors.on[name], scenario)
+        numbers, varying = np.array(encoder.numbers), varying_fields(topic.message_type)
+        columns = {field: value_columns(topic, field) for field in encoder.fields}
+        fixed = ~np.isin(np.arange(np.count_nonzero(varying)), [place for own in columns.values() for place in own])
+        readings = tuple((each.quantity, each.unit, each.array, _as_slice(own)) for each, own in columns.items())
+        found[topic.name] = _Told(encoder.frame, numbers[~varying].tobytes(), numbers[varying], fixed, readings)
     return found
 
 
