@@ -168,7 +168,7 @@ class SensorLaws:
         found = self._of_segments(sampled, notes)
         *laws, whole = *(found.pop(place) for place in sampled), self._of_bag()
         whole += tuple(law for rest in found.values() for law in rest)
-        not_certified = [*self._unheld(), *self._unassigned()]
+        not_certified = [*self._not_certified()]
         computed = value_laws() | {FAULT_LAW}
         broken = any(law.name in computed and not law.holds for own in (*laws, whole) for law in own)
         foreign = other_software(self._bag) if broken else None
@@ -284,15 +284,14 @@ class SensorLaws:
             laws += [] if self._faults.expected.is_too_far else [law]
         return tuple(laws)
 
-    def _unheld(self) -> Iterator[str]:
+    def _not_certified(self) -> Iterator[str]:
+        """Topics that the bag or the scenarios lack, and messages that belong to no segment, in words."""
         for name in SENSOR_TOPICS:
             sensor = self._bag.sensors.get(name)
             if sensor is not None and name not in self._declared:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
             if name in self._declared and name not in self._held and sensor is None:
                 yield f"{name}, which the scenario has: not in the bag"
-
-    def _unassigned(self) -> Iterator[str]:
         early, faults = sum(clocks.early for clocks in self._clocks.values()), self._faults
         if early and not self._surveyed.as_written:
             yield f"readings before the first scenario's start: {early}"
