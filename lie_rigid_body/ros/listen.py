@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from lie_rigid_body import console
-from lie_rigid_body.command_line import Parser
+from lie_rigid_body.command_line import Parser, argument
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.installation import require_ros
 
@@ -48,17 +48,27 @@ def _main(argv: Sequence[str] | None) -> int:
 
 
 def _parser() -> Parser:
-    parser = Parser("listen", "Print the poses that the node publishes, or ask the node for one thing.")
-    parser.prog = PROGRAM
-    parser.add_argument("--pose", metavar="TOPIC", default="/pose", help="the topic to listen to; /pose if not given")
-    one = parser.add_mutually_exclusive_group()
-    for name, what in CALLS.items():
-        one.add_argument(f"--{name}", metavar="SERVICE", nargs="?", const=f"{NODE}/{name}", help=what)
-    one.add_argument(
-        "--scenario", metavar="TOPIC", nargs="?", const=f"{NODE}/scenario", help="print the latched scenario, and end"
+    parser = Parser(
+        "listen",
+        "Print the poses that the node publishes, or ask the node for one thing.",
+        argument("--pose", metavar="TOPIC", default="/pose", help="the topic to listen to; /pose if not given"),
+        either=(
+            *(
+                argument(f"--{name}", metavar="SERVICE", nargs="?", const=f"{NODE}/{name}", help=what)
+                for name, what in CALLS.items()
+            ),
+            argument(
+                "--scenario",
+                metavar="TOPIC",
+                nargs="?",
+                const=f"{NODE}/scenario",
+                help="print the latched scenario, and end",
+            ),
+            argument("--get", metavar="NAME", help="print a parameter, and end"),
+            argument("--set", metavar="NAME:=VALUE", help="set a parameter, and end"),
+        ),
     )
-    one.add_argument("--get", metavar="NAME", help="print a parameter, and end")
-    one.add_argument("--set", metavar="NAME:=VALUE", help="set a parameter, and end")
+    parser.prog = PROGRAM
     parser.add_argument("--node", metavar="NAME", default=NODE, help=f"whose parameters; {NODE} if not given")
     return parser
 
