@@ -89,9 +89,6 @@ class Markers(Sink):
         scenario = segment.scenario
         start, body = scenario.start(), scenario.body()
         self._frame, self._body = scenario.world_frame, body
-        self._sides = box_sides(body.principal_moments)  # m: an inertia alone does not determine the size of a body
-        # the box lies along the principal axes
-        self._box = quaternion.from_matrix(body.principal_axes)
         self._rate_scale = _scale(start.body_rate)
         self._momentum_scale = _scale(body.body_momentum(start))
         self._trail.clear()
@@ -117,14 +114,16 @@ class Markers(Sink):
         attitude = state.attitude_xyzw
         rate = quaternion.rotate(attitude, state.body_rate) * self._rate_scale
         momentum = self._body.angular_momentum(state) * self._momentum_scale
+        # a box along the principal axes, m: an inertia alone does not determine the size of a body
+        axes, sides = quaternion.from_matrix(self._body.principal_axes), box_sides(self._body.principal_moments)
         body = self._marker(
             0,
             "body",
             Marker.CUBE,
             stamp_ns,
             BLUE,
-            pose=Pose(orientation=_message(Quaternion, quaternion.multiply(attitude, self._box))),
-            scale=_message(Vector3, self._sides),
+            pose=Pose(orientation=_message(Quaternion, quaternion.multiply(attitude, axes))),
+            scale=_message(Vector3, sides),
         )
         polhode = self._marker(
             3,
