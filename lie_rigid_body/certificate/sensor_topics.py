@@ -151,7 +151,7 @@ class SegmentSensor:
         replays: Replays,
         watch: Watch | None = None,
     ) -> None:
-        self._segment, self._last_ns, self._successors, self._name = segment, last_ns, successors, name
+        self._segment, self._last_ns, self._name = segment, last_ns, name
         self._replays, self._duration, self.is_too_far = replays, (last_ns - segment.start_ns) * 1e-9, False
         self._delivery = segment.scenario.sensors.on[name].delivery
         self._end_ns = successors[0].start_ns - 1 if successors else MAX_EPOCH_NS
