@@ -307,7 +307,6 @@ class LiveRun:
         self._encoder = BatchEncoder(scenario)
         # few samples when each costs many steps, so that calls need not wait long
         self._batch_size = scenario.batch_size(LARGEST_BATCH, STEPS_PER_BATCH)
-        self._fastest_rate = max(scenario.rates)
         self._set_deadline()
         self._rested_ns = 0
         if self._lockstep is not None:
@@ -319,7 +318,7 @@ class LiveRun:
     def _set_deadline(self) -> None:
         factor = self.factor or 1.0
         self._deadline_ns = max(SHORTEST_WAIT_NS, math.ceil(self._simulation.clock.period_ns / Fraction(factor)))
-        self._is_fast = self._lockstep is None and self._fastest_rate * factor * SHORTEST_WAIT_NS > NS
+        self._is_fast = self._lockstep is None and max(self.segment.scenario.rates) * factor * SHORTEST_WAIT_NS > NS
 
     def _send_due(self) -> None:
         """Send samples that are due: at most one batch, and of those that are late a few."""
