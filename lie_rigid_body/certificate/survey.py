@@ -114,7 +114,7 @@ class SegmentTally:
         self.segment = segment
         self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
         self._count = self._unpaired = self._alone_since = 0
-        self._first_ns = self._last_ns = 0
+        self._first = self._last_ns = 0
         self._fastest = segment.scenario.rate_bound()
         self._longest = self._followed = 0.0
         self.logged_ns = MAX_EPOCH_NS
@@ -135,7 +135,7 @@ class SegmentTally:
         if self._count:
             self._unpaired += self._alone_since + int(np.count_nonzero(alone < common[0]))
         else:
-            self._first_ns = int(common[0])
+            self._first = int(number_samples(self.segment.clock(), common[:1])[0])
         self._unpaired += int(np.count_nonzero((alone > common[0]) & (alone < common[-1])))
         self._alone_since = int(np.count_nonzero(alone > common[-1]))
         self._count += len(common)
@@ -154,11 +154,10 @@ class SegmentTally:
         )
         if not self._count:
             return SurveyedSegment(segment, 0, None, None, law, late_start, 0)
-        first = int(number_samples(segment.clock(), np.array([self._first_ns]))[0])
         return SurveyedSegment(
             segment,
             self._count,
-            first,
+            self._first,
             self._last_ns,
             law,
             late_start,
