@@ -120,8 +120,7 @@ def prove(
     for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):
         own = spread[(spread >= first) & (spread < first + len(block.samples))] - first
         worst = np.flatnonzero(block.samples == certificate.segments[i].law("closed form").sample)
-        chosen = block[np.union1d(own, worst)]
-        yield from _prove_samples(i + 1, surveyed[i].segment, chosen, limits[i])
+        yield from _prove_samples(i + 1, surveyed[i].segment, block[np.union1d(own, worst)], limits[i])
         first += len(block.samples)
 
 
