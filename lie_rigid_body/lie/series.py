@@ -9,6 +9,7 @@ where the closed form is already well conditioned.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Final
 
@@ -39,13 +40,6 @@ _DEXP_QUADRATIC: Final = tuple((-1.0) ** k / math.factorial(2 * k + 3) for k in 
 DEXPINV_QUADRATIC: Final = tuple(float(abs(b) / math.factorial(2 * k + 2)) for k, b in enumerate(_bernoulli(40)[2::2]))
 
 
-def _horner(coefficients: tuple[float, ...], x: Array) -> Array:
-    value = np.full_like(x, coefficients[-1])
-    for c in reversed(coefficients[:-1]):
-        value = value * x + c
-    return value
-
-
 def half_angle_sine_ratio(theta: Array) -> Array:
     """The ratio sin(θ/2)/θ, with its limit ½ at 0."""
     return 0.5 * sine_ratio(0.5 * theta)
@@ -71,16 +65,18 @@ def dexp_linear(theta: Array) -> Array:
 
 def dexp_quadratic(theta: Array) -> Array:
     """The coefficient (θ − sin θ)/θ³, with its limit 1/6 at 0."""
-    small = theta < SERIES_LIMIT
-    series = _horner(_DEXP_QUADRATIC, np.where(small, theta, 0.0) ** 2)
-    safe = np.where(small, SERIES_LIMIT, theta)
-    return np.where(small, series, (safe - np.sin(safe)) / safe**3)
+    return _by_series_below_limit(theta, _DEXP_QUADRATIC, lambda x: (x - np.sin(x)) / x**3)
 
 
 def dexpinv_quadratic(theta: Array) -> Array:
     """The coefficient (1 − (θ/2) cot(θ/2))/θ², with its limit 1/12 at 0."""
+    return _by_series_below_limit(
+        theta, DEXPINV_QUADRATIC, lambda x: (1.0 - 0.5 * x * np.cos(0.5 * x) / np.sin(0.5 * x)) / x**2
+    )
+
+
+def _by_series_below_limit(theta: Array, coefficients: tuple[float, ...], closed: Callable[[Array], Array]) -> Array:
+    """A function of θ by its power series in θ² below `SERIES_LIMIT`, from there on by its closed form."""
     small = theta < SERIES_LIMIT
-    series = _horner(DEXPINV_QUADRATIC, np.where(small, theta, 0.0) ** 2)
-    safe = np.where(small, SERIES_LIMIT, theta)
-    half = 0.5 * safe
-    return np.where(small, series, (1.0 - half * np.cos(half) / np.sin(half)) / safe**2)
+    series = np.polyval(coefficients[::-1], np.where(small, theta, 0.0) ** 2)
+    return np.where(small, series, closed(np.where(small, SERIES_LIMIT, theta)))
