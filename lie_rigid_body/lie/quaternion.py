@@ -188,11 +188,25 @@ def to_matrix(q: ArrayLike) -> Array:
     return m
 
 
+def outer_square(m: Any) -> tuple[tuple[Any, Any, Any, Any], ...]:
+    """The matrix 4qqᵀ of the quaternion q, eq. (31), of a rotation matrix, whose rows have entries of any kind.
+
+    Row i is 4qᵢq, so that each is parallel to the quaternion q, and the longest, whose entry on the diagonal is the
+    largest, is the best conditioned (S. W. Shepperd, J. Guidance and Control 1 (1978) 223).
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = m
+    return (
+        (1 + xx - yy - zz, xy + yx, xz + zx, zy - yz),
+        (xy + yx, 1 - xx + yy - zz, yz + zy, xz - zx),
+        (xz + zx, yz + zy, 1 - xx - yy + zz, yx - xy),
+        (zy - yz, xz - zx, yx - xy, 1 + xx + yy + zz),
+    )
+
+
 def from_matrix(m: ArrayLike) -> Array:
     """Unit quaternion of a rotation matrix, eqs. (31) and (6), the one with the largest component positive.
 
-    Of the four components the largest is taken from the diagonal and the rest by division
-    (S. W. Shepperd, J. Guidance and Control 1 (1978) 223), so that no angle loses digits.
+    It is the longest row of `outer_square`, normalised, so that no angle loses digits.
 
     Parameters
     ----------
@@ -202,20 +216,8 @@ def from_matrix(m: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 4)
     """
-    m = vectors.as_matrices(m)
-    xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
-    wx, wy, wz = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
-    xy, xz, yz = m[..., 0, 1] + m[..., 1, 0], m[..., 0, 2] + m[..., 2, 0], m[..., 1, 2] + m[..., 2, 1]
-    # row i holds 4 qᵢ q, so each row is parallel to q, and the longest is the best conditioned
-    rows = np.stack(
-        [
-            np.stack([1.0 + xx - yy - zz, xy, xz, wx], axis=-1),
-            np.stack([xy, 1.0 - xx + yy - zz, yz, wy], axis=-1),
-            np.stack([xz, yz, 1.0 - xx - yy + zz, wz], axis=-1),
-            np.stack([wx, wy, wz, 1.0 + xx + yy + zz], axis=-1),
-        ],
-        axis=-2,
-    )
+    entries = np.moveaxis(vectors.as_matrices(m), (-2, -1), (0, 1))
+    rows = np.stack([np.stack(row, axis=-1) for row in outer_square(entries)], axis=-2)
     best = np.argmax(np.diagonal(rows, axis1=-2, axis2=-1), axis=-1)
     chosen = np.take_along_axis(rows, best[..., np.newaxis, np.newaxis], axis=-2)[..., 0, :]
     return normalize(chosen)

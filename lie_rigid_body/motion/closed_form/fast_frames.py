@@ -14,7 +14,7 @@ algorithm 1).
 from __future__ import annotations
 
 import math
-from typing import Any, Final, NamedTuple, TypeAlias, cast
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from lie_rigid_body.arithmetic.double_double import (
     subtract,
 )
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude, sign
+from lie_rigid_body.lie.quaternion import outer_square
 
 Condition: TypeAlias = Any
 """A bool of one motion, or an array of them."""
@@ -303,23 +304,15 @@ def _dot(a: Vector, b: Vector) -> DoubleDouble:
 
 def _conjugate_quaternion(rows: Matrix) -> Quadruple:
     """conj(F), one after the other where there are many."""
-    entries = [entry for row in rows for entry in row]
-    if isinstance(entries[0], float):
-        return _quaternion_of_one(*cast(list[float], entries))
-    x, y, z, w = np.array([_quaternion_of_one(*row) for row in np.stack(entries, axis=-1).tolist()]).T
+    if isinstance(rows[0][0], float):
+        return _quaternion_of_one(rows)
+    x, y, z, w = np.array([_quaternion_of_one(each) for each in np.moveaxis(np.array(rows), -1, 0).tolist()]).T
     return x, y, z, w
 
 
-def _quaternion_of_one(
-    xx: float, xy: float, xz: float, yx: float, yy: float, yz: float, zx: float, zy: float, zz: float
-) -> tuple[float, float, float, float]:
+def _quaternion_of_one(matrix: Any) -> tuple[float, float, float, float]:
     """The inverse of a rotation matrix as a quaternion; see `lie.quaternion.from_matrix`."""
-    rows = (
-        (1.0 + xx - yy - zz, xy + yx, xz + zx, zy - yz),
-        (xy + yx, 1.0 - xx + yy - zz, yz + zy, xz - zx),
-        (xz + zx, yz + zy, 1.0 - xx - yy + zz, yx - xy),
-        (zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz),
-    )
-    x, y, z, w = max(enumerate(rows), key=lambda numbered: numbered[1][numbered[0]])[1]
+    rows = outer_square(matrix)
+    x, y, z, w = rows[max(range(4), key=lambda i: rows[i][i])]
     length = math.sqrt(x * x + y * y + z * z + w * w)
     return -x / length, -y / length, -z / length, w / length

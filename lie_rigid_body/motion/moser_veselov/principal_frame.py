@@ -70,7 +70,7 @@ class CyclicFrame:
     def inward(self, attitude_xyzw: Sequence[float]) -> list[Decimal]:
         """The frame's attitude from the body's, of unit norm."""
         given = [Decimal(component) for component in attitude_xyzw]
-        norm = sum((c * c for c in given), Decimal(0)).sqrt()
+        norm = dot(given, given).sqrt()
         given = [c / norm for c in given]
         if self.order:
             return [*(given[i] for i in self.order), given[3]]
@@ -158,14 +158,8 @@ def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:
 
 
 def _rotation_quaternion(first: Vector, second: Vector, third: Vector) -> list[Decimal]:
-    """The unit quaternion of the matrix with these columns, from the largest column of 4 qqᵀ (S. W. Shepperd, 1978)."""
-    (a, d, g), (b, e, h), (c, f, i) = first, second, third
-    columns = [
-        [1 + a - e - i, b + d, c + g, h - f],
-        [b + d, 1 - a + e - i, f + h, c - g],
-        [c + g, f + h, 1 - a - e + i, d - b],
-        [h - f, c - g, d - b, 1 + a + e + i],
-    ]
-    largest = max(range(4), key=lambda k: columns[k][k])
-    norm = sum((x * x for x in columns[largest]), Decimal(0)).sqrt()
-    return [x / norm for x in columns[largest]]
+    """The unit quaternion of the matrix with these columns: the longest row of its `outer_square`."""
+    rows = quaternion.outer_square(zip(first, second, third, strict=True))
+    largest = max(range(4), key=lambda k: rows[k][k])
+    norm = dot(rows[largest], rows[largest]).sqrt()
+    return [x / norm for x in rows[largest]]
