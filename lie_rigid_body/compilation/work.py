@@ -144,15 +144,11 @@ class Loop(Work):
 
     def _pieces(self, counts: Integers) -> Iterator[tuple[slice, Integers]]:
         """Short pieces of the work: samples and the steps to take in them; a sample of many steps is many pieces."""
-        ends, begin = np.cumsum(counts), 0
+        ends, begin, done = np.cumsum(counts), 0, 0
         while begin < len(counts):
-            at_once = STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON
-            reached = ends[begin] - counts[begin]
-            end = max(begin + 1, int(np.searchsorted(ends, reached + at_once, side="right")))
-            takes = counts[begin:end]
-            while takes[0] > at_once:
-                yield slice(begin, end), np.array([at_once])
-                takes = takes - at_once
-                at_once = STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON
+            limit = done + (STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON)
+            end = max(begin + 1, int(np.searchsorted(ends, limit, side="right")))
+            takes = np.diff(np.minimum(ends[begin:end], limit), prepend=done)
             yield slice(begin, end), takes
-            begin = end
+            done += int(takes.sum())
+            begin = int(np.searchsorted(ends, done, side="right"))
