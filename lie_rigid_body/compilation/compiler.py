@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
-from lie_rigid_body.compilation.cache import cache_folder, mark
+from lie_rigid_body.compilation.cache import cache_folder, is_kept, mark
 from lie_rigid_body.system import lock
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -21,7 +21,7 @@ _LOCK: Final = threading.RLock()
 """Held while numba's configuration is changed, which is one for the whole process."""
 _FILL: Final = "import sys; sys.path[:] = sys.argv[4:]; from {} import fill; fill(*sys.argv[1:4])"
 _WAITING: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
-"""Marked functions that numba does not know yet, each with the function that is compiled in its place."""
+"""Marked functions that numba does not know yet, each with what tells numba the function to compile in its place."""
 
 
 def kernel(function: Function) -> Function:
@@ -33,7 +33,7 @@ def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
     """Let compiled code call another function, which gives the same bits, in place of the decorated one."""
 
     def mark(function: Function) -> Function:
-        _WAITING.append((function, compiled))
+        _WAITING.append((function, lambda *_, **__: compiled))
         return function
 
     return mark
@@ -42,14 +42,8 @@ def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
 def register_kernels(extending: Any) -> None:
     """Tell numba of the marked functions that it does not know yet; ``extending`` is its module of that name."""
     while _WAITING:
-        function, compiled = _WAITING.pop(0)
-        _register(extending, function, compiled)
-
-
-def _register(extending: Any, function: Callable[..., Any], compiled: Callable[..., Any]) -> None:
-    extending.overload(function, jit_options={"forceinline": True, "error_model": "numpy"}, strict=False)(
-        lambda *_, **__: compiled
-    )
+        function, told = _WAITING.pop(0)
+        extending.overload(function, jit_options={"forceinline": True, "error_model": "numpy"}, strict=False)(told)
 
 
 def started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes] | None:
@@ -64,8 +58,7 @@ def started(function: Callable[..., None], signature: str) -> subprocess.Popen[b
     signature : str
         Its types as numba writes them.
     """
-    folder = cache_folder(function)
-    if not (find_spec("numba") and sys.executable and folder) or mark(folder, function).exists():
+    if is_kept(function) or not (find_spec("numba") and sys.executable and cache_folder(function)):
         return None
     quiet = subprocess.DEVNULL
     what = [function.__module__, function.__name__, signature]
