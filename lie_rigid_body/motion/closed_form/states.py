@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, Final, NamedTuple
 
 from lie_rigid_body.arithmetic.double_double import (
@@ -116,13 +117,8 @@ def steady_constants(row: Sequence[Number]) -> SteadyMotion:
 
 def flattened(constants: Any) -> list[Number]:
     """The numbers of nested tuples in a row."""
-    row: list[Number] = []
-    for part in constants:
-        if isinstance(part, tuple):
-            row += flattened(part)
-        else:
-            row.append(part)
-    return row
+    parts = (flattened(part) if isinstance(part, tuple) else [part] for part in constants)
+    return list(chain.from_iterable(parts))
 
 
 @kernel
@@ -282,15 +278,16 @@ class KindOfMotion:
         return self.name
 
 
-def _work(fill: Callable[..., None]) -> Work:
-    return Work(fill, SIGNATURE, SAMPLES_FOR_COMPILING, SAMPLES_FOR_LOADING)
-
-
-CIRCULAR: Final = KindOfMotion("CIRCULAR", general_constants, circular_sample, _work(fill_circular))
-HYPERBOLIC: Final = KindOfMotion("HYPERBOLIC", general_constants, hyperbolic_sample, _work(fill_hyperbolic))
-SEPARATRIX: Final = KindOfMotion("SEPARATRIX", general_constants, separatrix_sample, _work(fill_separatrix))
-STEADY: Final = KindOfMotion("STEADY", steady_constants, steady_sample, _work(fill_steady))
-KINDS: Final = (CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY)
+KINDS: Final = tuple(
+    KindOfMotion(name, constants, sample_at, Work(fill_in, SIGNATURE, SAMPLES_FOR_COMPILING, SAMPLES_FOR_LOADING))
+    for name, constants, sample_at, fill_in in (
+        ("CIRCULAR", general_constants, circular_sample, fill_circular),
+        ("HYPERBOLIC", general_constants, hyperbolic_sample, fill_hyperbolic),
+        ("SEPARATRIX", general_constants, separatrix_sample, fill_separatrix),
+        ("STEADY", steady_constants, steady_sample, fill_steady),
+    )
+)
+CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY = KINDS
 
 
 def kind_and_row(motion: BodyMotion) -> tuple[KindOfMotion, list[Number]]:
