@@ -124,7 +124,7 @@ def _regime(frame: PrincipalFrame, polhode: Polhode) -> Regime:
 def _circulation(frame: PrincipalFrame, polhode: Polhode) -> Circulation:
     periods = Periods.of(polhode)
     period = 4 * periods.real / polhode.speed
-    precession = precession_rate(frame, polhode, periods)
+    precession = precession_rate(frame, polhode)
     n1, n2, n3 = (j * a for j, a in zip(frame.moments, polhode.amplitudes, strict=True))
     # u = 0 and u = K
     tilts = sorted((_angle(n1, n3), _angle(n2, n3 * polhode.m1.sqrt())))

@@ -47,8 +47,8 @@ class GeneralMotion(NamedTuple):
     ----------
     phase_clock : PhaseClock or EndlessClock
         The phase of the theta functions, in proportion to u.
-    half_turn_clock : PhaseClock
-        Half of ψ's mean growth, rad.
+    half_turn_rate : DoubleDouble
+        Rate of half of ψ's mean growth, turns/ns.
     theta : RealTheta or ImaginaryTheta
         The elliptic functions of u, and the libration of ψ.
     rate_amplitudes, direction_amplitudes : 3 numbers
@@ -66,7 +66,7 @@ class GeneralMotion(NamedTuple):
     """
 
     phase_clock: PhaseClock | EndlessClock
-    half_turn_clock: PhaseClock
+    half_turn_rate: DoubleDouble
     theta: Theta
     rate_amplitudes: Triple
     direction_amplitudes: Triple

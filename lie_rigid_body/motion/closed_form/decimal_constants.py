@@ -168,7 +168,7 @@ def _inverse_sc(inverse_square: Decimal, m: Decimal) -> Decimal:
         return symmetric_first(inverse_square, inverse_square + m, inverse_square + 1)
 
 
-def precession_rate(frame: PrincipalFrame, polhode: Polhode, periods: Periods) -> Decimal:
+def precession_rate(frame: PrincipalFrame, polhode: Polhode) -> Decimal:
     """Mean rate, rad/s, at which the third axis circles the momentum.
 
     Its angle obeys ψ_E′ = l/J₃ + l (J₃ − J₁)/(J₁J₃) / (1 − ν sn²u) (Landau, Lifshitz, Mechanics, eq. 37.15 rewritten).
@@ -187,7 +187,7 @@ def _mean_turn_rate(frame: PrincipalFrame, polhode: Polhode, periods: Periods) -
 
     ψ is the precession angle of the third axis less the azimuth of n, which makes half a turn for every 2K of u.
     """
-    return precession_rate(frame, polhode, periods) - frame.sense * PI * polhode.speed / (2 * periods.real)
+    return precession_rate(frame, polhode) - frame.sense * PI * polhode.speed / (2 * periods.real)
 
 
 def real_theta(periods: Periods) -> RealTheta:
@@ -229,7 +229,7 @@ def general_motion(frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Seque
     x, y, z, w = attitude_xyzw
     return GeneralMotion(
         phase_clock=clock,
-        half_turn_clock=PhaseClock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI),
+        half_turn_rate=PhaseClock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI).rate,
         theta=theta,
         rate_amplitudes=_rounded(polhode.amplitudes, frame.sense),
         direction_amplitudes=_rounded(amplitudes, frame.sense),

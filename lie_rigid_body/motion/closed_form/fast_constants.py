@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from lie_rigid_body.arithmetic.decimals import PI, working_precision
 from lie_rigid_body.arithmetic.double_double import (
     ONE,
-    ZERO,
     DoubleDouble,
     add,
     choose,
@@ -201,7 +200,7 @@ def fast_motion(start: FastFrame, attitude: Quadruple, hyperbolic: bool, steps: 
     libration = theta.libration(clock.initial_phase())
     return GeneralMotion(
         phase_clock=clock,
-        half_turn_clock=_half_turn_clock(polhode, mean, steps),
+        half_turn_rate=_half_turn_rate(polhode, mean, steps),
         theta=theta,
         rate_amplitudes=(a1, start.sense * a2, a3),
         direction_amplitudes=(m1, start.sense * m2, m3),
@@ -220,11 +219,11 @@ def _direction(polhode: FastPolhode, rate: Vector) -> list[Number]:
     return [divide(multiply(j, w), polhode.momentum)[0] for j, w in zip(polhode.moments, rate, strict=True)]
 
 
-def _half_turn_clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> PhaseClock:
-    """PhaseClock of ψ/2: mean precession minus turn of n about the third axis."""
+def _half_turn_rate(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> DoubleDouble:
+    """Mean rate of ψ/2, turns/ns: of the precession, less the turn of n about the third axis."""
     circulation = scaled(polhode.circulation_rate(mean), polhode.sense)
     rate = subtract(polhode.precession_rate(mean, steps), circulation)
-    return PhaseClock(multiply(scaled(rate, 0.5), _PER_NANOSECOND), ZERO, _TURN)
+    return multiply(scaled(rate, 0.5), _PER_NANOSECOND)
 
 
 def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[PhaseClock, RealTheta]:

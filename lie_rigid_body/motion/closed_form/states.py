@@ -86,8 +86,8 @@ class GeneralConstants(NamedTuple):
         drift: Number = 0.0
         if isinstance(theta, ImaginaryTheta) and isinstance(clock, PhaseClock):
             period, drift = clock.period, motion.sense * theta.drift * _HALF_IN_TURNS
-        half_turn_rate, attitude = motion.half_turn_clock.rate, AttitudeConstants.of(motion)
-        return cls(clock.rate, clock.start, half_turn_rate, period, drift, theta.quotients, attitude)
+        attitude = AttitudeConstants.of(motion)
+        return cls(clock.rate, clock.start, motion.half_turn_rate, period, drift, theta.quotients, attitude)
 
 
 _RATE, _START, _HALF_TURN_RATE, _PERIOD, _DRIFT = 0, 2, 4, 6, 8

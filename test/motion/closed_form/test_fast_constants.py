@@ -95,7 +95,7 @@ def assert_rates(motion: GeneralMotion, inertia, rate, bound: mpf) -> None:
         fastest = mp.sqrt(sum(mpf(w) ** 2 for w in rate)) / (2 * mp.pi) / 10**9
         fastest *= np.linalg.cond(inertia)
         assert whole_turns_off(exact(motion.phase_clock.rate) - circulation) <= bound * fastest
-        assert whole_turns_off(exact(motion.half_turn_clock.rate) - turn / 2) <= bound * fastest
+        assert whole_turns_off(exact(motion.half_turn_rate) - turn / 2) <= bound * fastest
 
 
 def assert_begins_at_the_start(motion: GeneralMotion, inertia, rate) -> None:
