@@ -81,10 +81,8 @@ class FastPolhode:
 
     Attributes
     ----------
-    moments : 3 DoubleDouble
-        J₁, J₂, J₃ of its frame.
-    sense : number
-        ±1.
+    frame : FastFrame
+        J₁, J₂, J₃, the initial ω and the sense.
     d21, d31, d32 : DoubleDouble
         |J₂ − J₁|, |J₃ − J₁|, |J₃ − J₂|.
     c1, c3 : DoubleDouble
@@ -99,8 +97,7 @@ class FastPolhode:
         m a².
     """
 
-    moments: Vector
-    sense: Number
+    frame: FastFrame
     d21: DoubleDouble
     d31: DoubleDouble
     d32: DoubleDouble
@@ -114,17 +111,16 @@ class FastPolhode:
     excess: DoubleDouble
 
     @classmethod
-    def of(cls, moments: Vector, rate: Vector, sense: Number) -> FastPolhode:
-        """The polhode from the moments, the initial ω and the sense of a frame."""
-        j1, j2, j3 = moments
-        d21, d31, d32 = (scaled(subtract(p, q), sense) for p, q in ((j2, j1), (j3, j1), (j3, j2)))
-        q1, q2, q3 = (multiply(j, multiply(w, w)) for j, w in zip(moments, rate, strict=True))
+    def of(cls, frame: FastFrame) -> FastPolhode:
+        """The polhode of a frame."""
+        j1, j2, j3 = frame.moments
+        d21, d31, d32 = (scaled(subtract(p, q), frame.sense) for p, q in ((j2, j1), (j3, j1), (j3, j2)))
+        q1, q2, q3 = (multiply(j, multiply(w, w)) for j, w in zip(frame.moments, frame.rate, strict=True))
         sine_square, cosine_square, transverse = multiply(d32, q2), multiply(d31, q1), multiply(d21, q2)
         c1, c3 = add(transverse, multiply(d31, q3)), add(sine_square, cosine_square)
         c2 = subtract(multiply(d32, q3), multiply(d21, q1))
         return cls(
-            moments=moments,
-            sense=sense,
+            frame=frame,
             d21=d21,
             d31=d31,
             d32=d32,
@@ -141,7 +137,7 @@ class FastPolhode:
 
     def amplitudes(self) -> Vector:
         """A₁, A₂, A₃, rad/s."""
-        j1, j2, j3 = self.moments
+        j1, j2, j3 = self.frame.moments
         return (
             square_root(divide(self.c3, multiply(j1, self.d31))),
             square_root(divide(self.c3, multiply(j2, self.d32))),
@@ -162,23 +158,23 @@ class FastPolhode:
     def circulation_rate(self, mean: ArithmeticGeometricMean) -> DoubleDouble:
         """The rate πλ/2K of the phase πu/2K, rad/s."""
         # λ = a/√(J₁J₂J₃), and the mean of 1 and b/a is ½(1 + b/a) times its factor
-        j1, j2, j3 = self.moments
+        j1, j2, j3 = self.frame.moments
         scaled_mean = multiply(scaled(add(self.a, self.b), 0.5), mean.factor)
         return divide(scaled_mean, square_root(multiply(multiply(j1, j2), j3)))
 
     def precession_rate(self, mean: ArithmeticGeometricMean, steps: int) -> DoubleDouble:
         """Mean rate, rad/s, at which the third axis circles the momentum; see `decimal_constants.precession_rate`."""
-        j1, _, j3 = self.moments
+        j1, _, j3 = self.frame.moments
         third = self._mean_third(mean, steps)
         # share and rest are as m to −ν
         share, rest = multiply(j1, self.c3), multiply(j3, self.c1)
         swing = divide(add(share, multiply(rest, third)), add(share, rest))
-        weighted = add(j1, scaled(multiply(self.d31, swing), self.sense))
+        weighted = add(j1, scaled(multiply(self.d31, swing), self.frame.sense))
         return divide(multiply(self.momentum, weighted), multiply(j1, j3))
 
     def _mean_third(self, mean: ArithmeticGeometricMean, steps: int) -> DoubleDouble:
         """(1 − n) Π(n|m)/K with 1 − n = m1/(1 − ν); see `elliptic_integrals.mean_third`."""
-        j1, _, j3 = self.moments
+        j1, _, j3 = self.frame.moments
         one = multiply(j1, self.d32)
         # 1 − ν = (J₁d32 + J₃d21)/(J₁d32), so that p² = 1 − n is to √m1 as near to far
         near = multiply(one, self.b)
@@ -190,9 +186,9 @@ class FastPolhode:
 
 def fast_motion(start: FastFrame, attitude: Quadruple, hyperbolic: bool, steps: int) -> GeneralMotion:
     """The motion from its frame, the attitude at the start, and what its computation branches on."""
-    polhode = FastPolhode.of(start.moments, start.rate, start.sense)
+    polhode = FastPolhode.of(start)
     mean = polhode.mean(_HYPERBOLIC_STEPS if hyperbolic else _CIRCULAR_STEPS)
-    clock, theta = (_hyperbolic if hyperbolic else _circular)(polhode, start, mean)
+    clock, theta = (_hyperbolic if hyperbolic else _circular)(polhode, mean)
     amplitudes = polhode.amplitudes()
     (a1, _), (a2, _), (a3, _) = amplitudes
     m1, m2, m3 = _direction(polhode, amplitudes)
@@ -216,20 +212,20 @@ def fast_motion(start: FastFrame, attitude: Quadruple, hyperbolic: bool, steps: 
 
 def _direction(polhode: FastPolhode, rate: Vector) -> list[Number]:
     """The unit momentum of a rate in the frame."""
-    return [divide(multiply(j, w), polhode.momentum)[0] for j, w in zip(polhode.moments, rate, strict=True)]
+    return [divide(multiply(j, w), polhode.momentum)[0] for j, w in zip(polhode.frame.moments, rate, strict=True)]
 
 
 def _half_turn_rate(polhode: FastPolhode, mean: ArithmeticGeometricMean, steps: int) -> DoubleDouble:
     """Mean rate of ψ/2, turns/ns: of the precession, less the turn of n about the third axis."""
-    circulation = scaled(polhode.circulation_rate(mean), polhode.sense)
+    circulation = scaled(polhode.circulation_rate(mean), polhode.frame.sense)
     rate = subtract(polhode.precession_rate(mean, steps), circulation)
     return multiply(scaled(rate, 0.5), _PER_NANOSECOND)
 
 
-def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean) -> tuple[PhaseClock, RealTheta]:
+def _circular(polhode: FastPolhode, mean: ArithmeticGeometricMean) -> tuple[PhaseClock, RealTheta]:
     """The clock of ζ and the theta functions for m ≤ ½."""
     q = nome(mean.gaps[0][0])
-    j1, _, j3 = polhode.moments
+    j1, _, j3 = polhode.frame.moments
     # −ν and m/−ν are 1/sc² at a and at K′ − a: the larger is that of the smaller argument, at most ½K′
     inner = divide(multiply(j3, polhode.d21), multiply(j1, polhode.d32))
     outer = divide(multiply(j1, polhode.c3), multiply(j3, polhode.c1))
@@ -240,15 +236,13 @@ def _circular(polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricM
     larger = (value / upright) * (value / upright)
     decay, codecay = choose(near, (larger, q / larger), (q / larger, larger))
     fall, _ = choose(near, (2.0 / upright, 0.0), (1.0 - decay, 0.0))
-    return _clock(polhode, start, mean, _TURN, 0), RealTheta.of(q, decay, codecay, fall)
+    return _clock(polhode, mean, _TURN, 0), RealTheta.of(q, decay, codecay, fall)
 
 
-def _hyperbolic(
-    polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean
-) -> tuple[PhaseClock, ImaginaryTheta]:
+def _hyperbolic(polhode: FastPolhode, mean: ArithmeticGeometricMean) -> tuple[PhaseClock, ImaginaryTheta]:
     """The clock of χ and the theta functions for m > ½."""
     complementary = polhode.complementary_mean(_CIRCULAR_STEPS)
-    j1, _, j3 = polhode.moments
+    j1, _, j3 = polhode.frame.moments
     # β = πa/2K′ from sc²(a|m1) = 1/−ν
     sine, cosine = phase_squares(multiply(j1, polhode.d32), multiply(j3, polhode.d21), complementary.gaps, 0)
     size = sine[0] + cosine[0]
@@ -265,16 +259,14 @@ def _hyperbolic(
         cosine=sqrt(cosine[0] / size),
         drift=divide(angle(sine, cosine), quarter)[0],
     )
-    return _clock(polhode, start, mean, period, _COARSE_STEPS), theta
+    return _clock(polhode, mean, period, _COARSE_STEPS), theta
 
 
-def _clock(
-    polhode: FastPolhode, start: FastFrame, mean: ArithmeticGeometricMean, period: DoubleDouble, steps: int
-) -> PhaseClock:
+def _clock(polhode: FastPolhode, mean: ArithmeticGeometricMean, period: DoubleDouble, steps: int) -> PhaseClock:
     """The clock of a period in the unit of its phase, by so many Landen's steps in double-double for its start."""
     size = angle(*phase_squares(polhode.sine_square, polhode.cosine_square, mean.gaps, steps))
     turns = multiply(size, _PER_TURN)
-    backward = start.sense * start.rate[1][0] < 0.0
+    backward = polhode.frame.sense * polhode.frame.rate[1][0] < 0.0
     return PhaseClock(
         rate=multiply(polhode.circulation_rate(mean), _PER_NANOSECOND),
         start=choose(backward, scaled(turns, -1.0), turns),
