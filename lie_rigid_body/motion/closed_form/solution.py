@@ -148,8 +148,6 @@ def _table(row: list[Number], count: int) -> Array:
 
 
 def _evaluation(kind: KindOfMotion, parts: list[tuple[Array, Members]]) -> Evaluation:
-    if len(parts) == 1:
-        return Evaluation(kind, *parts[0])
     tables, members = zip(*parts, strict=True)
     return Evaluation(kind, np.concatenate(tables, axis=1), np.concatenate(members))
 
