@@ -16,7 +16,7 @@ D. E. Knuth, The Art of Computer Programming, vol. 2, 3rd ed., sec. 4.2.2.
 from __future__ import annotations
 
 from decimal import Decimal
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from lie_rigid_body.arrays import Integers
 from lie_rigid_body.compilation import kernel
 
 DoubleDouble: TypeAlias = tuple[Number, Number]
+Numbers = TypeVar("Numbers", bound=tuple[Number, ...])
 
 ZERO: Final[DoubleDouble] = (0.0, 0.0)
 ONE: Final[DoubleDouble] = (1.0, 0.0)
@@ -178,8 +179,8 @@ def remainder(a: DoubleDouble) -> DoubleDouble:
     return fast_two_sum(hi - nearest(hi), lo)
 
 
-def choose(condition: Any, a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
+def choose(condition: Any, a: Numbers, b: Numbers) -> Numbers:
     """The first where the condition is true, else the second; number by number where the condition is an array."""
     if isinstance(condition, np.ndarray):
-        return np.where(condition, a[0], b[0]), np.where(condition, a[1], b[1])
+        return cast(Numbers, tuple(np.where(condition, p, q) for p, q in zip(a, b, strict=True)))
     return a if condition else b

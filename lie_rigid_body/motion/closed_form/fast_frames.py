@@ -14,6 +14,7 @@ algorithm 1).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -60,21 +61,9 @@ _LEAST_TILT: Final = 1e-8
 digits."""
 
 
-class Classification(NamedTuple):
-    """Whether motions are regular, and what their computation branches on.
-
-    Attributes
-    ----------
-    regular : bool, or array of them
-    hyperbolic : bool, or array of them
-        Whether m > ½.
-    steps : int, or array of them
-        Steps of the sum in the mean precession.
-    """
-
-    regular: Condition
-    hyperbolic: Condition
-    steps: Any
+Classification: TypeAlias = tuple[Condition, Condition, Any]
+"""Whether a motion is regular, and what its computation branches on: whether m > ½, and the number of steps of the sum
+in the mean precession."""
 
 
 class FastFrame(NamedTuple):
@@ -120,7 +109,7 @@ def _classified(j: Triple, w: Triple, sense: Number) -> Classification:
         steps = steps + (spread > ratio * ratio * unit)
     regular = (c3 > 0.0) & (whole > 0.0) & (complement >= _NEAREST * whole)
     regular = regular & (spread < _GREATEST_RATIO**2 * unit) & _is_of_regular_size(j, w)
-    return Classification(regular, 2.0 * complement < whole, steps)
+    return regular, 2.0 * complement < whole, steps
 
 
 def _is_of_regular_size(j: Triple, w: Triple) -> Condition:
@@ -156,10 +145,10 @@ class DiagonalBody(NamedTuple):
         axes: list[tuple[Number, ...]] = [(diagonal[i], 0.0 * rate[i] + i, rate[i]) for i in range(3)]
         for i in (0, 1, 0):
             falls = axes[i + 1][0] < axes[i][0]
-            axes[i], axes[i + 1] = _chosen(falls, axes[i + 1], axes[i]), _chosen(falls, axes[i], axes[i + 1])
+            axes[i], axes[i + 1] = choose(falls, axes[i + 1], axes[i]), choose(falls, axes[i], axes[i + 1])
         (j1, _, w1), (j2, _, _), (j3, _, w3) = axes
         ascends = _about_largest((j1, j2, j3), (magnitude(w1), 0.0, magnitude(w3)))
-        axes[0], axes[2] = _chosen(ascends, axes[0], axes[2]), _chosen(ascends, axes[2], axes[0])
+        axes[0], axes[2] = choose(ascends, axes[0], axes[2]), choose(ascends, axes[2], axes[0])
         moments, order, rates = zip(*axes, strict=True)
         return cls(order, moments, rates, choose(ascends, ONE, (-1.0, 0.0))[0])
 
@@ -177,13 +166,6 @@ class DiagonalBody(NamedTuple):
         x, y, z = ((first * (i == row) + 0.0, second * (j == row) + 0.0, third * (k == row) + 0.0) for row in range(3))
         rate = _exactly((magnitude(w1), second * w2, magnitude(w3)))
         return FastFrame(_exactly(self.moments), rate, self.sense, (x, y, z), _conjugate_quaternion((x, y, z)))
-
-
-def _chosen(condition: Condition, one: tuple[Number, ...], other: tuple[Number, ...]) -> tuple[Number, ...]:
-    """The first where the condition is true, else the second, as `choose`."""
-    if isinstance(condition, np.ndarray):
-        return tuple(np.where(condition, a, b) for a, b in zip(one, other, strict=True))
-    return one if condition else other
 
 
 class CoupledBody(NamedTuple):
@@ -223,30 +205,25 @@ class CoupledBody(NamedTuple):
         (j1, j3), (w1, w3) = choose(up, (least, most), (most, least)), choose(up, (a, c), (c, a))
         regular, hyperbolic, steps = _classified((j1, middle, j3), (w1, b, w3), sense)
         regular = regular & (middle - least >= _MOMENT_GAP * most) & (most - middle >= _MOMENT_GAP * most)
-        return Classification(regular & (w1 * w1 + b * b >= _LEAST_TILT**2 * (w3 * w3)), hyperbolic, steps)
+        return regular & (w1 * w1 + b * b >= _LEAST_TILT**2 * (w3 * w3)), hyperbolic, steps
 
     def frame(self) -> FastFrame:
         """The frame of the motion, or of each, to 30 digits."""
         moments, axes = self._refined()
-        rate = _exactly(self.rate)
-        components = [_dot(axis, rate) for axis in axes]
-        sense = self.sense()
+        sense, rate = self.sense(), _exactly(self.rate)
         up = sense > 0.0
-        first, third = choose(up, components[0], components[2]), choose(up, components[2], components[0])
+        w1, w2, w3 = _ordered(up, [_dot(axis, rate) for axis in axes])
         # ω₁ ≥ 0 and ω₃ > 0, and a right-handed frame
-        s1, s3 = (choose(w[0] < 0.0, (-1.0, 0.0), ONE)[0] for w in (first, third))
+        s1, s3 = (choose(w[0] < 0.0, (-1.0, 0.0), ONE)[0] for w in (w1, w3))
         s2 = sense * s1 * s3
-        columns = [
-            [sign * choose(up, p, q)[0] for p, q in zip(*pair, strict=True)]
-            for sign, pair in ((s1, (axes[0], axes[2])), (s2, (axes[1], axes[1])), (s3, (axes[2], axes[0])))
-        ]
-        rows = tuple((a, b, c) for a, b, c in zip(*columns, strict=True))
+        entries = (_ordered(up, components) for components in zip(*axes, strict=True))
+        x, y, z = ((s1 * a[0], s2 * b[0], s3 * c[0]) for a, b, c in entries)
         return FastFrame(
-            moments=(choose(up, moments[0], moments[2]), moments[1], choose(up, moments[2], moments[0])),
-            rate=(scaled(first, s1), scaled(components[1], s2), scaled(third, s3)),
+            moments=_ordered(up, moments),
+            rate=(scaled(w1, s1), scaled(w2, s2), scaled(w3, s3)),
             sense=sense,
-            axes=(rows[0], rows[1], rows[2]),
-            frame_xyzw=_conjugate_quaternion((rows[0], rows[1], rows[2])),
+            axes=(x, y, z),
+            frame_xyzw=_conjugate_quaternion((x, y, z)),
         )
 
     def _sizes(self) -> Triple:
@@ -262,7 +239,7 @@ class CoupledBody(NamedTuple):
         Eᵢⱼ = (Sᵢⱼ + Jⱼ Rᵢⱼ)/(Jⱼ − Jᵢ) (Ogita and Aishima, algorithm 1).
         """
         rows, axes = [_exactly(row) for row in self.inertia], [_exactly(axis) for axis in self.axes]
-        images = [_image(rows, axis) for axis in axes]
+        images = [[_dot(row, axis) for row in rows] for axis in axes]
         entries: dict[tuple[int, int], DoubleDouble] = {}
         defects: dict[tuple[int, int], DoubleDouble] = {}
         for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
@@ -278,14 +255,16 @@ class CoupledBody(NamedTuple):
                 else (entries[i, j][0] + moments[j][0] * defects[i, j][0]) / (moments[j][0] - moments[i][0])
                 for i in range(3)
             ]
-            x, y, z = (_combined([axis[k] for axis in self.axes], shares) for k in range(3))
+            x, y, z = (a * shares[0] + b * shares[1] + c * shares[2] for a, b, c in zip(*self.axes, strict=True))
             p, q, r = axes[j]
             refined.append((add(p, (x, 0.0)), add(q, (y, 0.0)), add(r, (z, 0.0))))
         return moments, refined
 
 
-def _combined(components: list[Number], shares: list[Number]) -> Number:
-    return components[0] * shares[0] + components[1] * shares[1] + components[2] * shares[2]
+def _ordered(up: Condition, ascending: Sequence[DoubleDouble]) -> Vector:
+    """What belongs to ascending moments in the order of the frame's axes, which is the same where its sense is 1."""
+    first, second, third = ascending
+    return choose(up, first, third), second, choose(up, third, first)
 
 
 def _exactly(vector: Triple) -> Vector:
@@ -293,12 +272,7 @@ def _exactly(vector: Triple) -> Vector:
     return (x, 0.0), (y, 0.0), (z, 0.0)
 
 
-def _image(rows: list[Vector], vector: Vector) -> Vector:
-    x, y, z = (_dot(row, vector) for row in rows)
-    return x, y, z
-
-
-def _dot(a: Vector, b: Vector) -> DoubleDouble:
+def _dot(a: Sequence[DoubleDouble], b: Sequence[DoubleDouble]) -> DoubleDouble:
     return add(add(multiply(a[0], b[0]), multiply(a[1], b[1])), multiply(a[2], b[2]))
 
 
