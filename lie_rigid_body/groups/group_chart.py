@@ -48,7 +48,7 @@ class ChartReach(NamedTuple):
 def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     """The reach of the chart A₀ exp(βᵃTᵃ), eq. (38), along a direction: where its coordinates end.
 
-    Both are infinite where nothing turns, as along translations. `GroupChart` stops its steps at half of `regular`.
+    Both are infinite where nothing turns, as along translations. Steps of `GroupMovingChart` end at half of `regular`.
 
     Parameters
     ----------
@@ -89,38 +89,36 @@ def chart_metric(lagrangian: Lagrangian, coordinates: ArrayLike) -> Array:
     return symmetrised(np.swapaxes(to_rate, -1, -2) @ lagrangian.metric @ to_rate)
 
 
-class GroupChart:
-    """The chart A₀ exp(βᵃTᵃ) about an element A₀, with the body momentum p = Mω of the motion.
+def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:
+    """The rates of a point of the chart: β̇ = dexp⁻¹(−β) ω and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p.
 
-    A point is the array of the coordinates β, followed by the momentum p, shape (2d,). In the coordinates of the space
-    frame the chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
+    In the coordinates of the space frame the chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
 
     Parameters
     ----------
     lagrangian : Lagrangian
-        The group and its metric M.
+        The group, of dimension d, and its metric M.
+    point : ndarray, shape (2d,)
+        The coordinates β, followed by the body momentum p = Mω of the motion.
+
+    Returns
+    -------
+    ndarray, shape (2d,)
     """
+    coordinates, momentum = np.split(point, 2)
+    rate = lagrangian.inverse_metric @ momentum
+    ad = lagrangian.group.ad(coordinates)
+    _require_reach(ad)
+    return np.concatenate([phi_inverse(-ad) @ rate, momentum @ lagrangian.group.ad(rate)])
 
-    def __init__(self, lagrangian: Lagrangian) -> None:
-        self._group = lagrangian.group
-        self._inverse = lagrangian.inverse_metric
-        self.dimension: int = lagrangian.group.dimension
 
-    def field(self, point: Array) -> Array:
-        """The rates of a point: β̇ = dexp⁻¹(−β) ω and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p."""
-        coordinates, momentum = point[: self.dimension], point[self.dimension :]
-        rate = self._inverse @ momentum
-        ad = self._group.ad(coordinates)
-        _require_reach(ad)
-        return np.concatenate([phi_inverse(-ad) @ rate, momentum @ self._group.ad(rate)])
+def recentred(group: MatrixLieGroup, centre: NDArray[Any], coordinates: Array) -> NDArray[Any]:
+    """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
 
-    def recentred(self, centre: NDArray[Any], coordinates: Array) -> NDArray[Any]:
-        """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
-
-        It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
-        """
-        _require_reach(self._group.ad(coordinates))
-        return np.asarray(centre @ self._group.exp(coordinates))
+    It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
+    """
+    _require_reach(group.ad(coordinates))
+    return np.asarray(centre @ group.exp(coordinates))
 
 
 def _require_reach(ad: Array) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final, NamedTuple, NoReturn
 
 import numpy as np
@@ -12,14 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind
-from lie_rigid_body.groups.group_chart import GroupChart
+from lie_rigid_body.groups.group_chart import chart_rates, recentred
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
-from lie_rigid_body.motion.time_steps import TimeSteps, require_order
+from lie_rigid_body.motion.time_steps import require_order, steps_through
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
 
@@ -98,7 +99,6 @@ class GroupMovingChart:
         element, rate = _require_start(of_kind(lagrangian, Lagrangian).group, start)
         self._reached = _Reached(0, 0, element, lagrangian.momenta(rate))
         self._lagrangian = lagrangian
-        self._chart = GroupChart(lagrangian)
         self._tableau = GROUP_METHODS[method]
         self._max_step = float(max_step)
 
@@ -128,7 +128,7 @@ class GroupMovingChart:
         times = nanoseconds(t_ns)
         begin = self._reached.time_ns
         require_order(np.atleast_1d(times), begin)
-        TimeSteps(self._max_step).through(int(times.max(initial=begin)), begin)
+        steps_through(int(times.max(initial=begin)), begin, self._max_step)
         flat = np.atleast_1d(times).tolist()
         group = self._lagrangian.group
         n, d = group.size, group.dimension
@@ -147,9 +147,9 @@ class GroupMovingChart:
             end = self._end(momentum, span / steps)
             if not np.isfinite(end).all():
                 self._refuse(momentum, span / steps)
-            d = self._chart.dimension
+            coordinates, momentum = np.split(end, 2)
             # the element just reached becomes the centre of the next chart
-            element, momentum = self._chart.recentred(element, end[:d]), end[d:]
+            element = recentred(self._lagrangian.group, element, coordinates)
             if count % STEPS_BETWEEN_PROJECTIONS == 0:
                 element = self._lagrangian.group.restored(element)
         return _Reached(t_ns, done + steps, element, momentum)
@@ -159,7 +159,7 @@ class GroupMovingChart:
         centre = np.concatenate([np.zeros_like(momentum), momentum])
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                return runge_kutta_step(self._tableau, self._chart.field, centre, h)
+                return runge_kutta_step(self._tableau, partial(chart_rates, self._lagrangian), centre, h)
         except (ParameterError, np.linalg.LinAlgError):
             return np.full(2 * len(momentum), np.inf)
 

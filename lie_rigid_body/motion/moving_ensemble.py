@@ -8,7 +8,7 @@ from typing import Protocol
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.motion import InitialConditions
-from lie_rigid_body.motion.time_steps import TimeSteps, require_order
+from lie_rigid_body.motion.time_steps import require_order, steps_through, steps_to
 
 
 class Integrator(Protocol):
@@ -66,7 +66,6 @@ class MovingEnsemble:
     def __init__(self, starts: InitialConditions, integrators: Sequence[Integrator]) -> None:
         self._starts = starts
         self._integrators = integrators
-        self._steps = [TimeSteps(integrator.largest_step) for integrator in integrators]
         self._states = [integrator.start for integrator in integrators]
         self._reached_ns = 0
 
@@ -107,8 +106,9 @@ class MovingEnsemble:
     def _steps_through(self, k: int, t_ns: Integers, longest_ns: int) -> int:
         """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
         try:
-            self._integrators[k].require_short_steps(self._states[k], longest_ns)
-            return max(self._steps[k].through(int(t_ns[-1]), self._reached_ns), len(t_ns))
+            integrator = self._integrators[k]
+            integrator.require_short_steps(self._states[k], longest_ns)
+            return max(steps_through(int(t_ns[-1]), self._reached_ns, integrator.largest_step), len(t_ns))
         except InputError as error:
             raise self._named(k, error) from None
 
@@ -119,7 +119,7 @@ class MovingEnsemble:
         reached_ns = self._reached_ns
         for begin in range(0, len(t_ns), block):
             some = slice(begin, begin + block)
-            spans, counts = self._steps[k].to(t_ns[some], reached_ns)
+            spans, counts = steps_to(t_ns[some], reached_ns, self._integrators[k].largest_step)
             try:
                 attitudes, rates = self._integrators[k].advance(state, spans, counts, work)
             except InputError as error:

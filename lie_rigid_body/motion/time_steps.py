@@ -68,64 +68,50 @@ def _whole(steps: NDArray[np.floating[Any]] | float) -> Array:
     return np.asarray(np.ceil(_SHRUNK * steps - _SLACK))
 
 
-class TimeSteps:
-    """Equal steps from one time to the next, none longer than allowed.
+def steps_to(times_ns: Integers, reached_ns: int, max_step: float) -> tuple[Integers, Integers]:
+    """The equal steps, none longer than allowed, that lead to each time from the one before.
 
     Parameters
     ----------
+    times_ns : ndarray of int64, shape (N,)
+        Nanoseconds since the start, in order.
+    reached_ns : int
+        The time already reached.
     max_step : float
         s
+
+    Returns
+    -------
+    spans, counts : ndarray of int64, shape (N,)
+        Time since the one before, ns, and how many steps divide it.
+
+    Raises
+    ------
+    InputError
+        If the last lies impossibly many steps ahead.
     """
+    steps_through(int(times_ns.max(initial=reached_ns)), reached_ns, max_step)
+    spans = np.diff(times_ns, prepend=reached_ns)
+    counts = _whole(spans * _steps_per_ns(max_step))
+    return spans, np.maximum(counts, spans > 0).astype(np.int64)
 
-    __slots__ = ("_steps_per_ns",)
 
-    def __init__(self, max_step: float) -> None:
-        self._steps_per_ns = _steps_per_ns(max_step)
+def steps_through(last_ns: int, reached_ns: int, max_step: float) -> int:
+    """About how many steps, none longer than allowed, lead from a time already reached to a later one.
 
-    def to(self, times_ns: Integers, reached_ns: int = 0) -> tuple[Integers, Integers]:
-        """The steps that lead to each time from the one before.
-
-        Parameters
-        ----------
-        times_ns : ndarray of int64, shape (N,)
-            Nanoseconds since the start, in order.
-        reached_ns : int, optional
-            The time already reached.
-
-        Returns
-        -------
-        spans, counts : ndarray of int64, shape (N,)
-            Time since the one before, ns, and how many steps divide it.
-
-        Raises
-        ------
-        InputError
-            If the last lies impossibly many steps ahead.
-        """
-        if len(times_ns) == 0:
-            return times_ns, times_ns
-        self.through(int(times_ns[-1]), reached_ns)
-        spans = times_ns.copy()
-        spans[0] -= reached_ns
-        spans[1:] -= times_ns[:-1]
-        counts = _whole(spans * self._steps_per_ns)
-        return spans, np.maximum(counts, spans > 0).astype(np.int64)
-
-    def through(self, last_ns: int, reached_ns: int) -> int:
-        """About how many steps lead from a time already reached to a later one.
-
-        Raises
-        ------
-        InputError
-            If they are impossibly many.
-        """
-        steps = (last_ns - reached_ns) * self._steps_per_ns
-        if steps > MOST_STEPS:
-            raise InputError(
-                f"{last_ns} ns lie too many steps of {1e-9 / self._steps_per_ns:.3g} s ahead: ask for an earlier time, "
-                "take longer steps if it is max_step that limits them, or use ClosedForm"
-            )
-        return math.ceil(steps)
+    Raises
+    ------
+    InputError
+        If they are impossibly many.
+    """
+    per_ns = _steps_per_ns(max_step)
+    steps = (last_ns - reached_ns) * per_ns
+    if steps > MOST_STEPS:
+        raise InputError(
+            f"{last_ns} ns lie too many steps of {1e-9 / per_ns:.3g} s ahead: ask for an earlier time, "
+            "take longer steps if it is max_step that limits them, or use ClosedForm"
+        )
+    return math.ceil(steps)
 
 
 def require_order(times_ns: Integers, reached_ns: int) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from lie_rigid_body import ClosedForm, InputError, MovingChart, ParameterError, RigidBody, State
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, Tableau
-from lie_rigid_body.motion.time_steps import TimeSteps
+from lie_rigid_body.motion.time_steps import steps_to
 
 BODY, START = RigidBody([1.0, 2.0, 3.0]), State([0.0, 0.0, 0.0, 1.0], [0.1, 0.2, 0.3])
 FAST = [[0.1, 0.2, 0.3], [0.3, 0.5, 1.1], [3.0, 4e3, 0.0]]
@@ -85,7 +85,7 @@ MESSAGES: list[tuple[Callable[[], object], type[Exception], str]] = [
     ),
     (lambda: MovingChart(BODY, START).at(MASKED), InputError, r"t_ns: 1 of its numbers are masked: fill them in, or"),
     (lambda: ClosedForm(BODY, START).at(MASKED), InputError, r"t_ns: 1 of its numbers are masked: fill them in, or"),
-    (lambda: TimeSteps(1e-300).to(np.array([1])), InputError, r"1 ns lie too many steps .*or use ClosedForm"),
+    (lambda: steps_to(np.array([1]), 0, 1e-300), InputError, r"1 ns lie too many steps .*or use ClosedForm"),
     (
         lambda: Tableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),
         ValueError,

@@ -8,7 +8,7 @@ import pytest
 from lie_rigid_body import ClosedForm, MovingChart, ParameterError
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.time_steps import TimeSteps
+from lie_rigid_body.motion.time_steps import steps_to
 from lie_rigid_body.scenario import Scenario
 
 BODY = {"inertia": [0.6, 0.8, 1.0], "initial_body_rate": [3.0, 0.5, -0.9]}
@@ -74,7 +74,7 @@ def test_steps_are_counted_as_the_motion_takes_them(parameters: dict[str, object
     integrator = MovingChart(
         scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step
     )._ensemble._integrators[0]
-    _, counts = TimeSteps(integrator.largest_step).to(np.array([round(1e9 / scenario.rate)]))
+    _, counts = steps_to(np.array([round(1e9 / scenario.rate)]), 0, integrator.largest_step)
     # the scenario knows a bound of the body rate, the stepper its maximum
     assert counts[0] <= scenario.steps_per_sample() <= 1.3 * counts[0]
     assert Scenario.from_parameters({**parameters, "motion": "closed_form"}).steps_per_sample() == 1
