@@ -61,18 +61,18 @@ class MovingEnsemble:
     starts : InitialConditions
     integrators : sequence of Integrator
         One for each body.
+
+    Attributes
+    ----------
+    reached_ns : int
+        The time of the states, ns since the start.
     """
 
     def __init__(self, starts: InitialConditions, integrators: Sequence[Integrator]) -> None:
         self._starts = starts
         self._integrators = integrators
         self._states = [integrator.start for integrator in integrators]
-        self._reached_ns = 0
-
-    @property
-    def reached_ns(self) -> int:
-        """The time of the states, ns since the start."""
-        return self._reached_ns
+        self.reached_ns = 0
 
     def fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
         """Write the states at N times that do not decrease.
@@ -92,8 +92,8 @@ class MovingEnsemble:
         """
         if len(t_ns) == 0:
             return
-        require_order(t_ns, self._reached_ns)
-        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - self._reached_ns))
+        require_order(t_ns, self.reached_ns)
+        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - self.reached_ns))
         work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(self._states)))
         moved = []
         for k, state in enumerate(self._states):
@@ -101,14 +101,14 @@ class MovingEnsemble:
             for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
                 attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
                 work = 0
-        self._states, self._reached_ns = moved, int(t_ns[-1])
+        self._states, self.reached_ns = moved, int(t_ns[-1])
 
     def _steps_through(self, k: int, t_ns: Integers, longest_ns: int) -> int:
         """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
         try:
             integrator = self._integrators[k]
             integrator.require_short_steps(self._states[k], longest_ns)
-            return max(steps_through(int(t_ns[-1]), self._reached_ns, integrator.largest_step), len(t_ns))
+            return max(steps_through(int(t_ns[-1]), self.reached_ns, integrator.largest_step), len(t_ns))
         except InputError as error:
             raise self._named(k, error) from None
 
@@ -116,7 +116,7 @@ class MovingEnsemble:
         self, k: int, state: list[float], t_ns: Integers, block: int, work: int
     ) -> Iterator[tuple[slice, Array, Array]]:
         """Attitudes and rates of one body, block by block; its state moves on in place."""
-        reached_ns = self._reached_ns
+        reached_ns = self.reached_ns
         for begin in range(0, len(t_ns), block):
             some = slice(begin, begin + block)
             spans, counts = steps_to(t_ns[some], reached_ns, self._integrators[k].largest_step)
