@@ -97,15 +97,7 @@ def four(values: Any, place: int) -> Four:
 @kernel
 def seven(values: Any, place: int) -> Seven:
     """The seven double-doubles stored from index ``place``."""
-    return (
-        (values[place], values[place + 1]),
-        (values[place + 2], values[place + 3]),
-        (values[place + 4], values[place + 5]),
-        (values[place + 6], values[place + 7]),
-        (values[place + 8], values[place + 9]),
-        (values[place + 10], values[place + 11]),
-        (values[place + 12], values[place + 13]),
-    )
+    return (*three(values, place), *four(values, place + 6))
 
 
 @kernel
