@@ -42,16 +42,16 @@ class CyclicFrame:
         kg m²
     axes : 3 vectors
         Unit vectors in the body frame, right-handed.
-    order : tuple of 3 int, or None
+    order : tuple of 3 int
         Which of the body's own axes these are, if the inertia has no products.
     rotation : list of 4 Decimal, or None
-        Otherwise the unit quaternion, scalar last, that takes vectors of this frame to the body's.
+        The unit quaternion, scalar last, that takes vectors of this frame to the body's, if the inertia has products.
     """
 
     tensor: list[Vector]
     moments: Vector
     axes: tuple[Vector, Vector, Vector]
-    order: tuple[int, int, int] | None
+    order: tuple[int, int, int]
     rotation: list[Decimal] | None
 
     @classmethod
@@ -61,25 +61,23 @@ class CyclicFrame:
         moments, axes = diagonalised(inertia)
         middle = sorted(range(3), key=moments.__getitem__)[1]
         i, j, k = (middle - 1) % 3, middle, (middle + 1) % 3
-        order: tuple[int, int, int] | None = (i, j, k)
-        rotation = None
-        if any(tensor[p][q] for p, q in ((0, 1), (0, 2), (1, 2))):
-            order, rotation = None, _rotation_quaternion(axes[i], axes[j], axes[k])
-        return cls(tensor, (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]), order, rotation)
+        ordered = axes[i], axes[j], axes[k]
+        has_products = any(tensor[p][q] for p, q in ((0, 1), (0, 2), (1, 2)))
+        rotation = _rotation_quaternion(*ordered) if has_products else None
+        return cls(tensor, (moments[i], moments[j], moments[k]), ordered, (i, j, k), rotation)
 
     def inward(self, attitude_xyzw: Sequence[float]) -> list[Decimal]:
         """The frame's attitude from the body's, of unit norm."""
         given = [Decimal(component) for component in attitude_xyzw]
         norm = dot(given, given).sqrt()
         given = [c / norm for c in given]
-        if self.order:
+        if self.rotation is None:
             return [*(given[i] for i in self.order), given[3]]
-        assert self.rotation is not None
         return list(quaternion.product(given, self.rotation))
 
     def outward(self, attitude_xyzw: Array, rate: Array) -> tuple[Array, Array]:
         """The body's attitudes and rates from the frame's, shapes (N, 4) and (N, 3)."""
-        if self.order:
+        if self.rotation is None:
             place = [self.order.index(i) for i in range(3)]
             return attitude_xyzw[:, [*place, 3]], rate[:, place]
         inverse, matrix = self._to_body
@@ -88,9 +86,8 @@ class CyclicFrame:
     @cached_property
     def _to_body(self) -> tuple[Array, Array]:
         """The inverse of the rotation's quaternion, and the rotation's matrix, in doubles."""
-        assert self.rotation is not None
-        matrix = np.array([[float(c) for c in row] for row in zip(*self.axes, strict=True)])
-        return quaternion.conjugate(np.array([float(c) for c in self.rotation])), matrix
+        rows = list(zip(*self.axes, strict=True))
+        return quaternion.conjugate(np.array(self.rotation, np.float64)), np.array(rows, np.float64)
 
 
 @dataclass(frozen=True)
