@@ -27,6 +27,7 @@ from lie_rigid_body.motion.moser_veselov.layout import (
     STEP_LENGTH,
     P,
     Q,
+    store,
 )
 from lie_rigid_body.motion.moser_veselov.loop import LOOP, SAMPLE_SIZE
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
@@ -58,9 +59,9 @@ def motion_constants(motions: Sequence[ScaledMotion], order: int) -> list[list[f
     ]
 
 
-def hi_lo(values: Iterable[Decimal]) -> list[float]:
-    """The numbers as double-doubles, hi and lo by turns."""
-    return [part for value in values for part in from_decimal(value)]
+def rounded(values: Iterable[Decimal]) -> list[tuple[float, float]]:
+    """The numbers as double-doubles."""
+    return [from_decimal(value) for value in values]
 
 
 def _placed(motion: ScaledMotion, series: list[float]) -> list[float]:
@@ -82,17 +83,17 @@ def _placed(motion: ScaledMotion, series: list[float]) -> list[float]:
     }
     constants = [*[0.0] * ALPHA, *series]
     for place, values in numbers.items():
-        constants[place : place + 2 * len(values)] = hi_lo(values)
+        store(constants, place, rounded(values))
     return constants
 
 
 def _series(motion: Invariants[Decimal], terms: int, later: LaterTerms) -> list[float]:
     """The pairs of α and β by turns: decimal terms first, then the later ones; α ends one term earlier."""
-    alpha, beta = (hi_lo(first) for first in preprocessed_inertia(motion, min(terms, _EXACT_TERMS)))
+    alpha, beta = (rounded(first) for first in preprocessed_inertia(motion, min(terms, _EXACT_TERMS)))
     for coefficients, more in zip((alpha, beta), later, strict=True):
-        coefficients += [part for value in more for part in (value, 0.0)]
-        coefficients += [0.0] * (2 * max(terms, _FEWEST_TERMS) - len(coefficients))
-    return [c for k in range(0, len(beta), 2) for c in (alpha[k], alpha[k + 1], beta[k], beta[k + 1])]
+        coefficients += [(value, 0.0) for value in more]
+        coefficients += [(0.0, 0.0)] * (max(terms, _FEWEST_TERMS) - len(coefficients))
+    return [part for pairs in zip(alpha, beta, strict=True) for pair in pairs for part in pair]
 
 
 def _in_doubles(motions: Sequence[Invariants[Decimal]], terms: int) -> list[LaterTerms]:
@@ -146,11 +147,11 @@ class MoserVeselovIntegrator:
     ) -> None:
         attitude = frame.inward(attitude_xyzw)
         self.start = [0.0] * STATE_SIZE
-        _put(self.start, MOMENTUM, hi_lo(motion.momentum))
-        _put(self.start, ATTITUDE, hi_lo(attitude))
+        store(self.start, MOMENTUM, rounded(motion.momentum))
+        store(self.start, ATTITUDE, rounded(attitude))
         self.start[STEP_LENGTH] = -1.0  # no step yet
         self.constants = list(constants)
-        _put(self.constants, SPATIAL_MOMENTUM, hi_lo(rotated(attitude, motion.momentum)))
+        store(self.constants, SPATIAL_MOMENTUM, rounded(rotated(attitude, motion.momentum)))
         self.largest_step = longest_step(max_step, LARGEST_TURN, float(motion.fastest))
         self._frame = frame
 
@@ -162,10 +163,6 @@ class MoserVeselovIntegrator:
         out = np.empty((len(spans), SAMPLE_SIZE))
         LOOP.run(state, self.constants, spans, counts, out, work)
         return self._frame.outward(out[:, :4], out[:, 4:])
-
-
-def _put(vector: list[float], place: int, numbers: list[float]) -> None:
-    vector[place : place + len(numbers)] = numbers
 
 
 def moser_veselov_integrators(starts: InitialConditions, max_step: float, order: int) -> list[MoserVeselovIntegrator]:

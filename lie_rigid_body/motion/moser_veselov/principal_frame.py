@@ -126,15 +126,11 @@ class ScaledMotion:
         rate = [Decimal(component) for component in body_rate]
         total = [dot(row, rate) for row in frame.tensor]
         size = dot(total, total).sqrt()
-        if size == 0:  # at rest: any direction will do
-            return cls._scaled(frame, (Decimal(0), Decimal(0), Decimal(1)), size)
-        a, b, c = (dot(axis, total) / size for axis in frame.axes)
-        return cls._scaled(frame, (a, b, c), size)
-
-    @classmethod
-    def _scaled(cls, frame: CyclicFrame, momentum: Vector, size: Decimal) -> ScaledMotion:
+        x, y, z = Decimal(0), Decimal(0), Decimal(1)
+        if size:  # at rest any direction will do
+            x, y, z = (dot(axis, total) / size for axis in frame.axes)
         e1, e2, e3 = (1 / moment for moment in frame.moments)
-        a, b, c = (component * component for component in momentum)
+        a, b, c = x * x, y * y, z * z
         if e1 == e3:  # a sphere: any two axes will do
             m1, m3 = a, b + c
         else:
@@ -145,7 +141,7 @@ class ScaledMotion:
         fastest = (e1 * e1 * m1 + e3 * e3 * m3).sqrt()
         scaled = (e1 / fastest, e2 / fastest, e3 / fastest)
         energy = scaled[0] * m1 + scaled[2] * m3
-        return cls(scaled, momentum, energy, m1, m3, size * fastest)
+        return cls(scaled, (x, y, z), energy, m1, m3, size * fastest)
 
 
 def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:
