@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -113,9 +114,7 @@ class Evaluation:
 def _pieces(bodies: int, times: int, most: int) -> Iterator[tuple[slice, slice]]:
     """Slices of the bodies and of the times that together cover all, each of at most ``most`` samples."""
     breadth = max(1, min(times, most))
-    for some in _slices(bodies, most // breadth):
-        for part in _slices(times, breadth):
-            yield some, part
+    return product(_slices(bodies, most // breadth), _slices(times, breadth))
 
 
 def _slices(length: int, step: int) -> Iterator[slice]:
