@@ -26,7 +26,6 @@ from lie_rigid_body.arithmetic.double_double import (
     subtract,
 )
 from lie_rigid_body.arithmetic.numbers import Number, at_most, magnitude, nearest, power_of_two
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import kernel
 
 # 2π, its first 26 bits, and the rest
@@ -135,14 +134,8 @@ def _nearest_entry(tangent: Number) -> tuple[Number, DoubleDouble]:
         k = round(_PARTS * tangent)
         return k / _PARTS, _arctangents()[k]
     places = np.rint(_PARTS * tangent).astype(np.intp)
-    hi, lo = _arctangent_columns()
-    return places / _PARTS, (hi[places], lo[places])
-
-
-@lru_cache(maxsize=1)
-def _arctangent_columns() -> tuple[Array, Array]:
-    hi, lo = np.array(_arctangents()).T
-    return hi, lo
+    hi, lo = np.array(_arctangents())[places].T
+    return places / _PARTS, (hi, lo)
 
 
 @lru_cache(maxsize=1)
