@@ -47,10 +47,10 @@ class GeneratedElements(Elements):
         matrix that is singular to within rounding. For a large condition number the distance is reduced by what an
         error of 1e-12 in the entries of an element can amount to.
         """
-        regular = _condition(_equilibrated(A)) < CONDITION_LIMIT
+        regular = np.linalg.cond(_equilibrated(A)) < CONDITION_LIMIT
         A = np.where(regular[..., np.newaxis, np.newaxis], A, np.eye(A.shape[-1]))
         off = np.maximum(self._off_determinants(A), self._off_normaliser(A))
-        return np.where(regular, off / np.maximum(1.0, _ENTRY_ERROR / SPAN_TOLERANCE * _condition(A)), np.inf)
+        return np.where(regular, off / np.maximum(1.0, _ENTRY_ERROR / SPAN_TOLERANCE * np.linalg.cond(A)), np.inf)
 
     def _off_determinants(self, A: Matrix) -> Array:
         """Distance of log det A, shape (...), from the algebra's traces, where these are all real or all imaginary."""
@@ -111,13 +111,6 @@ class GeneratedElements(Elements):
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Exponentials of standard normal coordinates."""
         return exponential.exp(self._algebra.hat(rng.standard_normal((*shape, self._algebra.dimension))))
-
-
-def _condition(A: Matrix) -> Array:
-    """Ratio of the largest and the smallest singular value, shape (...), or infinity."""
-    sizes = np.linalg.svd(A, compute_uv=False)
-    smallest = sizes[..., -1]
-    return np.where(smallest > 0.0, sizes[..., 0] / np.where(smallest > 0.0, smallest, 1.0), np.inf)
 
 
 def _equilibrated(A: Matrix) -> Matrix:
