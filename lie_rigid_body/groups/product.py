@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import accumulate
+from collections.abc import Callable, Iterable, Iterator
+from itertools import accumulate, pairwise, starmap
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.errors import InputError
@@ -40,21 +41,18 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
     dtype = np.result_type(*(group.generators.dtype for group in groups))
     d = whole_number("dimension", sum(g.dimension for g in groups), 1, MOST_GENERATORS)
     T = np.zeros((d, sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
-    metric = np.zeros((len(T), len(T)))
-    for group, rows, block in zip(groups, _slices([g.dimension for g in groups]), _blocks(groups), strict=True):
+    for group, rows, block in zip(groups, _slices(g.dimension for g in groups), _blocks(groups), strict=True):
         T[rows, block, block] = group.generators
-        metric[rows, rows] = group.trace_metric
-    name = " × ".join(g.name for g in groups)
+    name, metric = " × ".join(g.name for g in groups), block_diag(*(g.trace_metric for g in groups))
     return MatrixLieGroup(T, name, metric, ProductElements(groups), groups)
 
 
-def _slices(sizes: list[int]) -> list[slice]:
-    ends = list(accumulate(sizes))
-    return [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]
+def _slices(sizes: Iterable[int]) -> Iterator[slice]:
+    return starmap(slice, pairwise(accumulate(sizes, initial=0)))
 
 
-def _blocks(groups: tuple[MatrixLieGroup, ...]) -> list[slice]:
-    return _slices([group.size for group in groups])
+def _blocks(groups: tuple[MatrixLieGroup, ...]) -> Iterator[slice]:
+    return _slices(group.size for group in groups)
 
 
 class ProductElements(Elements):
