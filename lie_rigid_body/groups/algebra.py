@@ -100,12 +100,8 @@ class MatrixLieAlgebra:
         return int(self.generators.shape[-1])
 
     @cached_property
-    def _flat(self) -> Array:
-        return flattened(self.generators)
-
-    @cached_property
     def _dual(self) -> Array:
-        return dual_basis(self._flat)
+        return dual_basis(flattened(self.generators))
 
     @cached_property
     def _rows(self) -> Matrix:

@@ -48,8 +48,7 @@ def SO(n: int) -> MatrixLieGroup:  # noqa: N802
         From 2 to 40.
     """
     n = whole_number("n", n, 2, LARGEST_SO)
-    algebra = MatrixLieAlgebra(_so_generators(n))
-    return MatrixLieGroup(algebra.generators, f"SO({n})", algebra.scaled_trace(0.5), OrthogonalElements(n))
+    return _compact_group(_so_generators(n), f"SO({n})", 0.5, OrthogonalElements(n))
 
 
 def SU(n: int) -> MatrixLieGroup:  # noqa: N802
@@ -65,14 +64,16 @@ def SU(n: int) -> MatrixLieGroup:  # noqa: N802
         From 2 to 28.
     """
     n = whole_number("n", n, 2, LARGEST_SU)
-    algebra = MatrixLieAlgebra(_su_generators(n))
-    return MatrixLieGroup(algebra.generators, f"SU({n})", algebra.scaled_trace(2.0), SpecialUnitaryElements(n))
+    return _compact_group(_su_generators(n), f"SU({n})", 2.0, SpecialUnitaryElements(n))
 
 
 def U1() -> MatrixLieGroup:  # noqa: N802
     """The circle: phases e^{iθ} as 1×1 matrices, with the generator i; the coordinate is the angle θ."""
-    algebra = MatrixLieAlgebra(np.array([[[1j]]]))
-    return MatrixLieGroup(algebra.generators, "U(1)", algebra.scaled_trace(1.0), PhaseElements())
+    return _compact_group(np.array([[[1j]]]), "U(1)", 1.0, PhaseElements())
+
+
+def _compact_group(generators: Matrix, name: str, scale: float, elements: Elements) -> MatrixLieGroup:
+    return MatrixLieGroup(generators, name, MatrixLieAlgebra(generators).scaled_trace(scale), elements)
 
 
 def _so_generators(n: int) -> Array:
