@@ -16,24 +16,65 @@ follows from the momenta before and after the step (`moser_veselov`).
 
 from __future__ import annotations
 
-import copy
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import as_double
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.arrays import Array, Integers, as_double
+from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, InitialConditions, WorkingMemory, states_at
-from lie_rigid_body.motion.moving_ensemble import Integrator, MovingEnsemble
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, munthe_kaas_integrators
+from lie_rigid_body.motion.time_steps import require_order, steps_through, steps_to
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import call_repr, shown
+
+
+class Integrator(Protocol):
+    """The motion of one body in steps. The caller keeps its state, a list of floats that only the method can read."""
+
+    @property
+    def start(self) -> list[float]:
+        """The state at time 0."""
+
+    @property
+    def largest_step(self) -> float:
+        """The length that no step exceeds, s."""
+
+    def require_short_steps(self, state: list[float], span_ns: int) -> None:
+        """Refuse to go from sample to sample, up to so many nanoseconds, in steps too long for the method and a state.
+
+        Raises
+        ------
+        InputError
+        """
+
+    def advance(self, state: list[float], spans: Integers, counts: Integers, work: int) -> tuple[Array, Array]:
+        """Move a state, in place, through N samples.
+
+        Parameters
+        ----------
+        state : list of float
+        spans, counts : ndarray of int64, shape (N,)
+            Time since the sample before, ns, and the number of steps that divide it.
+        work : int
+            The steps that this call counts as when it is judged whether compiling pays; see `compilation.Loop`.
+
+        Returns
+        -------
+        attitude_xyzw : ndarray, shape (N, 4)
+        body_rate : ndarray, shape (N, 3)
+
+        Raises
+        ------
+        InputError
+            If the steps lead to infinity.
+        """
 
 
 @short_dataclass(frozen=True)
@@ -123,19 +164,16 @@ class MovingChart:
     ) -> None:
         require_stepper(method, max_step, METHODS)
         self._starts = InitialConditions.of(body, start)
-        self._ensemble = MovingEnsemble(self._starts, METHODS[method].integrators(self._starts, float(max_step)))
         self._method, self._max_step = method, float(max_step)
-
-    def __copy__(self) -> MovingChart:
-        """A motion that goes on by itself from the time reached."""
-        other = type(self).__new__(type(self))
-        other.__dict__ = {**self.__dict__, "_ensemble": copy.copy(self._ensemble)}
-        return other
+        self._integrators = METHODS[method].integrators(self._starts, self._max_step)
+        # replaced as a whole, never changed: a copy of the motion goes on by itself from the time reached
+        self._states = [integrator.start for integrator in self._integrators]
+        self._reached_ns = 0
 
     def __repr__(self) -> str:
         shape = {"bodies": self._starts.batch} if self._starts.batch else {}
         stepper = {"method": self._method, "max_step": self._max_step}
-        return call_repr(self, {**shape, **stepper, "reached_ns": self._ensemble.reached_ns})
+        return call_repr(self, {**shape, **stepper, "reached_ns": self._reached_ns})
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
@@ -163,7 +201,55 @@ class MovingChart:
             allowed. It is raised as well if the steps of a body, which is named, are too many, too long for its rate,
             or lead to infinity.
         """
-        return states_at(self._starts, t_ns, memory_limit, _NEEDS, self._ensemble.fill)
+        return states_at(self._starts, t_ns, memory_limit, _NEEDS, self._fill)
+
+    def _fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
+        """Write the states of B bodies at N times, shapes (B, N, 4) and (B, N, 3), so many samples at once.
+
+        Raises
+        ------
+        InputError
+            If a time lies before one already reached, or a body cannot follow. Then no body has moved.
+        """
+        if len(t_ns) == 0:
+            return
+        require_order(t_ns, self._reached_ns)
+        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - self._reached_ns))
+        work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(self._states)))
+        moved = []
+        for k, state in enumerate(self._states):
+            moved.append(list(state))
+            for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
+                attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
+                work = 0
+        self._states, self._reached_ns = moved, int(t_ns[-1])
+
+    def _steps_through(self, k: int, t_ns: Integers, longest_ns: int) -> int:
+        """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
+        try:
+            integrator = self._integrators[k]
+            integrator.require_short_steps(self._states[k], longest_ns)
+            return max(steps_through(int(t_ns[-1]), self._reached_ns, integrator.largest_step), len(t_ns))
+        except InputError as error:
+            raise self._named(k, error) from None
+
+    def _samples(
+        self, k: int, state: list[float], t_ns: Integers, block: int, work: int
+    ) -> Iterator[tuple[slice, Array, Array]]:
+        """Attitudes and rates of one body, block by block; its state moves on in place."""
+        reached_ns = self._reached_ns
+        for begin in range(0, len(t_ns), block):
+            some = slice(begin, begin + block)
+            spans, counts = steps_to(t_ns[some], reached_ns, self._integrators[k].largest_step)
+            try:
+                attitudes, rates = self._integrators[k].advance(state, spans, counts, work)
+            except InputError as error:
+                raise self._named(k, error) from None
+            yield some, attitudes, rates
+            reached_ns, work = int(t_ns[some][-1]), 0
+
+    def _named(self, k: int, error: InputError) -> InputError:
+        return InputError(f"{self._starts.error_prefix(k)}{error}")
 
 
 def require_stepper(method: object, max_step: object, methods: Collection[str]) -> None:

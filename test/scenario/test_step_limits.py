@@ -73,7 +73,7 @@ def test_steps_are_counted_as_the_motion_takes_them(parameters: dict[str, object
     scenario = Scenario.from_parameters(parameters)
     integrator = MovingChart(
         scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step
-    )._ensemble._integrators[0]
+    )._integrators[0]
     _, counts = steps_to(np.array([round(1e9 / scenario.rate)]), 0, integrator.largest_step)
     # the scenario knows a bound of the body rate, the stepper its maximum
     assert counts[0] <= scenario.steps_per_sample() <= 1.3 * counts[0]

@@ -47,7 +47,7 @@ def made(angle: float, axis: int):
     """Momentum and attitude of a start, and the constants of its motion, all in double-double."""
     rate = rate_beside(axis, 1e-3 * angle / sine(rate_beside(axis, 1e-3)))
     start = State(np.array([0.1, -0.7, 0.3, -0.5]) / np.sqrt(0.84), rate)
-    integrator: Any = MovingChart(BODY, start)._ensemble._integrators[0]
+    integrator: Any = MovingChart(BODY, start)._integrators[0]
     return pairs(integrator.start, MOMENTUM, 3), pairs(integrator.start, ATTITUDE, 4), integrator.constants
 
 

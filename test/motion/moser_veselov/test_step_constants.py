@@ -29,7 +29,7 @@ STEPS = [LARGEST_TURN, 0.1, 1e-2, 1e-4, 1e-8, 1e-20, 1e-100]
 
 
 def constants_of(body: RigidBody, start: State) -> Any:
-    integrator: Any = MovingChart(body, start)._ensemble._integrators[0]
+    integrator: Any = MovingChart(body, start)._integrators[0]
     return integrator.constants
 
 
