@@ -95,19 +95,21 @@ class RecordedEstimate:
         bounded : bool, optional
             Whether the best that the sensors' noise allows is told as well.
         """
-        score = evaluate(
-            self.track.stamps_ns,
-            self.track.attitude_xyzw,
-            self.truth,
-            limits=limits,
-            covariance=self.covariance,
-            covariance_axes=covariance_axes,
-            bound=bound_of(self.motion.segments, self.truth, self.track.stamps_ns) if bounded else None,
-            sensors=left_by_errors_of(self.motion.segments),
-            left_out=self.left_out,
-            due_ns=self.truth.last_ns if due_ns is None else due_ns,
+        return replace(
+            evaluate(
+                self.track.stamps_ns,
+                self.track.attitude_xyzw,
+                self.truth,
+                limits=limits,
+                covariance=self.covariance,
+                covariance_axes=covariance_axes,
+                bound=bound_of(self.motion.segments, self.truth, self.track.stamps_ns) if bounded else None,
+                sensors=left_by_errors_of(self.motion.segments),
+                left_out=self.left_out,
+                due_ns=self.truth.last_ns if due_ns is None else due_ns,
+            ),
+            gyro_bias=self.gyro_bias,
         )
-        return replace(score, gyro_bias=self.gyro_bias)
 
 
 def recorded_estimate(

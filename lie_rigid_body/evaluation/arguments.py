@@ -57,15 +57,14 @@ def real_numbers(name: str, value: ArrayLike, wanted: str) -> Array:
         If it is none.
     """
     require_unmasked(name, value)
-    fault = "not numbers: give"
     try:
         array = np.asarray(value)
         # NumPy would read the texts '0' and '1', and True, as numbers
         if array.dtype.kind in "iuf" or all(isinstance(number, Real) for number in array.flat):
             return np.asarray(array, dtype=np.float64)
-        fault = "complex numbers: give real ones," if np.iscomplexobj(array) else fault
+        fault = "complex numbers: give real ones," if np.iscomplexobj(array) else "not numbers: give"
     except NOT_NUMBERS:
-        pass
+        fault = "not numbers: give"
     raise InputError(f"{name}: {fault} an array of shape {wanted}")
 
 

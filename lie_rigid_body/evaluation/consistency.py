@@ -204,8 +204,7 @@ def covariance_fault(covariance: Array) -> str:
 def rotation_block(covariance: ArrayLike) -> Array:
     """Covariance of the rotation, 3 × 3, in a covariance of a rotation or of a pose."""
     P = real_numbers("covariance", covariance, "(..., 3, 3)")
-    P = P[..., 3:, 3:] if P.shape[-2:] == (6, 6) else P
-    P = numbers("covariance", P, 3, 3)
+    P = numbers("covariance", P[..., 3:, 3:] if P.shape[-2:] == (6, 6) else P, 3, 3)
     if np.any(P[..., 0, 0] == -1.0) or not P.any(axis=(-2, -1)).all():
         raise InputError("covariance: -1 or all 0 says that the estimator does not know it: leave it out")
     return P

@@ -154,8 +154,7 @@ class Turns:
 
     def stuck(self) -> Finding | None:
         """Finding that the estimate does not turn, in all or for long, while the body does."""
-        still = self.ours_rad < STUCK * self.true_rad
-        still |= self.ours_rad.sum() < STUCK * self.true_rad.sum()
+        still = (self.ours_rad < STUCK * self.true_rad) | (self.ours_rad.sum() < STUCK * self.true_rad.sum())
         begins, ends = runs_of(0, still)
         if not len(begins):
             return None

@@ -178,9 +178,9 @@ class Limits:
         InputError
             If a text is not an angle, or not a time, a colon and an angle.
         """
-        pairs = max_after if isinstance(max_after, list | tuple) else (max_after,)
         return cls(
-            None if max_rms is None else _read(max_rms, "an angle such as 1deg"), tuple(_after(pair) for pair in pairs)
+            None if max_rms is None else _read(max_rms, "an angle such as 1deg"),
+            tuple(_after(pair) for pair in (max_after if isinstance(max_after, list | tuple) else [max_after])),
         )
 
 
