@@ -259,8 +259,7 @@ def nearest(topics: Iterable[str], ending: str, estimate_topic: str) -> str | No
     """
     found = [topic for topic in topics if topic.rpartition("/")[2] == ending]
     if len(found) > 1:
-        poses = {topic: pose_beside(topic) if ending == SCENARIO else topic for topic in found}
-        spaces = {topic: pose.rpartition("/")[0] for topic, pose in poses.items()}
+        spaces = {topic: (pose_beside(topic) if ending == SCENARIO else topic).rpartition("/")[0] for topic in found}
         near = [topic for topic, space in spaces.items() if space and estimate_topic.startswith(f"{space}/")]
         found = near if len(near) == 1 else found
     if len(found) > 1:

@@ -257,10 +257,9 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
     deviation = (means - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
     least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
-    parts = np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
     return tuple(
         Interval(float(t_s[part[0]]), float(t_s[part[-1]]), "overconfident" if sides[part[0]] > 0 else "conservative")
-        for part in parts
+        for part in np.split(np.arange(len(t_s)), np.flatnonzero(np.diff(sides)) + 1)
         if sides[part[0]]
     )
 

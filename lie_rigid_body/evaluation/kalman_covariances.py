@@ -65,8 +65,9 @@ def covariances(samples: Steps, first: Array) -> Array:
     blocks = -(-count // length)
     padded = [np.pad(part, ((0, length * blocks - count), (0, 0), (0, 0))) for part in samples]
     padded[0][count:] = np.eye(n)  # samples after the last change and tell nothing
-    of_blocks = (part.reshape(blocks, length, *part.shape[1:]).swapaxes(0, 1) for part in padded)
-    steps: list[Steps] = list(zip(*of_blocks, strict=True))
+    steps: list[Steps] = list(
+        zip(*(part.reshape(blocks, length, *part.shape[1:]).swapaxes(0, 1) for part in padded), strict=True)
+    )
     start, end = _at_ends(steps, first)
     filtered = list(_filtered(steps, start))
     smoothed = [end]
@@ -152,5 +153,4 @@ def _transposed(matrices: Array) -> Array:
 
 
 def _together(pairs: list[Pair]) -> Pair:
-    first, second = (np.array(parts) for parts in zip(*pairs, strict=True))
-    return first, second
+    return np.array([root for root, _ in pairs]), np.array([sensitivity for _, sensitivity in pairs])

@@ -229,8 +229,11 @@ class Tally:
         self._squares += np.sum(angles_deg**2, axis=1)
         self.largest_deg = np.maximum(self.largest_deg, angles_deg.max(axis=1))
         t_s = (stamps_ns - self._first_ns) / 1e9
-        late_deg = (np.where(t_s >= start, angles_deg[0], -np.inf) for start, _ in self.limits.max_after)
-        latest = [(float(t_s[np.argmax(errors)]), float(errors.max())) for errors in late_deg]
+        latest = [
+            (float(t_s[np.argmax(late_deg)]), float(late_deg.max()))
+            for start, _ in self.limits.max_after
+            for late_deg in [np.where(t_s >= start, angles_deg[0], -np.inf)]
+        ]
         # of as large ones the first counts
         self._worst = [max(pair, key=itemgetter(1)) for pair in zip(self._worst, latest, strict=True)]
 
