@@ -201,7 +201,8 @@ def _kinetic_energy(compared: ComparedSamples) -> _Residuals:
 def _world_momentum(compared: ComparedSamples) -> list[_Residuals]:
     """Each component of the angular momentum in the world, A M ω, is that of the start."""
     start = compared.body.angular_momentum(compared.start)
-    scale, limits = float(so3.norm(start)), compared.tolerance.world_momentum(compared.t)
+    scale = float(so3.norm(start))
+    limits = compared.tolerance.world_momentum(compared.t)
     return [
         (_relative(np.abs(component - its_start), scale), limits)
         for component, its_start in zip(compared.found.momentum, start, strict=True)

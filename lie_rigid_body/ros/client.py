@@ -81,7 +81,8 @@ class Client:
             nonlocal shown, heard
             silence.cancel()
             if time.monotonic() - shown >= SHOWN_EVERY:
-                shown, heard = time.monotonic(), console.say(line(pose))
+                shown = time.monotonic()
+                heard = console.say(line(pose))
 
         def report_silence() -> None:
             silence.cancel()

@@ -123,7 +123,8 @@ def _as_ros(value: Value) -> Any:
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """The description of a parameter for ROS, which ``ros2 param describe`` shows."""
-    fixed, low, high = parameter.name in FIXED, parameter.minimum, parameter.maximum
+    fixed = parameter.name in FIXED
+    low, high = parameter.minimum, parameter.maximum
     when = "at once" if parameter.name in IMMEDIATE else "at the next ~/reset"
     told = (
         *([f"one of {', '.join(parameter.choices)}"] if parameter.choices else []),
