@@ -83,8 +83,7 @@ def moments_on_grid(density: ArrayLike, low: ArrayLike, high: ArrayLike) -> Mass
     centre = np.array([line @ x for line, x in zip(lines, centres, strict=True)])
     offsets = [x - c for x, c in zip(centres, centre, strict=True)]
     # a cell has a second moment of its own, m h²/12
-    squares = [line @ x**2 + h**2 / 12 for line, x, h in zip(lines, offsets, steps, strict=True)]
-    central = np.diag(mass * np.array(squares))
+    central = np.diag([mass * (line @ x**2 + h**2 / 12) for line, x, h in zip(lines, offsets, steps, strict=True)])
     for i, j in combinations(range(n), 2):
         central[i, j] = central[j, i] = offsets[i] @ _sum_over_others(cells, i, j) @ offsets[j]
     return MassMoments(mass, centre, central)
@@ -141,8 +140,7 @@ def _weighed(points: Array, masses: Array) -> MassMoments:
     mass = float(masses.sum())
     centre = masses @ points / mass
     offsets = points - centre
-    central = (masses[:, None] * offsets).T @ offsets
-    return MassMoments(mass, centre, symmetrised(central))
+    return MassMoments(mass, centre, symmetrised((masses[:, None] * offsets).T @ offsets))
 
 
 def _require_order(low: float, high: float) -> None:

@@ -184,6 +184,5 @@ class RigidBody(ArraysOnly):
         """The inertia with axes of length 1 where the states of a batch have more than the batch, for broadcasting."""
         if not isinstance(states, State):
             raise ParameterError("states", f"{shown(states)} is no State: give State(attitude_xyzw, body_rate)")
-        more = states.body_rate.ndim - 1 - len(self.batch_shape)
-        extra = (1,) * more if self.batch_shape else ()
+        extra = (1,) * (states.body_rate.ndim - 1 - len(self.batch_shape)) if self.batch_shape else ()
         return self.inertia.reshape(*self.batch_shape, *extra, 3, 3)
