@@ -45,10 +45,6 @@ _HEAD: Final = "Medians over the runs; of errors and times 95 % of the runs are 
 _WIDTHS: Final = "{:<24} {:>15} {:>15} {:>15} {:>15} {:>6} {:>10} {:>7} {:>9}"
 _PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
 """Scores of which the median and a larger one are told, and their units."""
-_WORST: Final = 3
-"""Number of worst runs that are named, of each estimator."""
-_WIDE: Final = 30.0
-"""Ratio of the largest and the smallest value above which an axis is logarithmic."""
 
 Varied = Mapping[int, Mapping[str, Any]]
 """The parameters that vary, by the numbers of the runs."""
@@ -131,7 +127,7 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list
     commands = [
         f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
         for one in comparison.standings
-        for run in one.worst(_WORST)
+        for run in one.worst(3)
     ]
     return [
         "<h2>Estimators</h2>",
@@ -173,9 +169,9 @@ def _band(t_s: Array, one: Standing, colour: str) -> Iterator[dict[str, Any]]:
 
 
 def _scale(title: str, values: Array) -> dict[str, Any]:
-    """Axis of errors, logarithmic where they are of very different size."""
+    """Axis of errors, logarithmic where the largest is more than 30 times the smallest."""
     positive = values[np.isfinite(values) & (values > 0.0)]
-    if len(positive) and positive.max() > _WIDE * positive.min():
+    if len(positive) and positive.max() > 30.0 * positive.min():
         return logarithmic(title, np.maximum(positive, 1e-6 * positive.max()))
     return axis(title, rangemode="tozero")
 

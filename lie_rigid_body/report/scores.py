@@ -62,8 +62,6 @@ _LONGEST_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic, and of a limit that is far beyond."""
-_DEEPEST: Final = 1e-6
-"""Least end of a logarithmic axis, as a share of the largest value."""
 _NARROW: Final = 5.0
 """Width, inches, up to which a figure is for the screen of a phone."""
 
@@ -343,7 +341,7 @@ def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) ->
         high = 1.05 * top or 1.0
         axes.set_ylim(0.0, high)
         return 0.0, high
-    bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), _DEEPEST * top)
+    bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * top)
     near = [limit for limit in limits if bottom / _WIDE_SPAN <= limit <= _WIDE_SPAN * top]
     low, high = min([bottom, *near]) / 1.5, max([top, *near]) * 1.5
     axes.set(yscale="log", ylim=(low, high))

@@ -31,8 +31,6 @@ from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 
-LONGEST_LEVER_ARM_M: Final = 1e6
-"""Largest component of the lever arm, m."""
 LARGEST_TURN_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
 _PER_RATE: Final = math.sqrt(2.0) + 2.0
@@ -73,7 +71,7 @@ class ImuModel(SensorModel):
     @classmethod
     def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
-        require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], LONGEST_LEVER_ARM_M, "m")
+        require_at_most("accelerometer_lever_arm", values["accelerometer_lever_arm"], 1e6, "m")
         return {
             "gyro_rate": values["gyro_rate"],
             "gyro": TriadModel.from_values("gyro", values),

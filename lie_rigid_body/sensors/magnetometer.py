@@ -28,10 +28,6 @@ from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults, linear_errors
 
 STRONGEST_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
-LARGEST_SOFT_IRON: Final = 1e6
-"""Largest magnitude of an entry of the soft-iron matrix."""
-
-
 _KIND: Final = "magnetic_disturbance"
 
 
@@ -129,7 +125,7 @@ class MagnetometerModel(SensorModel):
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
         require_at_most("magnetic_field", values["magnetic_field"], STRONGEST_FIELD_T, "T")
         require_at_most("magnetometer_hard_iron", values["magnetometer_hard_iron"], STRONGEST_FIELD_T, "T")
-        require_at_most("magnetometer_soft_iron", values["magnetometer_soft_iron"], LARGEST_SOFT_IRON, "")
+        require_at_most("magnetometer_soft_iron", values["magnetometer_soft_iron"], 1e6, "")
         return {
             "field": values["magnetic_field"],
             "converter": Converter.from_values(sensor, values),

@@ -73,10 +73,6 @@ def triad_parameters(sensor: str, unit: str) -> tuple[Parameter, ...]:
     )
 
 
-def _either_sign(name: str, description: str, limit: float) -> Parameter:
-    return Parameter(name, "double", 0.0, description, minimum=-limit, maximum=limit)
-
-
 def episode_parameters(name: str, what: str, duration: float) -> tuple[Parameter, ...]:
     """Parameters of the interval and the duration of episodes; ``what`` names the episodes, with a capital."""
     return (
@@ -101,12 +97,22 @@ def delivery_parameters(sensor: str, title: str) -> tuple[Parameter, ...]:
             f"{name}: most that is added to the latency, drawn evenly for each reading, s.",
             maximum=_LONGEST_DELAY_S,
         ),
-        _either_sign(
+        Parameter(
             f"{sensor}_clock_offset",
+            "double",
+            0.0,
             f"{name}: how far its clock, which stamps, is ahead at the epoch, s.",
-            _LARGEST_OFFSET_S,
+            minimum=-_LARGEST_OFFSET_S,
+            maximum=_LARGEST_OFFSET_S,
         ),
-        _either_sign(f"{sensor}_clock_skew", f"{name}: by how much its clock is too fast, s/s.", _LARGEST_SKEW),
+        Parameter(
+            f"{sensor}_clock_skew",
+            "double",
+            0.0,
+            f"{name}: by how much its clock is too fast, s/s.",
+            minimum=-_LARGEST_SKEW,
+            maximum=_LARGEST_SKEW,
+        ),
     )
 
 

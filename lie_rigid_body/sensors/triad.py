@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.short_dataclass import short_dataclass
-
-LARGEST_SCALE_FACTOR: Final = 1e6
 
 
 @dataclass(frozen=True)
@@ -254,7 +251,7 @@ class TriadModel:
             converter=Converter.from_values(sensor, values),
             faults=TriadFaults.from_values(sensor, values),
         )
-        require_at_most(f"{sensor}_scale_factor", found.scale_factor, LARGEST_SCALE_FACTOR, "")
+        require_at_most(f"{sensor}_scale_factor", found.scale_factor, 1e6, "")
         angle = float(so3.norm(found.misalignment))
         if angle > math.pi:
             raise ParameterError(
