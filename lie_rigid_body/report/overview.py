@@ -6,7 +6,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from lie_rigid_body import console
@@ -148,7 +147,7 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class Line:
     """One of many bags, or of the runs of a campaign.
 

@@ -6,7 +6,6 @@ All pictures share times, resets, curves, and the ellipsoid of the energy.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -52,7 +51,7 @@ INTERVALS: Final = 400
 """Most intervals of time of which the largest residual is kept."""
 
 
-@dataclass(frozen=True)
+@short_dataclass(frozen=True)
 class RecordedSegment(Block):
     """Samples of one segment, as recorded. See `Block` for the other parameters.
 

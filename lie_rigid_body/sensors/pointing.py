@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -56,7 +55,7 @@ def _turned(error: Array) -> Conditioning:
     return Conditioning.of(1.0 + so3.norm(error), 0.5)
 
 
-@dataclass(frozen=True, repr=False)
+@short_dataclass(frozen=True)
 class AttitudeSensorModel(SensorModel):
     """The model of an attitude sensor, such as a star tracker: the whole attitude, worst about its boresight.
 
@@ -154,7 +153,7 @@ class AttitudeSensor(Instrument):
         return {"attitude_xyzw": Signal(attitude, condition=lambda: _turned(error)), "covariance": covariance}
 
 
-@dataclass(frozen=True, repr=False)
+@short_dataclass(frozen=True)
 class SunSensorModel(SensorModel):
     """The model of a sun sensor: exp(n_k) Aᵀ s, with A the attitude, s the sun's direction and n_k = σ ν_k.
 
