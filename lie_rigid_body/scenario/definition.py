@@ -191,8 +191,7 @@ class Scenario:
     def _rate_bound(self) -> float:
         body, start = self.body(), self.start()
         smallest = float(body.principal_moments[0])
-        twice_energy = 2.0 * float(body.kinetic_energy(start))
-        by_energy = math.sqrt(twice_energy / smallest)
+        by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
         by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
         bound = min(by_energy, by_momentum)
         if 0.0 < bound < math.inf or not start.body_rate.any():
