@@ -61,10 +61,11 @@ HALF_TURN_MARGIN: Final = 1e-13
 _SERIES_TERMS: Final = 16
 
 
-def _halvings(Z: Matrix) -> NDArray[np.int_]:
-    """Number of halvings after which the 1-norm of each matrix is at most `REACH`, shape (...)."""
+def _halved(Z: Matrix) -> tuple[Matrix, NDArray[np.int_]]:
+    """Matrices halved until the 1-norm of each is at most `REACH`, and how often, shape (...)."""
     norm = np.abs(Z).sum(axis=-2).max(axis=-1)
-    return np.maximum(np.frexp(norm / REACH)[1], 0)
+    halvings = np.maximum(np.frexp(norm / REACH)[1], 0)
+    return Z * np.ldexp(1.0, -halvings)[..., np.newaxis, np.newaxis] if halvings.any() else Z, halvings
 
 
 def _polynomials(Z: Matrix) -> tuple[Matrix, Matrix]:
@@ -78,10 +79,6 @@ def _polynomials(Z: Matrix) -> tuple[Matrix, Matrix]:
     return V, W
 
 
-def _scaled(Z: Matrix, halvings: NDArray[np.int_]) -> Matrix:
-    return Z * np.ldexp(1.0, -halvings)[..., np.newaxis, np.newaxis] if halvings.any() else Z
-
-
 def exp(Z: Matrix) -> Matrix:
     """The matrix exponential, which makes elements of a group, eq. (38) of A. Lucas, arXiv 1111.1275, to all orders.
 
@@ -93,8 +90,7 @@ def exp(Z: Matrix) -> Matrix:
     -------
     ndarray, shape (..., n, n)
     """
-    halvings = _halvings(Z)
-    Z = _scaled(Z, halvings)
+    Z, halvings = _halved(Z)
     V, W = _polynomials(Z)
     U = Z @ W
     E: Matrix = np.linalg.solve(V - U, V + U)
@@ -114,8 +110,7 @@ def phi(Z: Matrix) -> Matrix:
     -------
     ndarray, shape (..., n, n)
     """
-    halvings = _halvings(Z)
-    Z = _scaled(Z, halvings)
+    Z, halvings = _halved(Z)
     V, W = _polynomials(Z)
     F: Matrix = np.linalg.solve(V - Z @ W, 2.0 * W)
     if not halvings.any():
@@ -140,15 +135,14 @@ def phi_inverse(Z: Matrix) -> Matrix:
     -------
     ndarray, shape (..., n, n)
     """
-    if not _halvings(Z).any():
+    _, halvings = _halved(Z)
+    if not halvings.any():
         V, W = _polynomials(Z)
-        F: Matrix = np.linalg.solve(2.0 * W, V - Z @ W)
-        return F
+        return np.asarray(np.linalg.solve(2.0 * W, V - Z @ W))
     try:
-        inverse: Matrix = np.linalg.inv(phi(Z))
+        return np.asarray(np.linalg.inv(phi(Z)))
     except np.linalg.LinAlgError:
         return np.full_like(Z, np.inf)
-    return inverse
 
 
 def distance_from_identity(A: Matrix) -> Array:
