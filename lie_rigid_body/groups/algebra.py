@@ -176,8 +176,7 @@ class MatrixLieAlgebra:
         ndarray, shape (..., n, n)
         """
         x = self.as_components(x)
-        matrices: Matrix = (x @ self._rows).reshape(*x.shape[:-1], self.size, self.size)
-        return matrices
+        return np.asarray((x @ self._rows).reshape(*x.shape[:-1], self.size, self.size))
 
     def as_matrices(self, X: Any) -> Matrix:
         """Matrices, shape (..., n, n), in the number type of the generators; a group also checks them."""

@@ -50,10 +50,8 @@ def from_quaternion(q: ArrayLike) -> Complex:
     q = real_array("quaternions", q, "(…, 4)", empty=True)
     _refuse_off_sphere(np.abs(quaternion.norm(q) - 1.0))
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    U = np.empty((*q.shape[:-1], 2, 2), dtype=np.complex128)
-    U[..., 0, 0], U[..., 0, 1] = w - 1j * z, -y - 1j * x
-    U[..., 1, 0], U[..., 1, 1] = y - 1j * x, w + 1j * z
-    return U
+    entries = np.stack([w - 1j * z, -y - 1j * x, y - 1j * x, w + 1j * z], axis=-1)
+    return entries.reshape(*q.shape[:-1], 2, 2)
 
 
 def to_quaternion(U: ArrayLike) -> Array:

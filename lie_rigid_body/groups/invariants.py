@@ -8,6 +8,7 @@ are those of A. Lucas, arXiv 1111.1275.
 from __future__ import annotations
 
 import math
+from itertools import accumulate, repeat
 from typing import Any, Final
 
 import numpy as np
@@ -254,9 +255,7 @@ def _symmetric_basis(d: int) -> Array:
 
 def _power_traces(p: NDArray[Any]) -> NDArray[Any]:
     """The traces of p, p², …, pⁿ on a new last axis."""
-    powers = [p]
-    while len(powers) < p.shape[-1]:
-        powers.append(powers[-1] @ p)
+    powers = accumulate(repeat(p, p.shape[-1]), np.matmul)
     return np.stack([np.trace(power, axis1=-2, axis2=-1) for power in powers], axis=-1)
 
 
