@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final, NamedTuple, TypeAlias, TypeVar
+from typing import Final, TypeAlias, TypeVar
 
 from lie_rigid_body.arithmetic.decimals import Vector, diagonalised, dot
 
@@ -91,18 +91,15 @@ def cross(a: Sequence[Exact], b: Sequence[Exact]) -> tuple[Exact, Exact, Exact]:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-class PrincipalAxes(NamedTuple):
-    """Moments in ascending order, kg m², and their unit axes in the body frame (of either handedness)."""
-
-    moments: Vector
-    axes: tuple[Vector, Vector, Vector]
+PrincipalAxes: TypeAlias = tuple[Vector, tuple[Vector, Vector, Vector]]
+"""Moments in ascending order, kg m², and their unit axes in the body frame (of either handedness)."""
 
 
 def principal_axes(inertia: Tensor) -> PrincipalAxes:
     """The principal axes of an inertia, to the precision in force."""
     moments, axes = diagonalised(inertia)
     i, j, k = sorted(range(3), key=moments.__getitem__)
-    return PrincipalAxes((moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]))
+    return (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k])
 
 
 @dataclass(frozen=True)

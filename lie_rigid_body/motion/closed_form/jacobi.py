@@ -59,12 +59,8 @@ class EllipticValues(NamedTuple):
     cosine: Number
 
 
-class Libration(NamedTuple):
-    """The libration Θ at one u: the sine and cosine of Θ − drift, in proportion, and the drift, rad."""
-
-    sine: Number
-    cosine: Number
-    drift: Number
+Libration: TypeAlias = tuple[Number, Number, Number]
+"""The libration Θ at one u: the sine and cosine of Θ − drift, in proportion, and the drift, rad."""
 
 
 class ThetaQuotients(NamedTuple):
@@ -144,7 +140,7 @@ class RealTheta(NamedTuple):
         """The libration at one ζ, or at one of each motion."""
         s, c = each(math.sin, phase), each(math.cos, phase)
         z = 2.0 * self.quotients.nome * ((c - s) * (c + s))
-        return Libration(s * value(self.quotients.sine, z), c * value(self.quotients.cosine, z), 0.0)
+        return s * value(self.quotients.sine, z), c * value(self.quotients.cosine, z), 0.0
 
 
 class ImaginaryTheta(NamedTuple):
@@ -205,7 +201,7 @@ class ImaginaryTheta(NamedTuple):
         # 2q cosh 2χ = exp(2χ − 2X) (1 + exp(−4χ))
         z = each(math.exp, 2.0 * (size - self.quarter)) * (1.0 + square * square)
         sine, cosine = each(math.tanh, phase) * value(self.quotients.sine, z), value(self.quotients.cosine, z)
-        return Libration(sine, cosine, self.drift * phase)
+        return sine, cosine, self.drift * phase
 
 
 Theta: TypeAlias = RealTheta | ImaginaryTheta
