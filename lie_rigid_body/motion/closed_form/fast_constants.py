@@ -338,7 +338,8 @@ def _body(numbers: Any, *, products: bool) -> DiagonalBody | CoupledBody:
     """The body of one motion, from lists, or of many, from arrays that end with their axis; see `_columns`."""
     inertia, moments, axes, _, rate = numbers
     if products:
-        return CoupledBody.of(inertia, moments, axes, rate)
+        first, second, third = zip(*axes, strict=True)
+        return CoupledBody(inertia, moments, (first, second, third), rate)
     return DiagonalBody.of((inertia[0][0], inertia[1][1], inertia[2][2]), triple(rate, 0))
 
 

@@ -104,9 +104,7 @@ def _classified(j: Triple, w: Triple, sense: Number) -> Classification:
     one, swollen = j1 * d32, j1 * d32 + j3 * d21
     # squares of (1 − ν)/√m1 and of 1, times the same
     spread, unit = swollen * swollen * whole, one * one * complement
-    steps: Any = 3
-    for ratio in _SUM_RATIOS:
-        steps = steps + (spread > ratio * ratio * unit)
+    steps = 3 + sum(spread > ratio * ratio * unit for ratio in _SUM_RATIOS)
     regular = (c3 > 0.0) & (whole > 0.0) & (complement >= _NEAREST * whole)
     regular = regular & (spread < _GREATEST_RATIO**2 * unit) & _is_of_regular_size(j, w)
     return regular, 2.0 * complement < whole, steps
@@ -114,12 +112,12 @@ def _classified(j: Triple, w: Triple, sense: Number) -> Classification:
 
 def _is_of_regular_size(j: Triple, w: Triple) -> Condition:
     j1, _, j3 = j
-    fits: Condition = True
+    fits: Condition = (j1 <= _MOMENT_RATIO * j3) & (j3 <= _MOMENT_RATIO * j1)
     for moment in j:
         fits = fits & (moment >= _LEAST_MOMENT) & (moment <= _GREATEST_MOMENT)
     for rate in w:
         fits = fits & ((rate >= _LEAST_RATE) | (rate == 0.0)) & (rate <= _GREATEST_RATE)
-    return fits & (j1 <= _MOMENT_RATIO * j3) & (j3 <= _MOMENT_RATIO * j1)
+    return fits
 
 
 class DiagonalBody(NamedTuple):
@@ -185,13 +183,6 @@ class CoupledBody(NamedTuple):
     moments: Triple
     axes: Matrix
     rate: Triple
-
-    @classmethod
-    def of(cls, inertia: Any, moments: Any, axes: Any, rate: Any) -> CoupledBody:
-        """The body from nests of numbers with the indices first; the columns of ``axes`` are the axes."""
-        first, second, third = (tuple(row) for row in inertia)
-        a, b, c = zip(*axes, strict=True)
-        return cls((first, second, third), tuple(moments), (a, b, c), tuple(rate))
 
     def sense(self) -> Number:
         """The sense of the frame."""
