@@ -1,4 +1,7 @@
-"""The contract of a group's elements: what a matrix group needs to know beyond its algebra."""
+"""The contract of a group's elements, what a matrix group needs to know beyond its algebra; and generated elements.
+
+The elements of a group that is given by its generators alone are recognised by their principal logarithm.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +12,26 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.groups.algebra import frobenius
+from lie_rigid_body.errors import InputError
+from lie_rigid_body.groups import exponential
+from lie_rigid_body.groups.algebra import SPAN_TOLERANCE, MatrixLieAlgebra, flattened, frobenius
 from lie_rigid_body.groups.arguments import within_doubles
-from lie_rigid_body.groups.exponential import Matrix
+from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix
 
 NEGLIGIBLE_ANGLE: Final = 1e-5
 """Largest imaginary part of an eigenvalue, relative to the norm of its matrix, that counts as round-off.
 
 The eigenvalues of a nilpotent matrix are 0, and come out as large as a root of the round-off unit.
 """
+
+PROJECTION_REACH: Final = 0.5
+"""Largest Frobenius norm of B⁻¹A − 1 for which an element B counts as near a matrix A."""
+
+CONDITION_LIMIT: Final = 1e15
+"""Condition number, after rows and columns are scaled, from which a matrix is singular to within rounding."""
+
+_ENTRY_ERROR: Final = 1e-12
+_PROJECTION_STEPS: Final = 50
 
 
 class Elements(ABC):
@@ -91,3 +105,139 @@ def measured(A: Matrix, distance: Callable[[Matrix], Array]) -> Array:
     finite = np.isfinite(A).all(axis=(-2, -1))
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no element
         return np.where(finite, distance(np.where(finite[..., np.newaxis, np.newaxis], A, 0.0)), np.inf)
+
+
+class GeneratedElements(Elements):
+    """Elements of a generated group, as far as their principal logarithm recognises them.
+
+    Parameters
+    ----------
+    algebra : MatrixLieAlgebra
+    """
+
+    def __init__(self, algebra: MatrixLieAlgebra) -> None:
+        self._algebra = algebra
+
+    def distance(self, A: Matrix) -> Array:
+        """Distance of the principal logarithm from the algebra; infinite where there is no principal logarithm."""
+        logs = _principal_logs(A)
+        off = self._algebra.off_span(np.nan_to_num(logs))
+        return np.where(np.isfinite(logs).all(axis=(-2, -1)), off, np.inf)
+
+    def certain_distance(self, A: Matrix) -> Array:
+        """Distance of a matrix from the two conditions that every element meets, on its determinant and on its Ad.
+
+        The conditions are necessary, not sufficient. The larger of the two distances is returned, and infinity for a
+        matrix that is singular to within rounding. For a large condition number the distance is reduced by what an
+        error of 1e-12 in the entries of an element can amount to.
+        """
+        regular = np.linalg.cond(_equilibrated(A)) < CONDITION_LIMIT
+        A = np.where(regular[..., np.newaxis, np.newaxis], A, np.eye(A.shape[-1]))
+        off = np.maximum(self._off_determinants(A), self._off_normaliser(A))
+        return np.where(regular, off / np.maximum(1.0, _ENTRY_ERROR / SPAN_TOLERANCE * np.linalg.cond(A)), np.inf)
+
+    def _off_determinants(self, A: Matrix) -> Array:
+        """Distance of log det A, shape (...), from the algebra's traces, where these are all real or all imaginary."""
+        traces = np.trace(self._algebra.generators, axis1=-2, axis2=-1)
+        negligible = SPAN_TOLERANCE * frobenius(self._algebra.generators)
+        sign, modulus = np.linalg.slogdet(A)
+        real = np.where(np.all(np.abs(traces.real) <= negligible), modulus, 0.0)
+        imaginary = np.where(np.all(np.abs(traces.imag) <= negligible), np.angle(sign), 0.0)
+        return np.hypot(real, imaginary)
+
+    def _off_normaliser(self, A: Matrix) -> Array:
+        """Largest distance of A Tᵃ A⁻¹ from the algebra, relative to Tᵃ, shape (...)."""
+        T, each = self._algebra.generators, A[..., np.newaxis, :, :]
+        off = self._algebra.off_span(each @ T @ np.linalg.inv(each)) / frobenius(T)
+        return np.asarray(off.max(axis=-1))
+
+    def project(self, A: Matrix) -> Matrix:
+        """The nearest element near a matrix, searched from the exponential of its logarithm's part in the algebra."""
+        logs = _principal_logs(A)
+        _refuse_without_logarithm(logs)
+        B = exponential.exp(self._algebra.hat(self._algebra.coordinates(logs)))
+        nearest = [self._nearest(*pair) for pair in zip(*(m.reshape(-1, *m.shape[-2:]) for m in (A, B)), strict=True)]
+        return np.array(nearest).reshape(A.shape)
+
+    def restored(self, A: Matrix) -> Matrix:
+        """The matrices unchanged: their principal logarithm may lead to another sheet of the group, or not exist."""
+        return A
+
+    def _nearest(self, A: Matrix, B: Matrix) -> Matrix:
+        """The element nearest to A, shape (n, n), by Gauss–Newton steps B ← B exp(ξ) from an element near it."""
+        for _ in range(_PROJECTION_STEPS):
+            # far from A the steps would lead to some other element
+            _refuse_far(A, B)
+            tangents = flattened(B @ self._algebra.generators)
+            xi = np.linalg.lstsq(tangents.T, flattened(A - B), rcond=None)[0]
+            B = B @ exponential.exp(self._algebra.hat(xi))
+            if np.linalg.norm(xi) <= 1e-15 * np.linalg.norm(B):
+                break
+        _refuse_far(A, B)
+        return B
+
+    def inverse(self, A: Matrix) -> Matrix:
+        """The inverse by elimination."""
+        return np.asarray(np.linalg.inv(A))
+
+    def log(self, A: Matrix) -> Matrix:
+        """The principal logarithm, where it lies in the algebra."""
+        logs = _principal_logs(A)
+        _refuse_without_logarithm(logs)
+        worst = np.max(self._algebra.off_span(logs), initial=0.0)
+        if not worst <= SPAN_TOLERANCE:
+            raise InputError(
+                f"a matrix is not recognised as an element: its principal logarithm leaves the span of the generators "
+                f"by {worst:.3g} (limit {SPAN_TOLERANCE:g}); give an element closer to the identity"
+            )
+        return logs
+
+    def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
+        """Exponentials of standard normal coordinates."""
+        return exponential.exp(self._algebra.hat(rng.standard_normal((*shape, self._algebra.dimension))))
+
+
+def _equilibrated(A: Matrix) -> Matrix:
+    """Matrices with columns, then rows, divided by their largest entries: singular only if the given ones are."""
+    for axis in (-2, -1):
+        largest = np.abs(A).max(axis=axis, keepdims=True)
+        A = A / np.where(largest > 0.0, largest, 1.0)
+    return A
+
+
+def _refuse_far(A: Matrix, B: Matrix) -> None:
+    far = float(np.linalg.norm(np.linalg.solve(B, A - B)))
+    if not far <= PROJECTION_REACH:
+        raise InputError(
+            f"no nearest element found: the principal logarithm leads to one that is {far:.3g} of its size away (limit "
+            f"{PROJECTION_REACH:g}); give a matrix nearer to an element that contains() recognises"
+        )
+
+
+def _refuse_without_logarithm(logs: Matrix) -> None:
+    if not np.all(np.isfinite(logs)):
+        raise InputError(
+            "no principal logarithm: a matrix is singular, far from normal, or has an eigenvalue on the negative real "
+            f"axis (within {HALF_TURN_MARGIN:g} rad); give an element closer to the identity"
+        )
+
+
+def _principal_logs(A: Matrix) -> Matrix:
+    """The principal logarithms of matrices, shape (..., n, n), NaN where there is none."""
+    return np.array([_principal_or_nan(matrix) for matrix in A.reshape(-1, *A.shape[-2:])]).reshape(A.shape)
+
+
+def _principal_or_nan(A: Matrix) -> Matrix:
+    """The principal logarithm of one matrix, shape (n, n), or NaN where it has none."""
+    nothing = np.full_like(A, np.nan)
+    eigenvalues = np.linalg.eigvals(A)
+    if np.any(np.pi - np.abs(np.angle(eigenvalues)) <= HALF_TURN_MARGIN) or np.any(eigenvalues == 0.0):
+        return nothing
+    with np.errstate(all="ignore"):
+        try:
+            L = exponential.principal_log(A)
+            back = exponential.exp(L)
+        except ValueError:  # NumPy's LinAlgError, or SciPy's where powers of the matrix overflow
+            return nothing
+    # far from normal matrices can lose all digits on the way
+    return L if np.abs(back - A).max() <= SPAN_TOLERANCE * max(1.0, float(np.abs(A).max())) else nothing

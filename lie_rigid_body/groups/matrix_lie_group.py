@@ -20,9 +20,8 @@ from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
 from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
-from lie_rigid_body.groups.elements import Elements, measured
+from lie_rigid_body.groups.elements import Elements, GeneratedElements, measured
 from lie_rigid_body.groups.exponential import Matrix
-from lie_rigid_body.groups.generated import GeneratedElements
 from lie_rigid_body.mechanics.array_input import real_array, require_finite
 from lie_rigid_body.wording import shortened, shown
 
