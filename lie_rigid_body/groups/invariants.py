@@ -142,7 +142,7 @@ def rotation_casimirs(momentum: ArrayLike) -> Array:
     InputError
         If P is not square, real, finite and antisymmetric.
     """
-    p = _nonempty(_antisymmetric_matrices("P", momentum))
+    p = _nonempty(_antisymmetric_matrices(momentum))
     n = p.shape[-1]
     traces = _power_traces(p)[..., 1 : n - 1 : 2]
     return traces if n % 2 else np.concatenate([traces, pfaffian(p)[..., np.newaxis]], axis=-1)
@@ -169,7 +169,7 @@ def unitary_casimirs(momentum: ArrayLike) -> Array:
     InputError
         If P is not square, finite and anti-Hermitian.
     """
-    return np.asarray(_power_traces(-1j * _nonempty(_antihermitian_matrices("P", momentum)))[..., 1:].real)
+    return np.asarray(_power_traces(-1j * _nonempty(_antihermitian_matrices(momentum)))[..., 1:].real)
 
 
 @within_doubles
@@ -194,7 +194,7 @@ def pfaffian(matrices: ArrayLike) -> Array:
     InputError
         If the matrices are not square, real, finite and antisymmetric.
     """
-    given = _antisymmetric_matrices("P", matrices)
+    given = _antisymmetric_matrices(matrices)
     rest = np.triu(given, 1) - np.swapaxes(np.triu(given, 1), -1, -2)
     value = np.full(given.shape[:-2], float(given.shape[-1] % 2 == 0))
     while rest.shape[-1] > 1:
@@ -232,7 +232,7 @@ def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
     InputError
         If K is no second moment, or P not antisymmetric of the same size.
     """
-    k, p = second_moment_matrix(second_moment), _antisymmetric_matrices("P", momentum)
+    k, p = second_moment_matrix(second_moment), _antisymmetric_matrices(momentum)
     if p.shape[-2:] != k.shape:
         raise ParameterError("P", f"shape {p.shape} does not go with K of shape {k.shape}: give both of the same body")
     square, n = k @ k, k.shape[0]
@@ -292,28 +292,28 @@ def _next_power(words: list[Array], p: Array, square: Array) -> list[Array]:
     return longer
 
 
-def _antisymmetric_matrices(name: str, value: ArrayLike) -> Array:
+def _antisymmetric_matrices(value: ArrayLike) -> Array:
     """Given matrices, shape (..., n, n), checked to be real and antisymmetric to within round-off."""
-    given = real_array(name, value, "(…, n, n)", empty=True)
-    _require_small(name, given, given + np.swapaxes(given, -1, -2), "P + Pᵀ", "an antisymmetric")
+    given = real_array("P", value, "(…, n, n)", empty=True)
+    _require_small(given, given + np.swapaxes(given, -1, -2), "P + Pᵀ", "an antisymmetric")
     return given
 
 
-def _antihermitian_matrices(name: str, value: ArrayLike) -> NDArray[np.complex128]:
+def _antihermitian_matrices(value: ArrayLike) -> NDArray[np.complex128]:
     """Given matrices, shape (..., n, n), checked to be anti-Hermitian to within round-off."""
-    numbers = as_numbers(name, value)
-    parts = [real_array(name, part, "(…, n, n)", empty=True) for part in (numbers.real, numbers.imag)]
+    numbers = as_numbers("P", value)
+    parts = [real_array("P", part, "(…, n, n)", empty=True) for part in (numbers.real, numbers.imag)]
     given = np.asarray(parts[0] + 1j * parts[1])
-    _require_small(name, given, given + np.swapaxes(given.conj(), -1, -2), "P + P†", "an anti-Hermitian")
+    _require_small(given, given + np.swapaxes(given.conj(), -1, -2), "P + P†", "an anti-Hermitian")
     return given
 
 
-def _require_small(name: str, given: NDArray[Any], sums: NDArray[Any], formula: str, kind: str) -> None:
+def _require_small(given: NDArray[Any], sums: NDArray[Any], formula: str, kind: str) -> None:
     off = np.abs(sums).max(axis=(-2, -1), initial=0.0)
     limit = ROUND_OFF * np.abs(given).max(axis=(-2, -1), initial=0.0)
     if np.any(off > limit):
         worst = np.argmax(off - limit)
         raise ParameterError(
-            name,
+            "P",
             f"{formula} reaches {off.flat[worst]:.3g}, the limit is {limit.flat[worst]:.3g}: give {kind} matrix",
         )
