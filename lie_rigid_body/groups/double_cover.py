@@ -48,7 +48,9 @@ def from_quaternion(q: ArrayLike) -> Complex:
     ndarray, shape (..., 2, 2), complex
     """
     q = real_array("quaternions", q, "(…, 4)", empty=True)
-    _refuse_off_sphere(np.abs(quaternion.norm(q) - 1.0))
+    worst = np.max(np.abs(quaternion.norm(q) - 1.0), initial=0.0)
+    if not worst <= ELEMENT_TOLERANCE:
+        raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
     x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     entries = np.stack([w - 1j * z, -y - 1j * x, y - 1j * x, w + 1j * z], axis=-1)
     return entries.reshape(*q.shape[:-1], 2, 2)
@@ -129,12 +131,6 @@ def lift(R: ArrayLike) -> Complex:
     _refuse_coarse(2.0 * np.arccos(np.minimum(np.abs(aligned), 1.0)))
     signs = np.cumprod(np.concatenate([[1.0], np.where(aligned < 0.0, -1.0, 1.0)]))
     return from_quaternion(q * signs[:, np.newaxis])
-
-
-def _refuse_off_sphere(off: Array) -> None:
-    worst = np.max(off, initial=0.0)
-    if not worst <= ELEMENT_TOLERANCE:
-        raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
 
 
 def _refuse_coarse(steps: Array) -> None:

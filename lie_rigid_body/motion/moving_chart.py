@@ -216,10 +216,9 @@ class MovingChart:
         require_order(t_ns, self._reached_ns)
         longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - self._reached_ns))
         work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(self._states)))
-        moved = []
-        for k, state in enumerate(self._states):
-            moved.append(list(state))
-            for some, attitudes, rates in self._samples(k, moved[k], t_ns, block, work):
+        moved = [list(state) for state in self._states]
+        for k, state in enumerate(moved):
+            for some, attitudes, rates in self._samples(k, state, t_ns, block, work):
                 attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
                 work = 0
         self._states, self._reached_ns = moved, int(t_ns[-1])
