@@ -99,13 +99,14 @@ def _substep(body: RigidBody, q: Array, p: Array, span: Array, terms: int) -> tu
     rates = [_apply(body.inverse_inertia, p)]
     for n in range(terms):
         # (n + 1) π₍ₙ₊₁₎ = Σ πᵢ × ωₙ₋ᵢ and (n + 1) q₍ₙ₊₁₎ = ½ Σ qᵢ ⊗ ωₙ₋ᵢ
-        dp, dq = np.zeros_like(p), np.zeros_like(q)
+        sums = np.zeros((7, len(span)))
         for i in range(n + 1):
-            rate = triple(list(rates[n - i]), 0)
-            _add(dp, crossed(triple(list(momenta[i]), 0), rate))
-            _add(dq, times_vector(quadruple(list(attitudes[i]), 0), rate))
-        momenta.append(dp / (n + 1))
-        attitudes.append(0.5 * dq / (n + 1))
+            rate, momentum = triple(list(rates[n - i]), 0), triple(list(momenta[i]), 0)
+            products = (*crossed(momentum, rate), *times_vector(quadruple(list(attitudes[i]), 0), rate))
+            for total, product in zip(sums, products, strict=True):
+                total += product
+        momenta.append(sums[:3] / (n + 1))
+        attitudes.append(0.5 * sums[3:] / (n + 1))
         rates.append(_apply(body.inverse_inertia, momenta[-1]))
     q, p = (np.asarray(polyval(span, np.stack(series), tensor=False), float) for series in (attitudes, momenta))
     return q / np.sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3])), p
@@ -207,8 +208,3 @@ def _apply(tensor: Array, vectors: Array) -> Array:
     """The product of a tensor with vectors, shape (3, N)."""
     x, y, z = vectors
     return np.stack([x * row[0] + y * row[1] + z * row[2] for row in tensor])
-
-
-def _add(to: Array, columns: tuple[Number, ...]) -> None:
-    for row, column in zip(to, columns, strict=True):
-        row += column
