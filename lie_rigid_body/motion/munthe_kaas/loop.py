@@ -45,7 +45,6 @@ LONG_SQUARED: Final = SERIES_LIMIT * SERIES_LIMIT
 
 # c(θ) = Σ |B₂ₖ₊₂| θ²ᵏ/(2k+2)!
 C0, C1, C2, C3, C4, C5, C6, C7 = DEXPINV_QUADRATIC[:8]
-TERMS: Final = len(DEXPINV_QUADRATIC)
 
 # sin(θ/2)/θ = ½ Σ (−1)ᵏ (θ/2)²ᵏ/(2k+1)!
 S0, S1, S2, S3, S4, S5 = ((-0.25) ** k / (2.0 * math.factorial(2 * k + 1)) for k in range(6))
@@ -60,7 +59,7 @@ def dexpinv_quadratic(s: float) -> float:
         return ((C0 + s * C1) + t * (C2 + s * C3)) + (t * t) * ((C4 + s * C5) + t * (C6 + s * C7))
     if s < LONG_SQUARED:
         value = 0.0
-        for k in range(TERMS - 1, -1, -1):
+        for k in range(len(DEXPINV_QUADRATIC) - 1, -1, -1):
             value = value * s + DEXPINV_QUADRATIC[k]
         return value
     half = 0.5 * math.sqrt(s)
