@@ -27,6 +27,9 @@ Vector: TypeAlias = tuple[Decimal, Decimal, Decimal]
 
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534212")
 
+NANOSECOND: Final = Decimal("1e-9")
+"""One nanosecond, s."""
+
 
 def working_precision(digits: int) -> AbstractContextManager[Context]:
     """A decimal context of this many digits, in force inside a ``with`` block."""

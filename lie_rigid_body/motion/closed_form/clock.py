@@ -10,6 +10,7 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Final, NamedTuple
 
+from lie_rigid_body.arithmetic.decimals import NANOSECOND
 from lie_rigid_body.arithmetic.double_double import (
     DoubleDouble,
     add,
@@ -20,9 +21,6 @@ from lie_rigid_body.arithmetic.double_double import (
 )
 from lie_rigid_body.arithmetic.numbers import Number, magnitude, nearest
 from lie_rigid_body.compilation import kernel
-
-_NANOSECOND: Final = Decimal("1e-9")
-"""One nanosecond, s."""
 
 _GREATEST_RATE: Final = Decimal("1e12")
 """Cap on the phase rate of an `EndlessClock`, 1/ns; the phase saturates within 1 ns anyway."""
@@ -46,7 +44,7 @@ class PhaseClock(NamedTuple):
     @classmethod
     def of(cls, rate: Decimal, start: Decimal, period: Decimal) -> PhaseClock:
         """A clock from a rate in units per second, a start and a period in the same units."""
-        turns = _NANOSECOND * rate / period, start / period
+        turns = NANOSECOND * rate / period, start / period
         rate_turns, start_turns = (from_decimal(x - x.to_integral_value()) for x in turns)
         return cls(rate_turns, start_turns, from_decimal(period))
 
@@ -64,7 +62,7 @@ class EndlessClock(NamedTuple):
     @classmethod
     def of(cls, rate: Decimal, start: Decimal) -> EndlessClock:
         """A clock from a positive rate in units per second and a start in the same units."""
-        return cls(from_decimal(min(_NANOSECOND * rate, _GREATEST_RATE)), from_decimal(start))
+        return cls(from_decimal(min(NANOSECOND * rate, _GREATEST_RATE)), from_decimal(start))
 
     def initial_phase(self) -> Number:
         """The phase at the start, in its unit."""

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_precision
-from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, quadruple
+from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, quadruple, triple
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form.attitude import (
     BodyMotion,
@@ -269,10 +269,9 @@ def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) ->
     x, y, z = (Decimal(component) for component in body_rate)
     speed = dot((x, y, z), (x, y, z)).sqrt()
     a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
-    rate = (body_rate[0], body_rate[1], body_rate[2])
     attitude = quadruple(attitude_xyzw, 0)
     across = quaternion.product(attitude, (a, b, c, 0.0))
-    return SteadyMotion(PhaseClock.of(speed / 2, Decimal(0), 2 * PI).rate, attitude, across, rate)
+    return SteadyMotion(PhaseClock.of(speed / 2, Decimal(0), 2 * PI).rate, attitude, across, triple(body_rate, 0))
 
 
 def decimal_motions(starts: InitialConditions, members: Members) -> Iterator[tuple[BodyMotion, Members]]:

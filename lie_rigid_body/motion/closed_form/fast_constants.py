@@ -18,13 +18,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from decimal import Decimal
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arithmetic.decimals import PI, working_precision
+from lie_rigid_body.arithmetic.decimals import NANOSECOND, PI, working_precision
 from lie_rigid_body.arithmetic.double_double import (
     ONE,
     DoubleDouble,
@@ -59,7 +58,7 @@ Columns: TypeAlias = tuple[Array, ...]
 with working_precision(40):
     _TURN: Final = from_decimal(2 * PI)
     _PER_TURN: Final = from_decimal(1 / (2 * PI))
-    _PER_NANOSECOND: Final = from_decimal(Decimal("1e-9") / (2 * PI))
+    _PER_NANOSECOND: Final = from_decimal(NANOSECOND / (2 * PI))
     """Factor from rad/s to turns/ns, 1e-9/2π."""
 
 _CIRCULAR_STEPS: Final = 2

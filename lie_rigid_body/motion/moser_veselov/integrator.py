@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arithmetic.decimals import working_precision
+from lie_rigid_body.arithmetic import decimals
 from lie_rigid_body.arithmetic.double_double import from_decimal
 from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.motion.moser_veselov.layout import (
@@ -37,8 +37,6 @@ from lie_rigid_body.motion.time_steps import longest_step
 
 LaterTerms: TypeAlias = tuple[list[float], list[float]]
 
-_NANOSECOND: Final = Decimal("1e-9")
-"""One nanosecond, s."""
 _EXACT_TERMS: Final = 3
 """Number of coefficients of β computed in decimals; the later ones are doubles."""
 _FEWEST_TERMS: Final = 2
@@ -70,7 +68,7 @@ def _placed(motion: ScaledMotion, series: list[float]) -> list[float]:
     n1, n2, n3 = (component * component for component in motion.momentum)
     e12, e13, e23 = e1 - e2, e1 - e3, e2 - e3
     numbers: dict[int, Sequence[Decimal]] = {
-        NANOSECOND: [_NANOSECOND * motion.fastest],
+        NANOSECOND: [decimals.NANOSECOND * motion.fastest],
         INVERSE_MOMENTS: [e1, e2, e3],
         P: [e23 * (e12 * n2 + e13 * n3)],
         Q: [e12 * (e13 * n1 + e23 * n2)],
@@ -171,7 +169,7 @@ def moser_veselov_integrators(starts: InitialConditions, max_step: float, order:
     Bodies of equal inertia share their axes, and those of equal rate as well the constants of their motion.
     """
     found: dict[int, MoserVeselovIntegrator] = {}
-    with working_precision(DIGITS):
+    with decimals.working_precision(DIGITS):
         motions = list(_motions(starts))
         constants = motion_constants([motion for _, motion, _ in motions], order)
         for (frame, motion, same), numbers in zip(motions, constants, strict=True):
