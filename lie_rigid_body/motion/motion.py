@@ -102,10 +102,10 @@ class InitialConditions:
         bodies = RigidBody.trusted(*tensors, _flat(body.principal_moments, batch, 3))
         return cls(batch, bodies, State.trusted(_flat(start.attitude_xyzw, batch, 4), _flat(start.body_rate, batch, 3)))
 
-    def error_prefix(self, place: int) -> str:
-        """The beginning of a message about one body: its index in the batch, or nothing for a body alone."""
+    def named(self, place: int, error: InputError) -> InputError:
+        """An error about one body, whose index in the batch comes first; without one for a body alone."""
         index = tuple(int(i) for i in np.unravel_index(place, self.batch)) if self.batch else ()
-        return f"body {index[0] if len(index) == 1 else index}: " if index else ""
+        return InputError(f"body {index[0] if len(index) == 1 else index}: {error}" if index else str(error))
 
 
 def _flat(values: Array, batch: tuple[int, ...], *own: int) -> Array:

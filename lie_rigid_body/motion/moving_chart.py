@@ -230,7 +230,7 @@ class MovingChart:
             integrator.require_short_steps(self._states[k], longest_ns)
             return max(steps_through(int(t_ns[-1]), self._reached_ns, integrator.largest_step), len(t_ns))
         except InputError as error:
-            raise self._named(k, error) from None
+            raise self._starts.named(k, error) from None
 
     def _samples(
         self, k: int, state: list[float], t_ns: Integers, block: int, work: int
@@ -243,12 +243,9 @@ class MovingChart:
             try:
                 attitudes, rates = self._integrators[k].advance(state, spans, counts, work)
             except InputError as error:
-                raise self._named(k, error) from None
+                raise self._starts.named(k, error) from None
             yield some, attitudes, rates
             reached_ns, work = int(t_ns[some][-1]), 0
-
-    def _named(self, k: int, error: InputError) -> InputError:
-        return InputError(f"{self._starts.error_prefix(k)}{error}")
 
 
 def require_stepper(method: object, max_step: object, methods: Collection[str]) -> None:
