@@ -1,27 +1,21 @@
-"""The chart A₀ exp(βᵃTᵃ) of a matrix Lie group: its metric, its reach, and the equations of motion in its coordinates.
+"""The chart A₀ exp(βᵃTᵃ) of a matrix Lie group: its metric, and its reach.
 
 Equation numbers are those of A. Lucas, arXiv 1111.1275.
 """
 
 from __future__ import annotations
 
-import math
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.elements import multiple_until
-from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import symmetrised
-
-LARGEST_CHART_TURN: Final = math.pi
-"""Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""
 
 _REAL_PART: Final = 1e-9
 """Real part of an eigenvalue, relative to the norm of the matrix, up to which it counts as imaginary."""
@@ -87,46 +81,3 @@ def chart_metric(lagrangian: Lagrangian, coordinates: ArrayLike) -> Array:
     """
     to_rate = of_kind(lagrangian, Lagrangian).group.dexp(-lagrangian.group.as_components(coordinates, "coordinates"))
     return symmetrised(np.swapaxes(to_rate, -1, -2) @ lagrangian.metric @ to_rate)
-
-
-def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:
-    """The rates of a point of the chart: β̇ = dexp⁻¹(−β) ω and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p.
-
-    In the coordinates of the space frame the chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
-
-    Parameters
-    ----------
-    lagrangian : Lagrangian
-        The group, of dimension d, and its metric M.
-    point : ndarray, shape (2d,)
-        The coordinates β, followed by the body momentum p = Mω of the motion.
-
-    Returns
-    -------
-    ndarray, shape (2d,)
-    """
-    coordinates, momentum = np.split(point, 2)
-    rate = lagrangian.inverse_metric @ momentum
-    ad = lagrangian.group.ad(coordinates)
-    _require_reach(ad)
-    return np.concatenate([phi_inverse(-ad) @ rate, momentum @ lagrangian.group.ad(rate)])
-
-
-def recentred(group: MatrixLieGroup, centre: NDArray[Any], coordinates: Array) -> NDArray[Any]:
-    """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
-
-    It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
-    """
-    _require_reach(group.ad(coordinates))
-    return np.asarray(centre @ group.exp(coordinates))
-
-
-def _require_reach(ad: Array) -> None:
-    """Refuse eigenvalues of ad_β beyond `LARGEST_CHART_TURN`; translations have none but 0."""
-    if float(np.abs(ad).max()) * len(ad) < LARGEST_CHART_TURN:
-        return  # a bound of every eigenvalue
-    turn = float(np.abs(np.linalg.eigvals(ad)).max())
-    if not turn <= LARGEST_CHART_TURN:
-        raise InputError(
-            f"within a step the chart turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step"
-        )

@@ -1,4 +1,7 @@
-"""Runge–Kutta–Munthe-Kaas integration of free motion on a matrix Lie group (the moving chart)."""
+"""Runge–Kutta–Munthe-Kaas integration of free motion on a matrix Lie group (the moving chart).
+
+Equation numbers are those of A. Lucas, arXiv 1111.1275.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind
-from lie_rigid_body.groups.group_chart import chart_rates, recentred
+from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.motion.motion import nanoseconds
@@ -29,6 +32,9 @@ GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, C
 
 STEPS_BETWEEN_PROJECTIONS: Final = 100
 """Steps between two projections onto the group; between them only round-off moves the element off it."""
+
+LARGEST_CHART_TURN: Final = math.pi
+"""Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -193,6 +199,49 @@ def runge_kutta_step(tableau: Tableau, field: Callable[[Array], Array], start: A
     for stage, weight in enumerate(tableau.a):
         slopes[stage] = field(start + h * (float(weight) * slopes[stage - 1]))
     return np.asarray(start + h * (np.array(tableau.b, dtype=np.float64) @ slopes))
+
+
+def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:
+    """The rates of a point of the chart: β̇ = dexp⁻¹(−β) ω and ṗ = ad*_ω p (Euler–Poincaré), with ω = M⁻¹p.
+
+    In the coordinates of the space frame the chart is exp(αᵃTᵃ) A₀ with α = Ad(A₀)β, as in eq. (11).
+
+    Parameters
+    ----------
+    lagrangian : Lagrangian
+        The group, of dimension d, and its metric M.
+    point : ndarray, shape (2d,)
+        The coordinates β, followed by the body momentum p = Mω of the motion.
+
+    Returns
+    -------
+    ndarray, shape (2d,)
+    """
+    coordinates, momentum = np.split(point, 2)
+    rate = lagrangian.inverse_metric @ momentum
+    ad = lagrangian.group.ad(coordinates)
+    _require_reach(ad)
+    return np.concatenate([phi_inverse(-ad) @ rate, momentum @ lagrangian.group.ad(rate)])
+
+
+def recentred(group: MatrixLieGroup, centre: NDArray[Any], coordinates: Array) -> NDArray[Any]:
+    """The element A₀ exp(βᵃTᵃ), the centre of the next chart.
+
+    It is refused beyond the chart's end here as well, since the only stage of `rkmk1` is evaluated at β = 0.
+    """
+    _require_reach(group.ad(coordinates))
+    return np.asarray(centre @ group.exp(coordinates))
+
+
+def _require_reach(ad: Array) -> None:
+    """Refuse eigenvalues of ad_β beyond `LARGEST_CHART_TURN`; translations have none but 0."""
+    if float(np.abs(ad).max()) * len(ad) < LARGEST_CHART_TURN:
+        return  # a bound of every eigenvalue
+    turn = float(np.abs(np.linalg.eigvals(ad)).max())
+    if not turn <= LARGEST_CHART_TURN:
+        raise InputError(
+            f"within a step the chart turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step"
+        )
 
 
 def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], Array]:
