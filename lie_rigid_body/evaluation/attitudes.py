@@ -69,6 +69,15 @@ class AttitudeError(NamedTuple):
     heading: Array
     inclination: Array
 
+    def __eq__(self, other: object) -> bool:
+        return self is other  # of arrays Python would ask for one answer
+
+    def __ne__(self, other: object) -> bool:
+        return self is not other
+
+    def __hash__(self) -> int:
+        return id(self)
+
     def __repr__(self) -> str:
         return short_repr(self)
 

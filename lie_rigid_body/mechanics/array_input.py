@@ -202,6 +202,10 @@ class ArraysOnly(Immutable):
             raise TypeError(f"one {type(self).__name__} has no length")
         return self.batch_shape[0]
 
+    def __bool__(self) -> bool:
+        """True, as of any object: without it Python would ask for the length, which one has not."""
+        return True
+
     def __getitem__(self, index: int | slice | Integers | Booleans) -> Self:
         """Those at an index of the first leading axis."""
         if not self.batch_shape:

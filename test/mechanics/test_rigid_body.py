@@ -155,6 +155,8 @@ def test_one_body_is_no_sequence():
         len(body)
     with pytest.raises(TypeError):
         body[0]
+    assert bool(body)
+    assert bool(RigidBody(np.tile(np.eye(3), (2, 1, 1)))[:0])
 
 
 def test_quantities_are_batched():

@@ -94,7 +94,7 @@ def test_results_are_compared_and_hashed_as_what_they_are(run: Any) -> None:
     """Their arrays have no truth of their own."""
     score = off_by(run, 5.0, covariance=np.eye(3) * 1e-3)
     diagnosis = FilterDiagnosis((), (), (), 1, 0.0, 0.1, errors=(ErrorOverTime("", np.ones(3), np.ones(3), 1.0),))
-    for result in (score, score.consistency, score.best, diagnosis, run, run.certificate()):
+    for result in (score, score.error, score.consistency, score.best, diagnosis, run, run.certificate()):
         assert result == result
         assert isinstance(result != deepcopy(result), bool)
         assert result in {result}
