@@ -148,7 +148,7 @@ class Loop(Work):
         while begin < len(counts):
             limit = done + (STEPS_PER_CALL if self._compiled else STEPS_IN_PYTHON)
             end = max(begin + 1, int(np.searchsorted(ends, limit, side="right")))
-            takes = np.diff(np.minimum(ends[begin:end], limit), prepend=done)
-            yield slice(begin, end), takes
-            done += int(takes.sum())
+            some = slice(begin, end)
+            yield some, np.minimum(ends[some], limit) - np.maximum(ends[some] - counts[some], done)
+            done = min(int(ends[end - 1]), limit)
             begin = int(np.searchsorted(ends, done, side="right"))
