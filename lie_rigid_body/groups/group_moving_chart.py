@@ -153,7 +153,7 @@ class GroupMovingChart:
             end = self._end(momentum, span / steps)
             if not np.isfinite(end).all():
                 self._refuse(momentum, span / steps)
-            coordinates, momentum = np.split(end, 2)
+            coordinates, momentum = end.reshape(2, -1)
             # the element just reached becomes the centre of the next chart
             element = recentred(self._lagrangian.group, element, coordinates)
             if count % STEPS_BETWEEN_PROJECTIONS == 0:
@@ -217,7 +217,7 @@ def chart_rates(lagrangian: Lagrangian, point: Array) -> Array:
     -------
     ndarray, shape (2d,)
     """
-    coordinates, momentum = np.split(point, 2)
+    coordinates, momentum = point.reshape(2, -1)
     rate = lagrangian.inverse_metric @ momentum
     ad = lagrangian.group.ad(coordinates)
     _require_reach(ad)

@@ -91,7 +91,8 @@ def steps_to(times_ns: Integers, reached_ns: int, max_step: float) -> tuple[Inte
         If the last lies impossibly many steps ahead.
     """
     steps_through(int(times_ns.max(initial=reached_ns)), reached_ns, max_step)
-    spans = np.diff(times_ns, prepend=reached_ns)
+    path = np.append(np.int64(reached_ns), times_ns)
+    spans = path[1:] - path[:-1]
     counts = _whole(spans * _steps_per_ns(max_step))
     return spans, np.maximum(counts, spans > 0).astype(np.int64)
 
