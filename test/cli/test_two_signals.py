@@ -76,7 +76,8 @@ def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(each, marks=pytest.mark.slow) if each == "record by steps" else each for each in VERBS]
+    "name",
+    [pytest.param(each, marks=pytest.mark.slow) if each in ("record by steps", "evaluate") else each for each in VERBS],
 )
 def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -> None:
     tried(name, prepared(tmp_path, bag), SEEDS[name], numba=name != "record")
