@@ -166,14 +166,13 @@ class MovingChart:
         self._starts = InitialConditions.of(body, start)
         self._method, self._max_step = method, float(max_step)
         self._integrators = METHODS[method].integrators(self._starts, self._max_step)
-        # replaced as a whole, never changed: a copy of the motion goes on by itself from the time reached
-        self._states = [integrator.start for integrator in self._integrators]
-        self._reached_ns = 0
+        # replaced as a whole, never changed: a copy of the motion goes on by itself, and a signal finds both or none
+        self._reached = [integrator.start for integrator in self._integrators], 0
 
     def __repr__(self) -> str:
         shape = {"bodies": self._starts.batch} if self._starts.batch else {}
         stepper = {"method": self._method, "max_step": self._max_step}
-        return call_repr(self, {**shape, **stepper, "reached_ns": self._reached_ns})
+        return call_repr(self, {**shape, **stepper, "reached_ns": self._reached[1]})
 
     def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
         """The states at the given times.
@@ -213,22 +212,23 @@ class MovingChart:
         """
         if len(t_ns) == 0:
             return
-        require_order(t_ns, self._reached_ns)
-        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - self._reached_ns))
-        work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(self._states)))
-        moved = [list(state) for state in self._states]
+        states, reached_ns = self._reached
+        require_order(t_ns, reached_ns)
+        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - reached_ns))
+        work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(states)))
+        moved = [list(state) for state in states]
         for k, state in enumerate(moved):
             for some, attitudes, rates in self._samples(k, state, t_ns, block, work):
                 attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
                 work = 0
-        self._states, self._reached_ns = moved, int(t_ns[-1])
+        self._reached = moved, int(t_ns[-1])
 
     def _steps_through(self, k: int, t_ns: Integers, longest_ns: int) -> int:
         """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
+        integrator, (states, reached_ns) = self._integrators[k], self._reached
         try:
-            integrator = self._integrators[k]
-            integrator.require_short_steps(self._states[k], longest_ns)
-            return max(steps_through(int(t_ns[-1]), self._reached_ns, integrator.largest_step), len(t_ns))
+            integrator.require_short_steps(states[k], longest_ns)
+            return max(steps_through(int(t_ns[-1]), reached_ns, integrator.largest_step), len(t_ns))
         except InputError as error:
             raise self._starts.named(k, error) from None
 
@@ -236,7 +236,7 @@ class MovingChart:
         self, k: int, state: list[float], t_ns: Integers, block: int, work: int
     ) -> Iterator[tuple[slice, Array, Array]]:
         """Attitudes and rates of one body, block by block; its state moves on in place."""
-        reached_ns = self._reached_ns
+        _, reached_ns = self._reached
         for begin in range(0, len(t_ns), block):
             some = slice(begin, begin + block)
             spans, counts = steps_to(t_ns[some], reached_ns, self._integrators[k].largest_step)

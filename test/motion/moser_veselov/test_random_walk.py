@@ -43,7 +43,7 @@ def drifts(start: State, step_ns: int, numbers: list[int]) -> list[Drift]:
     chart, found = MovingChart(BODY, start, max_step=1e-9 * step_ns), []
     for number in numbers:
         chart.at(number * step_ns)
-        found.append(drift(chart._states[0], start, number * step_ns))
+        found.append(drift(chart._reached[0][0], start, number * step_ns))
     return found
 
 
