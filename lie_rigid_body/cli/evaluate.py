@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from lie_rigid_body import console
 from lie_rigid_body.command_line import topic_names
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.report.request import answer, parse, require_room
 
 
@@ -14,6 +15,8 @@ from lie_rigid_body.report.request import answer, parse, require_room
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     given = parse(sys.argv[1:] if argv is None else argv)
+    if given.run is None:
+        raise InputError("no bag is given: give one; without, 'lie-rigid-body evaluate' follows topics of ROS 2")
     require_room(given)
 
     from lie_rigid_body.estimates.recorded_estimate import TRUE_TOPICS, recorded_estimate

@@ -108,3 +108,8 @@ def test_the_series_are_in_the_json_on_request(bag, stamps, capsys):
     series = scored(capsys, bag, "--estimate", "/filter/Imu", "--series")["series"]
     assert series["stamps_ns"] == stamps.tolist()
     assert len(series["total_deg"]) == len(series["nees"]) == 250
+
+
+def test_without_a_bag_it_is_the_other_verb(capsys):
+    for arguments in ((), ("--wait", "1")):
+        assert "bug" not in refused(capsys, *arguments)
