@@ -42,6 +42,9 @@ _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
 """Fields of a record in their order: how many bytes they take, or, below 0, those of a size that stands before them."""
 OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
+_MAY_BE_LONGER: Final = (*OUTSIDE, Opcode.CHUNK)
+"""Records that may be longer than their fields, which the format allows."""
+_NOTHING: Final = Place(0, 0, 0, 0)
 _HEAD_IN_CHUNK: Final = re.compile(re.escape(MAGIC) + rb"\x01|[\x03\x04\x05](?=.{4}\0{4})", re.DOTALL)
 """Beginning of a record in a chunk, or of a file that is in a message."""
 ENDING: Final = re.compile(rb"(\x02\x14\0{7}.{20})?" + re.escape(MAGIC), re.DOTALL)
@@ -69,18 +72,24 @@ def sound(given: FileBytes, at: int, *, by_next: bool = True) -> Place | None:
     elif place.opcode == Opcode.MESSAGE:
         is_right = goes_on(given, place.end)
     else:
-        may_be_longer = by_next and place.opcode in (*OUTSIDE, Opcode.CHUNK)  # than its fields
-        is_right = says_twice(given, at) or (may_be_longer and sound(given, place.end, by_next=False) is not None)
+        is_right = says_twice(given, at)
+        if not is_right and by_next and place.opcode in _MAY_BE_LONGER:
+            behind = next(records(given, place.end), _NOTHING)
+            may_begin = behind.opcode in _MAY_BE_LONGER and says_twice(given, place.end, or_more=True)
+            is_right = may_begin or sound(given, place.end, by_next=False) is not None
     return place if is_right else None
 
 
-def says_twice(given: bytes | FileBytes, at: int) -> bool:
-    """Whether the record at a byte, be it finished or not, is as long as its fields say; none of these is read."""
+def says_twice(given: bytes | FileBytes, at: int, *, or_more: bool = False) -> bool:
+    """Whether the record at a byte, be it finished or not, is as long as its fields say, or longer if that will do.
+
+    None of these is read.
+    """
     opcode, length = RECORD_HEAD.unpack(given[at : at + RECORD_HEAD.size].ljust(RECORD_HEAD.size, b"\0"))
     place = begin = at + RECORD_HEAD.size
     for size in _LAYOUTS.get(opcode, ()):
         place += int.from_bytes(given[place : place - size], "little") - size if size < 0 else size
-    return opcode in _LAYOUTS and place == begin + length
+    return opcode in _LAYOUTS and (place == begin + length or (or_more and place < begin + length))
 
 
 def goes_on(data: bytes | FileBytes, end: int) -> bool:

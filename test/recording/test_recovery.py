@@ -541,6 +541,24 @@ def test_room_that_was_kept_for_more_is_not_read(whole: dict[str, Path], tmp_pat
     assert (recovery.messages, recovery.broken_at) == (len(messages(whole["zstd"])), end)
 
 
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_chunks_longer_than_their_fields_that_follow_each_other_are_whole(
+    whole: dict[str, Path], tmp_path: Path, compression: str
+) -> None:
+    """The format allows both: fields of a later version behind those that are known, and no indexes."""
+    content, broken = whole[compression].read_bytes(), MAGIC
+    for opcode, begin, end in records(content):
+        if opcode == Opcode.HEADER:
+            broken += content[begin:end]
+        elif opcode == Opcode.CHUNK:
+            broken += RECORD.pack(opcode, end - begin - RECORD.size + 4) + content[begin + RECORD.size : end] + b"more"
+    broken += record_bytes(DataEnd(0), Footer(0, 0, 0)) + MAGIC
+    (tmp_path / "longer.mcap").write_bytes(broken)
+    recovery = recover(tmp_path / "longer.mcap", tmp_path / "fixed.mcap", overwrite=False)
+    assert (recovery.damaged, recovery.broken_at) == ((), None)
+    assert messages(tmp_path / "fixed.mcap") == messages(whole[compression])
+
+
 def flipped(content: bytes, at: int, bit: int) -> bytes:
     """The content with one bit of a byte flipped."""
     return content[:at] + bytes([content[at] ^ 1 << bit]) + content[at + 1 :]
