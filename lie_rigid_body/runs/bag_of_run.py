@@ -94,14 +94,11 @@ def messages_beside(
     for topic in estimates:
         if not _TOPIC.fullmatch(str(topic)) or topic in OWN_TOPICS:
             raise InputError(f"estimates: {shown(topic)} is no name of a topic of its own: give such as '/estimate'")
+    own = {topic: stamped(Estimate.of(given)) for topic, given in estimates.items()}
     for topic, score in scores.items():
-        if topic not in estimates or not isinstance(score, Score):
+        if topic not in own or not isinstance(score, Score) or not np.isin(score.stamps_ns, own[topic].t_ns).all():
             raise InputError(f"scores: {shown(topic)}: give the Score of an estimate by the topic of that estimate")
-    of_estimates = (
-        each
-        for topic, given in estimates.items()
-        for each in _of_estimate(topic, stamped(Estimate.of(given)), scenario)
-    )
+    of_estimates = (each for topic, estimate in own.items() for each in _of_estimate(topic, estimate, scenario))
     of_scores = (each for topic, score in scores.items() for each in _of_score(topic, score, scenario.world_frame))
     found = [*of_estimates, *of_scores]
     if len({messages.topic for messages, _ in found}) < len(found):

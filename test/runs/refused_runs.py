@@ -38,6 +38,7 @@ refused = refusals(
             "topic twice": "one name",
             "topic": "'?{topic}'? is no name",
             "no topics": "^{name}: .* has no topics: give it by its topic",
+            "score": "^scores: .*: give the Score of an estimate by the topic of that estimate",
             # estimates
             "rows": "{rows} rows goes neither with {readings} readings of the IMU nor with {samples} samples",
             "not finite": "{name}: {count} of {of} rows are not finite",

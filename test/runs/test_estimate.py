@@ -126,6 +126,14 @@ def test_two_topics_of_one_name_are_refused(run, attitude, tmp_path):
     assert not (tmp_path / "x.mcap").exists()
 
 
+def test_a_score_is_that_of_the_estimate_beside_it(run, attitude, tmp_path):
+    score = run.score(attitude, run.t_ns, diagnosed=False)
+    for topic, some in (("/a", slice(None, None, 2)), ("/b", slice(None))):
+        with refused("score"):
+            run.to_bag(tmp_path / "x.mcap", estimates={topic: (run.t_ns[some], attitude[some])}, scores={"/a": score})
+    assert not (tmp_path / "x.mcap").exists()
+
+
 @pytest.mark.parametrize(
     ("make", "error"),
     [
