@@ -233,7 +233,8 @@ class _Salvage:
         if place.opcode == Opcode.MESSAGE:
             channel, _, *times = MESSAGE.unpack_from(content)
             self._there.messages += 1
-            require(not self._there.has_chunks, "a message stands outside of the chunks")
+            has_no_place = self._there.has_chunks or place.start == len(MAGIC)  # where the header was
+            require(not has_no_place, "a message stands outside of the chunks")
             is_known = channel in self._file.summary.channels or channel in self._declared()
             require(is_known, "a message is on no channel")
             require(max(times) <= LAST_TIME, "a message is beyond all times")

@@ -613,11 +613,11 @@ def test_a_flipped_bit_of_the_magic_or_the_header_costs_no_message(whole: dict[s
     content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
     [(_, begin, end), *_] = records(content)
     broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
-    for at in range(end):
-        broken.write_bytes(flipped(content, at, at % 8))
+    for at, bit in (*((at, at % 8) for at in range(end)), *((begin, bit) for bit in range(8))):
+        broken.write_bytes(flipped(content, at, bit))
         recovery = recover(broken, fixed, overwrite=True)
-        assert messages(fixed) == everything, at
-        assert recovery.damaged in (((0,),) if at < begin else ((), (begin,))), at
+        assert messages(fixed) == everything, (at, bit)
+        assert recovery.damaged in (((0,),) if at < begin else ((), (begin,))), (at, bit)
 
 
 def test_what_stands_before_zeros_in_a_chunk_without_compression_is_kept(
