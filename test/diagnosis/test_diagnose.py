@@ -421,6 +421,7 @@ def test_mistake_of_a_filter_that_begins_at_the_identity_is_named_alone(changes:
     assert found.mistakes[0].rms_deg_after < 0.1
 
 
+@pytest.mark.slow
 def test_filter_without_a_magnetometer_is_told_that_its_vertical_is_right() -> None:
     found = diagnose(
         lambda run: textbook.without_a_magnetometer(run), max_runs=1, imu_rate=25.0, magnetometer_rate=25.0
