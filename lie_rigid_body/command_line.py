@@ -111,13 +111,12 @@ def file_name(text: str) -> str:
     argparse.ArgumentTypeError
         If no file can have it, or if it is empty, the folder one is in to the system, or ``-``, a file to the system.
     """
-    for is_wrong, why in (
-        (not text, "'' names no file or folder: give a name"),
-        (text == "-", "'-' stands for no stream here: give a name, ./- for a file called so"),
-        ("\0" in text, f"{shown(text)} is the name of no file, with its NUL: give a name without"),
-    ):
-        if is_wrong:
-            raise argparse.ArgumentTypeError(why)
+    if not text:
+        raise argparse.ArgumentTypeError("'' names no file or folder: give a name")
+    if text == "-":
+        raise argparse.ArgumentTypeError("'-' stands for no stream here: give a name, ./- for a file called so")
+    if "\0" in text:
+        raise argparse.ArgumentTypeError(f"{shown(text)} is the name of no file, with its NUL: give a name without")
     return text
 
 

@@ -80,9 +80,8 @@ def main(given: argparse.Namespace) -> int:
         done, size = bag.sample_count, console.size(bag.path.stat().st_size)
         if done < count and interruption.requested:
             state = f"is whole ({size})" if done else "holds no sample of it"
-            console.complain(
-                console.program("record"), f"interrupted after {done} of {count} samples; {bag.path} {state}"
-            )
+            told = f"interrupted after {done} of {count} samples; {bag.path} {state}"
+            console.complain(console.program("record"), told)
             return console.INTERRUPTED
         if not given.quiet:
             first, last = (console.seconds(clock.stamp_ns(k)) for k in (0, done - 1))
@@ -104,10 +103,12 @@ def _chunk_size(text: str) -> int:
 
 def _require_room(out: Path, count: int, needed: int) -> None:
     """Refuse samples that need more bytes than are free where they are to be written."""
-    with suppress(OSError):  # opening the file will say what is wrong with the folder
+    try:
         total, _, free = shutil.disk_usage(out.parent)
-        if needed > free and total:  # /proc and its like have no size at all
-            raise BagError(
-                f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
-                "record a shorter time, a lower rate, or elsewhere"
-            )
+    except OSError:
+        return  # opening the file will say what is wrong with the folder
+    if needed > free and total:  # /proc and its like have no size at all
+        raise BagError(
+            f"{out}: {count} samples need about {console.size(needed)} and {console.size(free)} are free there: "
+            "record a shorter time, a lower rate, or elsewhere"
+        )

@@ -42,10 +42,8 @@ def main(given: argparse.Namespace) -> int:
     is_folder = broken.is_dir()
     found = recover_folder(broken, out) if is_folder else {broken: recover(broken, out, overwrite=given.force)}
     parts = {path: each for path, each in found.items() if isinstance(each, Recovery)}
-    wrong = [
-        *filter(None, (_what_was_wrong(path, each) for path, each in parts.items())),
-        *(printable(str(each)) for each in found.values() if not isinstance(each, Recovery)),
-    ]
+    wrong = [text for path, each in parts.items() if (text := _what_was_wrong(path, each))]
+    wrong += [printable(str(each)) for each in found.values() if not isinstance(each, Recovery)]
     lines = [
         _how_much(out, [*parts.values()]),
         *(wrong or [f"{printable(given.broken)}: its messages were all whole"]),
@@ -60,41 +58,36 @@ def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
     times_ns = [time for part in parts for time in part.log_times_ns]
     first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
     messages, topics = sum(part.messages for part in parts), max(part.topics for part in parts)
-    return (
-        f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in "
-        f"{printable(str(out))} ({console.size(sum(file.stat().st_size for file in files))})"
-    )
+    where = f"{printable(str(out))} ({console.size(sum(file.stat().st_size for file in files))})"
+    return f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in {where}"
 
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     """Sentence about what was wrong with a file; empty if it was whole."""
-    at, damaged, rewritten = recovery.broken_at, recovery.damaged, recovery.rewritten
-    gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
-    found = (
-        f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}" if at is not None else "",
-        f"has {counted(len(damaged), 'damaged or foreign record')}, left out or taken in part, the first at byte "
-        f"{damaged[0]}"
-        if damaged
-        else "",
-        f"has {counted(len(rewritten), 'chunk')} of more than one compressed frame, written anew, at byte "
-        f"{rewritten[0]}"
-        if rewritten
-        else "",
-        "has another checksum or number of messages than it says: some may be altered or missing"
-        if recovery.is_altered
-        else "",
-    )
-    return f"{printable(str(broken))} {' and '.join(filter(None, found))}" if any(found) else ""
+    at, damaged, rewritten, found = recovery.broken_at, recovery.damaged, recovery.rewritten, []
+    if at is not None:
+        gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
+        found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
+    if damaged:
+        found.append(
+            f"has {counted(len(damaged), 'damaged or foreign record')}, left out or taken in part, the first at byte "
+            f"{damaged[0]}"
+        )
+    if rewritten:
+        chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
+        found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
+    if recovery.is_altered:
+        found.append("has another checksum or number of messages than it says: some may be altered or missing")
+    return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 
 def _what_next(given: argparse.Namespace, is_folder: bool) -> Iterator[str]:
     from lie_rigid_body.recording.bag_files import whole_of
 
     whole = None if is_folder else whole_of(Path(given.broken))
-    yield (
-        console.how_to_certify(given.out)
-        if whole is None
-        else f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"
-    )
+    if whole is None:
+        yield console.how_to_certify(given.out)
+    else:
+        yield f"it is one file of a bag that was split; recover all with: recover {console.quoted(whole)} -o FIXED"
     if is_folder:
         yield f"'ros2 bag play' wants metadata; make them with: ros2 bag reindex {console.quoted(given.out)}"
