@@ -153,14 +153,16 @@ def _limited(what: str, draw: Draw, allows: Callable[[float], bool], limit: str,
     return float(drawn)
 
 
-def _require_range(what: str, low: float, high: float, *, of_logarithm: bool = False) -> None:
-    for is_wrong, why in (
-        (low > high, f"low {low:g} is above high {high:g}: exchange them"),
-        (not math.isfinite(high - low), f"from {low:g} to {high:g} is beyond double precision: bring them nearer"),
-        (of_logarithm and low <= 0.0, f"low {low:g} has no logarithm: give a number above 0"),
-    ):
-        if is_wrong:
-            raise InputError(f"{what}: {why}")
+def _require_range(what: str, low: float, high: float) -> None:
+    if low > high:
+        raise InputError(f"{what}: low {low:g} is above high {high:g}: exchange them")
+    if not math.isfinite(high - low):
+        raise InputError(f"{what}: from {low:g} to {high:g} is beyond double precision: bring them nearer")
+
+
+def _require_logarithm(what: str, low: float, high: float) -> None:
+    if low <= 0.0:
+        raise InputError(f"{what}: low {low:g} has no logarithm: give a number above 0")
 
 
 def _require_deviation(what: str, mean: float, std: float) -> None:
@@ -231,7 +233,7 @@ _LIMITS: Final = {("low",): _number, ("high",): _number}
 _MASS: Final = {("density", "mass"): _above_0}
 DISTRIBUTIONS: Final[Mapping[str, tuple[Any, ...]]] = {
     "uniform": (_LIMITS, _uniform, _require_range),
-    "loguniform": (_LIMITS, _loguniform, partial(_require_range, of_logarithm=True)),
+    "loguniform": (_LIMITS, _loguniform, _require_range, _require_logarithm),
     "normal": ({("mean",): _number, ("std",): _number}, _normal, _require_deviation),
     "choice": ({("values",): _values}, _choice),
     "uniform_rotation": ({}, _rotation),
