@@ -11,7 +11,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
@@ -80,6 +80,7 @@ class Interpreter:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._guard = ExitStack()
         self._folder: TemporaryDirectory[str] | None = None
         self._is_closed = False
 
@@ -102,18 +103,21 @@ class Interpreter:
         folder = self._folder = self._folder or TemporaryDirectory(ignore_cleanup_errors=True)
         # a user's code runs there: without what `safe_path` put into the environment
         environment = {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
-        process = self._process = self._process or subprocess.Popen(
-            [
-                sys.executable,
-                "-c",
-                f"import sys; sys.path[:] = {sys.path!r}; from lie_rigid_body.interpreters import serve; serve()",
-            ],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
-            env={**environment, "TMPDIR": folder.name},
-            start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
-        )
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [
+                    sys.executable,
+                    "-c",
+                    f"import sys; sys.path[:] = {sys.path!r}; from lie_rigid_body.interpreters import serve; serve()",
+                ],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
+                env={**environment, "TMPDIR": folder.name},
+                start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
+            )
+            self._guard.enter_context(guarded(self._process))  # it hears of the parent's end only after its imports
+        process = self._process
         if self._is_closed:  # meanwhile
             self.kill()
         end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
@@ -146,6 +150,7 @@ class Interpreter:
     def end(self) -> None:
         """Kill it and close its streams."""
         self.kill()
+        self._guard.close()
         process, self._process = self._process, None
         if process is not None:
             with suppress(OSError):

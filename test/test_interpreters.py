@@ -37,6 +37,23 @@ other = Interpreter()
 print(other.ask(os.getpid, 60.0), flush=True)
 other.ask(partial(time.sleep, 600.0), 600.0)
 """
+IMPORTING = """
+from lie_rigid_body.interpreters import Interpreter
+import slow
+
+Interpreter().ask(slow.answer, 600.0)
+"""
+SLOW = """
+import os, sys, time
+from pathlib import Path
+
+def answer():
+    pass
+
+if "lie_rigid_body.interpreters" in sys.modules and sys.argv == ["-c"] and os.getpid() == os.getsid(0):
+    Path(__file__).with_name("pid").write_text(f"{os.getpid()}.")
+    time.sleep(600.0)
+"""
 GUARDING = """
 import subprocess, time
 from lie_rigid_body.interpreters import guarded
@@ -152,6 +169,20 @@ def test_process_that_hangs_ends_with_the_one_that_asked():
     asking.kill()
     asking.communicate()
     _wait_for_end(status)
+
+
+@WITH_PROC
+@pytest.mark.parametrize("kill", [subprocess.Popen.kill, subprocess.Popen.terminate])
+def test_process_that_is_amid_an_import_ends_with_the_one_that_asked(tmp_path, kill):
+    """It takes no notice of its pipes meanwhile."""
+    (tmp_path / "slow.py").write_text(SLOW)
+    asking, told = subprocess.Popen([sys.executable, "-c", IMPORTING], cwd=tmp_path), tmp_path / "pid"
+    while not told.is_file() or not told.read_text().endswith("."):
+        assert asking.poll() is None
+        time.sleep(0.01)
+    kill(asking)
+    asking.communicate()
+    _wait_for_end(Path("/proc", told.read_text().strip("."), "stat"))
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="there are no groups of processes")
