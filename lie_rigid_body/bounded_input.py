@@ -46,7 +46,8 @@ LONGEST_ROW: Final = 2**20
 """Largest size of a line in the journal of a campaign, bytes."""
 _REAL: Final = re.compile(r"\s*[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf(inity)?|nan)\s*", re.ASCII | re.IGNORECASE)
 """How programs write numbers. Python also reads underscores and the digits of all scripts, which tell of a mistake."""
-_NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+"""Tags of numbers in YAML."""
 
 
 def real(text: str) -> float:
@@ -188,7 +189,7 @@ class BoundedLoader(yaml.SafeLoader):
 
     def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
         """Refuse a number without end, and half of a character, which goes into no file."""
-        if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
+        if node.tag in NUMBERS and len(node.value) > LONGEST_NUMBER:
             raise yaml.MarkedYAMLError(
                 problem=f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read",
                 problem_mark=node.start_mark,

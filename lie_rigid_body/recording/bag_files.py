@@ -9,7 +9,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from lie_rigid_body.bounded_input import LARGEST_METADATA, as_path, load_yaml, read_text
+import yaml
+
+from lie_rigid_body.bounded_input import LARGEST_METADATA, NUMBERS, BoundedLoader, as_path, load_yaml, read_text
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.output_file import reason
 from lie_rigid_body.parameters import NS
@@ -31,11 +33,28 @@ _FOUND: Final = (*SUFFIXES, _PACKED)
 """Suffixes of the files that are looked for in a folder of bags: who opens one that is packed is told so."""
 _TOLERANCE_NS: Final = NS
 """Largest error of the start and the duration that a recorder notes, ns: it drops and reorders some messages."""
+_DECIMAL: Final = re.compile("-?(0|[1-9][0-9]*)")
 _PER_MESSAGE: Final = 100
 """Memory that a message takes beside its content, about, bytes."""
 _KEPT_AT_LEAST: Final = 64 * 2**20
 _KEPT_PER_BYTE: Final = 200
 """Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
+
+
+class _Loader(BoundedLoader):
+    """A YAML loader of numbers in plain decimal digits, as rosbag2 writes them; all others are texts.
+
+    What ``0311`` or ``3:21`` are depends on the reader: YAML 1.1 and 1.2 differ.
+    """
+
+
+def _number(loader: _Loader, node: yaml.ScalarNode) -> int | str:
+    text = loader.construct_scalar(node)
+    return int(text) if _DECIMAL.fullmatch(text) else text
+
+
+for _tag in NUMBERS:
+    _Loader.add_constructor(_tag, _number)
 
 
 class BagFiles:
@@ -163,7 +182,7 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
         return None
 
     try:
-        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))[
+        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata), _Loader)[
             "rosbag2_bagfile_information"
         ]
         names = [str(name) for name in information["relative_file_paths"]]

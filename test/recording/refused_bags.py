@@ -33,6 +33,7 @@ refused = refusals(
             "named twice": "names '{name}' twice",
             "outside": "names '{name}', which is outside of its folder",
             "folder as file": "Is a directory",
+            "count": "message_count: '.*' said, .* found",
             "structure": "structure: not that of a rosbag2 bag",
             "files": "does not fit its files: files: ",
             "mixed indexes": "some chunks have indexes of their messages, and some have none",

@@ -183,6 +183,21 @@ def test_what_metadata_count_twice_is_refused(make_bag: MakeBag, tmp_path: Path,
             BagFiles(path).contents(of_types([]))
 
 
+@pytest.mark.parametrize("form", ["{0}", "0{0:o}", "0{0}", "{0}.0", "0x{0:x}", "{0:_}", "{1}:{2:02}", "!!int 0{0:o}", "!!float {0}"])
+def test_a_count_is_of_plain_digits(make_bag: MakeBag, tmp_path: Path, form: str) -> None:
+    """Readers of YAML 1.1 and 1.2 take the others for different numbers, or for texts."""
+    path = tmp_path / "bag"
+    path.mkdir()
+    (path / "bag_0.mcap").write_bytes(make_bag(count=1200).read_bytes())
+    count = BagFiles(path).contents(of_types([])).files[0].count
+    said = form.format(count, *divmod(count, 60))
+    (path / "metadata.yaml").write_text(
+        f"rosbag2_bagfile_information: {{relative_file_paths: [bag_0.mcap], message_count: {said}}}"
+    )
+    with nullcontext() if form in ("{0}", "!!float {0}") else refused("count"):
+        BagFiles(path).contents(of_types([]))
+
+
 @pytest.mark.parametrize("files", [[], ["../../bag_0.mcap"], ["/bag/bag_0.mcap"], ["bag_0.mcap", "bag_1.mcap"]])
 def test_the_files_that_metadata_tell_of_are_those_that_they_name(
     make_bag: MakeBag, tmp_path: Path, files: list[str]
