@@ -97,6 +97,11 @@ class DamagedFile:
             self._displaced.add(self._key(place.start))
 
     @property
+    def is_indexed(self) -> bool:
+        """Whether the summary tells of a chunk that is there."""
+        return bool(self._indexed)
+
+    @property
     def _looks_within(self) -> bool:
         return self._in_doubt <= 4 * len(self._given)
 

@@ -233,8 +233,9 @@ class _Salvage:
         if place.opcode == Opcode.MESSAGE:
             channel, _, *times = MESSAGE.unpack_from(content)
             self._there.messages += 1
-            has_no_place = self._there.has_chunks or place.start == len(MAGIC)  # where the header was
-            require(not has_no_place, "a message stands outside of the chunks")
+            is_outside = self._there.has_chunks or self._there.is_indexed
+            require(not is_outside, "a message stands outside of the chunks")
+            require(place.start > len(MAGIC), "a message stands where the header was")
             is_known = channel in self._file.summary.channels or channel in self._declared()
             require(is_known, "a message is on no channel")
             require(max(times) <= LAST_TIME, "a message is beyond all times")

@@ -906,6 +906,25 @@ def test_the_damaged_length_of_an_attachment_costs_that_alone(tmp_path: Path, la
             assert [record.name for record in make_reader(file).iter_metadata()][:1] == ["notes"]
 
 
+def test_an_attachment_before_all_chunks_becomes_no_message(tmp_path: Path) -> None:
+    """Its times and the length of its name are the channel and the times of a sound one."""
+    broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
+    with broken.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        schema = writer.register_schema("x", "", b"")
+        channel = writer.register_channel("/x", "", schema)
+        writer.add_attachment(0, channel, "notes", "text/plain", b"text")
+        writer.add_message(channel, 10, b"payload", 10)
+        writer.finish()
+    content = bytearray(broken.read_bytes())
+    attachment = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.ATTACHMENT)
+    content[attachment] = Opcode.MESSAGE
+    broken.write_bytes(content)
+    assert recover(broken, fixed, overwrite=False).damaged == (attachment,)
+    assert messages(fixed) == [("/x", 10, 0, b"payload")]
+
+
 @pytest.mark.parametrize("kind", ["attachment", "metadata"])
 def test_bytes_that_a_record_lost_or_won_cost_no_message_behind_it(tmp_path: Path, kind: str) -> None:
     broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
