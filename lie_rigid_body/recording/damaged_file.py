@@ -251,7 +251,8 @@ class DamagedFile:
         end : Place
             The end of the data.
         """
-        has_summary = any(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8])
+        is_told = any(self._given[RECORD_HEAD.size - _FOOTER_SIZE :][:8])
+        has_summary = is_told or end.end < len(self._given) - _FOOTER_SIZE
         declared = int.from_bytes(self._given[end.begin : end.end], "little")
         begins = (place.begin for place in self.summary if place.opcode == Opcode.STATISTICS)
         counts = {int.from_bytes(self._given[begin : begin + 8], "little") for begin in begins}

@@ -228,10 +228,10 @@ class Scenario:
         steps : int
             The most steps of the moving chart, if one sample does not take more.
         rate : float, optional
-            Samples per second, by default those of the truth.
+            Samples per second, by default those of the truth or of the fastest sensor.
         """
         at_most, steps = whole_number("at_most", at_most, 1), whole_number("steps", steps, 1)
-        return max(1, min(at_most, steps // self.steps_per_sample(rate)))
+        return max(1, min(at_most, steps // self.steps_per_sample(max(self.rates) if rate is None else rate)))
 
     def _longest_step(self, fastest: float) -> float:
         return longest_step(self.max_step, METHODS[self.method].largest_turn, fastest)

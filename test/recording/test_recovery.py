@@ -869,6 +869,14 @@ def test_an_altered_message_in_no_chunk_is_told_by_the_checksum_of_the_data(tmp_
     assert not recover(broken, fixed, overwrite=True).is_altered
 
 
+def test_a_summary_that_no_footer_tells_of_is_told(whole: dict[str, Path], tmp_path: Path) -> None:
+    content, everything = whole["zstd"].read_bytes(), messages(whole["zstd"])
+    at = next(begin for opcode, begin, _ in records(content) if opcode == Opcode.FOOTER) + RECORD.size
+    (tmp_path / "broken.mcap").write_bytes(content[:at] + bytes(8) + content[at + 8 :])
+    assert recover(tmp_path / "broken.mcap", tmp_path / "fixed.mcap", overwrite=True).is_altered
+    assert messages(tmp_path / "fixed.mcap") == everything
+
+
 def test_messages_that_another_one_has_swallowed_are_told_by_the_number_in_the_summary(tmp_path: Path) -> None:
     content = loose(tmp_path / "whole.mcap", 40, b"\xc8payload" * 9)
     begins = [begin for opcode, begin, _ in records(content) if opcode == Opcode.MESSAGE]

@@ -86,6 +86,8 @@ def test_a_batch_is_bounded_by_its_samples_and_its_steps() -> None:
     assert scenario.batch_size(100, 2000) == 100
     assert scenario.batch_size(250, 2) == 1
     assert scenario.batch_size(250, 2000, rate=1000.0) == 250
+    fast = Scenario.from_parameters({**BODY, "rate": 0.001, "imu_rate": 50.0, "max_step": 0.001})
+    assert fast.batch_size(250, 2000) == 100
     assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 1) == 1
     assert Scenario.from_parameters({"motion": "closed_form"}).batch_size(250, 250) == 250
 
