@@ -41,7 +41,7 @@ from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import components, shown
 
 LARGEST_DEVIATION: Final = 1e50
-"""Largest standard deviation: squares and their ratios stay finite."""
+"""Largest standard deviation, and largest vector: squares and their ratios stay finite."""
 AT_RANDOM: Final = np.pi**2 / 3.0 + 2.0
 """Mean square of the total angle of an attitude at random, whose angle θ has the density (1 − cos θ)/π; rad²."""
 UNSEEN: Final = 0.25
@@ -95,7 +95,7 @@ class VectorReadings:
     ----------
     stamps_ns : array_like of int, shape (L,)
     vector : array_like, shape (3,)
-        In the world frame; not 0, which would tell nothing.
+        In the world frame, its length above 1e-50 and below 1e50; not 0, which would tell nothing.
     noise : float
         Standard deviation of the white noise on each axis of a reading, unit of the vector; above 0.
     bias : BiasNoise, optional
@@ -115,6 +115,9 @@ class VectorReadings:
         vector = numbers("vector", self.vector, 3)
         if vector.shape != (3,) or not vector.any():
             raise InputError(f"vector: {shown(self.vector)} has no direction: give three numbers that are not all 0")
+        length = float(so3.norm(vector))
+        if not 1.0 / LARGEST_DEVIATION < length < LARGEST_DEVIATION:
+            raise InputError(f"vector: its length {length:g} is beyond 1e-50 to 1e50: give it in SI units")
         deviation("noise of a vector", self.noise)
         _require_kind("bias", self.bias, BiasNoise)
 
@@ -288,7 +291,7 @@ def _system(
     for ever are no part of the state. Each constant of each sensor has a column: what it adds to a turn, and to the
     readings of a vector.
     """
-    units = [1.0, *(float(np.linalg.norm(sensor.vector)) for sensor in vectors)]
+    units = [1.0, *(float(so3.norm(sensor.vector)) for sensor in vectors)]
     biases = [gyro_bias, *(sensor.bias for sensor in vectors)]
     matrices = [gyro_errors, *(_matrices("linear_errors", sensor.linear_errors) for sensor in vectors)]
     ends = np.cumsum([0, *map(len, matrices)]).tolist()

@@ -41,20 +41,20 @@ _KEPT_PER_BYTE: Final = 200
 """Limits of the memory for a file's messages, bytes, and bytes per byte of the file; a motion compresses to 1/20."""
 
 
-class _Loader(BoundedLoader):
+class _MetadataLoader(BoundedLoader):
     """A YAML loader of numbers in plain decimal digits, as rosbag2 writes them; all others are texts.
 
     What ``0311`` or ``3:21`` are depends on the reader: YAML 1.1 and 1.2 differ.
     """
 
 
-def _number(loader: _Loader, node: yaml.ScalarNode) -> int | str:
+def _number(loader: _MetadataLoader, node: yaml.ScalarNode) -> int | str:
     text = loader.construct_scalar(node)
     return int(text) if _DECIMAL.fullmatch(text) else text
 
 
 for _tag in NUMBERS:
-    _Loader.add_constructor(_tag, _number)
+    _MetadataLoader.add_constructor(_tag, _number)
 
 
 class BagFiles:
@@ -182,7 +182,7 @@ def _information(metadata: Path) -> Mapping[str, Any] | None:
         return None
 
     try:
-        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata), _Loader)[
+        information: dict[str, Any] = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata), _MetadataLoader)[
             "rosbag2_bagfile_information"
         ]
         names = [str(name) for name in information["relative_file_paths"]]

@@ -335,6 +335,11 @@ class Run(_NamedSensors, Shown):
         -------
         UnavoidableError or None
             None without an IMU, or where a sensor that tells the attitude has no noise: the bound is 0 then.
+
+        Raises
+        ------
+        InputError
+            If the scenario declares more than 20 million readings, or vectors or noises whose squares are no numbers.
         """
         last = self.t_ns[-1] if self.imu is None else max(self.t_ns[-1:].max(), self.imu.t_ns.max(initial=0))
         return unavoidable_error_of(self.segments, int(last))

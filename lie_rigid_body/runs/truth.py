@@ -22,8 +22,9 @@ from lie_rigid_body.evaluation import (
 )
 from lie_rigid_body.evaluation.arguments import as_stamps, integer_stamps, read_stamps, unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
-from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.messages.definitions import IMU
+from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
@@ -37,6 +38,8 @@ THINNED: Final = 40_000
 
 Measured over an hour: within 1.5 % of the bound of all (rms, median, 95 % and last) up to 3 rad/s, at 20 rad/s 12 %.
 """
+MOST_DECLARED: Final = 20_000_000
+"""Largest number of declared readings of a run of which a bound is computed: their stamps take half a gigabyte."""
 SETTLES_S: Final = 1.0
 """Time in which a right filter corrects the error of its gyro, s."""
 LEFT: Final = 1.5
@@ -250,12 +253,23 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
     UnavoidableError or None
         None without an IMU, or where a sensor that tells the attitude has no noise: then the bound is 0. It is None as
         well where the IMU tells its orientation, whose noise is not that of an independent reading.
+
+    Raises
+    ------
+    InputError
+        If the scenario declares more than `MOST_DECLARED` readings, or vectors or noises whose squares are no numbers.
     """
     if not segments or not all(_has_noise(segment.scenario.sensors) for segment in segments):
         return None
-    whole, parts = max(1, last_ns - segments[0].start_ns), list[UnavoidableError]()
+    whole, parts, declared = max(1, last_ns - segments[0].start_ns), list[UnavoidableError](), 0.0
     for segment, later in zip_longest(segments, segments[1:]):
         end = min(last_ns, later.start_ns - 1 if later else last_ns)
+        declared += sum(segment.scenario.rates[1:]) * (end - segment.start_ns) / NS
+        if declared > MOST_DECLARED:
+            raise InputError(
+                f"the scenario declares {declared:.3g} readings, and the unavoidable error is computed of "
+                f"{MOST_DECLARED:g}: take a shorter run"
+            )
         share = None if most is None else max(FEWEST, most * (end - segment.start_ns) // whole)
         stamps = _stamps(segment, segment.scenario.sensors.imu.rate, end)
         parts += [_of_segment(segment, stamps, end, share)] if len(stamps) else []
@@ -305,13 +319,14 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
     return max((_left_by_errors(segment.scenario) for segment in segments), default=0.0)
 
 
+@np.errstate(over="ignore")  # a vector may be as near to 0 as numbers get, and tells nothing then
 def _left_by_errors(scenario: Scenario) -> float:
     imu, sensors = scenario.sensors.imu, scenario.sensors.on.values()
     aids = [aid for model in sensors for aid in model.aids if isinstance(aid, VectorAid)]
     if imu is None:
         return 0.0
     references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
-    lengths = np.linalg.norm(references, axis=-1)
+    lengths = so3.norm(references)
     directions = references / lengths[:, np.newaxis]
     across = np.linalg.norm(np.cross(directions[:, np.newaxis], directions), axis=-1).max(initial=0.0) or 1.0
     told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths

@@ -183,7 +183,9 @@ def test_what_metadata_count_twice_is_refused(make_bag: MakeBag, tmp_path: Path,
             BagFiles(path).contents(of_types([]))
 
 
-@pytest.mark.parametrize("form", ["{0}", "0{0:o}", "0{0}", "{0}.0", "0x{0:x}", "{0:_}", "{1}:{2:02}", "!!int 0{0:o}", "!!float {0}"])
+@pytest.mark.parametrize(
+    "form", ["{0}", "0{0:o}", "0{0}", "{0}.0", "0x{0:x}", "{0:_}", "{1}:{2:02}", "!!int 0{0:o}", "!!float {0}"]
+)
 def test_a_count_is_of_plain_digits(make_bag: MakeBag, tmp_path: Path, form: str) -> None:
     """Readers of YAML 1.1 and 1.2 take the others for different numbers, or for texts."""
     path = tmp_path / "bag"

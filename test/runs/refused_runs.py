@@ -29,6 +29,8 @@ refused = refusals(
             "seeds": "seeds {value} are no numbers in a row",
             "no seeds": "seeds are none",
             "bytes": "memory_limit {value} is not a number of bytes",
+            "declared readings": "the scenario declares {count} readings",
+            "tiny vector": "^vector: its length {value} is beyond",
             "record_path": r"call to_bag\('{path}'\) of the run",
             "memory": "memory_limit .* is too little for .* which take .* give a larger memory_limit",
             # a run and its bag

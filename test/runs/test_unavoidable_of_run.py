@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refused_runs import PHRASES
+from refused_runs import PHRASES, refused
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.evaluation import BiasNoise, VectorReadings, unavoidable_error
@@ -122,11 +122,25 @@ def test_a_reset_begins_anew(run):
         {"imu_orientation": True, "imu_heading_noise": 0.1},
         {"attitude_sensor_rate": 1.0},
         {"gyro_noise_density": 1e-60},
+        {"gravity": 1e-300},
+        {"magnetic_field": [1e-162, 0.0, 0.0]},
     ],
 )
 def test_without_noise_there_is_none(given):
     run = simulate("tumbling_cubesat", duration=0.2, **{"sensor_grade": "mems", **GIVEN, **given})
     assert bound_of(run.segments, run.attitude(), run.t_ns) is None
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_vector_that_is_all_but_0_or_readings_without_end_leave_a_score_without_a_bound(run):
+    dark = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **GIVEN, magnetic_field=[1e-300, 0.0, 0.0])
+    with refused("tiny vector", value="1e-300"):
+        dark.unavoidable_error()
+    assert dark.score(estimate(dark, 1.0)).best is None
+    segment = run.segments[0]
+    fast = type(segment)(segment.scenario.resampled(rate=50.0), 0, 0)
+    with refused("declared readings", count="2.16e+07"):
+        unavoidable_error_of([fast], 80 * 3600 * 10**9, 50)
 
 
 def test_every_sensor_helps(run):
