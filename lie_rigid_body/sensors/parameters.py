@@ -94,7 +94,8 @@ def delivery_parameters(sensor: str, title: str) -> tuple[Parameter, ...]:
         ),
         not_negative(
             f"{sensor}_latency_jitter",
-            f"{name}: most that is added to the latency, drawn evenly for each reading, s.",
+            f"{name}: most that is added to the latency, drawn evenly for each reading, and no longer than 100 000 of "
+            "them take, s.",
             maximum=_LONGEST_DELAY_S,
         ),
         Parameter(

@@ -22,6 +22,8 @@ from lie_rigid_body.short_dataclass import short_dataclass
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+MOST_HELD_UP: Final = 100_000
+"""Largest number of readings that a jitter of the latency may hold up: all are looked at to tell when one arrives."""
 BLOCK: Final = 16_384
 """Readings that are measured at once: the signals of more would fill the caches of a processor."""
 
@@ -166,10 +168,18 @@ class SensorModel:
         Raises
         ------
         ParameterError
-            If a value is invalid.
+            If a value is invalid, or a jitter holds up more than `MOST_HELD_UP` readings.
         """
         own, parts = values_of(cls, sensor, values), cls.parts(sensor, values)
-        return cls(seed=values["sensor_seed"], delivery=Delivery.from_values(sensor, values), **{**own, **parts})
+        delivery = Delivery.from_values(sensor, values)
+        jitter = delivery.latency_jitter if delivery else 0.0
+        if own["rate"] * jitter > MOST_HELD_UP:
+            raise ParameterError(
+                f"{sensor}_latency_jitter",
+                f"{jitter:g} s holds up more than {MOST_HELD_UP} readings: give at most "
+                f"{MOST_HELD_UP / own['rate']:g} s",
+            )
+        return cls(seed=values["sensor_seed"], delivery=delivery, **{**own, **parts})
 
     @classmethod
     def parts(cls, sensor: str, values: Values) -> dict[str, Any]:

@@ -16,6 +16,7 @@ TRIADS = ("gyro", "accelerometer")
 NOT_NEGATIVE = [p.name for p in SENSORS.parameters.values() if p.kind == "double" and p.minimum == 0.0]
 ARRAYS = [p for p in SENSORS.parameters.values() if p.kind == "double_array"]
 LIMITS = {
+    "jitter": ("sun_sensor_latency_jitter", {"sun_sensor_rate": 1e5, "sun_sensor_latency_jitter": 1.1}, "at most 1 s"),
     "imu_rate too slow": ("imu_rate", {"imu_rate": 1e-7}, "1e-07 is below 1e-06 samples"),
     "magnetometer_rate too slow": ("magnetometer_rate", {"magnetometer_rate": 1e-7}, "or 0 for none"),
     "rate too fast": ("imu_rate", {"imu_rate": 1e10}, r"outside \[0, 1e\+09\]"),
