@@ -123,6 +123,8 @@ def test_a_reset_begins_anew(run):
         {"attitude_sensor_rate": 1.0},
         {"gyro_noise_density": 1e-60},
         {"gravity": 1e-300},
+        {"accelerometer_noise_density": 1e-18},
+        {"attitude_sensor_rate": 1.0, "attitude_sensor_cross_boresight_noise": 1e-15},
         {"magnetic_field": [1e-162, 0.0, 0.0]},
     ],
 )
