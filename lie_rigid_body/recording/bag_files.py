@@ -16,7 +16,7 @@ from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.output_file import reason
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
-from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, Wanted, unheard
+from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, RawTrack, Wanted, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.system import real_path
 from lie_rigid_body.wording import shown
@@ -33,6 +33,7 @@ _FOUND: Final = (*SUFFIXES, _PACKED)
 """Suffixes of the files that are looked for in a folder of bags: who opens one that is packed is told so."""
 _TOLERANCE_NS: Final = NS
 """Largest error of the start and the duration that a recorder notes, ns: it drops and reorders some messages."""
+_TOPIC: Final = ("name", "type", "serialization_format")
 _DECIMAL: Final = re.compile("-?(0|[1-9][0-9]*)")
 _PER_MESSAGE: Final = 100
 """Memory that a message takes beside its content, about, bytes."""
@@ -226,6 +227,10 @@ def _hold_metadata(metadata: Path, information: Mapping[str, Any], contents: Mca
         what = "structure: not that of a rosbag2 bag"
     if what:
         raise BagError(f"{metadata} does not fit its files: {what}: remake it with 'ros2 bag reindex'")
+    for topic in information.get("topics_with_message_count", ()):  # of one without messages no file need tell
+        name, message_type, encoding = (str(topic["topic_metadata"][part]) for part in _TOPIC)
+        track = RawTrack(name, message_type, encoding)
+        contents.tracks.setdefault(track.key, track)
 
 
 def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> Iterator[str]:
@@ -239,7 +244,7 @@ def _misfits(folder: Path, said: Mapping[str, Any], contents: McapContents) -> I
     yield from _span_misfits("", said, whole)
     if "topics_with_message_count" in said:
         topics = _each_once(
-            (tuple(topic["topic_metadata"][name] for name in ("name", "type", "serialization_format")), topic)
+            (tuple(topic["topic_metadata"][name] for name in _TOPIC), topic)
             for topic in said["topics_with_message_count"]
         )
         found = {(track.topic, track.message_type, track.encoding): track.count for track in contents.tracks.values()}

@@ -200,6 +200,28 @@ def test_a_count_is_of_plain_digits(make_bag: MakeBag, tmp_path: Path, form: str
         BagFiles(path).contents(of_types([]))
 
 
+def test_a_topic_that_metadata_alone_tell_of_is_among_the_others(make_bag: MakeBag, tmp_path: Path) -> None:
+    """Readers list it."""
+    path = tmp_path / "bag"
+    path.mkdir()
+    (path / "bag_0.mcap").write_bytes(make_bag().read_bytes())
+    topics = [
+        {
+            "topic_metadata": {"name": t.topic, "type": t.message_type, "serialization_format": t.encoding},
+            "message_count": t.count,
+        }
+        for t in BagFiles(path).contents(of_types([])).tracks.values()
+    ]
+    ghost = {"name": "/ghost", "type": "std_msgs/msg/String", "serialization_format": "cdr"}
+    topics.append({"topic_metadata": ghost, "message_count": 0})
+    said = {"relative_file_paths": ["bag_0.mcap"], "topics_with_message_count": topics}
+    assert not read_bag(path).others
+    (path / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": said}))
+    bag = read_bag(path)
+    assert ["/ghost" in other for other in bag.others] == [True]
+    assert not bag.undefined
+
+
 @pytest.mark.parametrize("files", [[], ["../../bag_0.mcap"], ["/bag/bag_0.mcap"], ["bag_0.mcap", "bag_1.mcap"]])
 def test_the_files_that_metadata_tell_of_are_those_that_they_name(
     make_bag: MakeBag, tmp_path: Path, files: list[str]
