@@ -15,7 +15,7 @@ Strategies of hypothesis are in `lie_rigid_body.testing.strategies`.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Iterator, Set
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
@@ -122,6 +122,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     chosen = dict(marker.kwargs) if marker else {}
     if wrong := [name for name in ("scenario", "grade") if name in chosen]:
         _fail(f"{wrong[0]}={shown(chosen[wrong[0]])} is no argument: did you mean {wrong[0]}s=?")
+    if once := [name for name, value in chosen.items() if isinstance(value, Iterator)]:
+        _fail(f"{once[0]}= can be read once: give a list, as several tests read it")
     if {"grades", "sensor_grade"} <= chosen.keys():
         _fail("sensor_grade= is given beside grades=: give one of them")
     scenarios, grades = _names(chosen, "scenarios", scenario_files()), _names(chosen, "grades", GRADES)

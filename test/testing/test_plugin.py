@@ -241,6 +241,7 @@ def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
         "grades=__import__('numpy').array(['mems', 'memz'])": "sensor_grade: 'memz' ",
         "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
         "grades=()": "grades=() makes no run: leave it out for all",
+        "seeds=iter((1, 2))": "seeds= can be read once: give a list",
         "scenarios=5": "scenarios=5 is no list of names: give such as ['",
         "grades=[['mems']]": "grades=[['mems']] is no list of names: give such as ['",
         'grades=["mems"], sensor_grade="mems"': "sensor_grade= is given beside grades=: give one of them",
