@@ -73,7 +73,11 @@ def test_filter_that_fails_is_refused_in_one_line(estimate: Callable[[Any], Any]
     [
         (textbook.interrupts, ["textbook.py line ", "KeyboardInterrupt: of the filter"]),
         pytest.param(textbook.stops, ["textbook.py line ", ": BaseException: mend"], marks=pytest.mark.slow),
-        (textbook.spoils_its_process, ["the filter failed, ", "No module named 'numpy': mend"]),
+        pytest.param(
+            textbook.spoils_its_process,
+            ["the filter failed, ", "No module named 'numpy': mend"],
+            marks=pytest.mark.slow,
+        ),
         (textbook.endless, ["the filter failed, MemoryError: mend"]),
     ],
 )

@@ -30,6 +30,7 @@ from lie_rigid_body.groups import (
 )
 from lie_rigid_body.groups.group_moving_chart import runge_kutta_step
 from lie_rigid_body.lie import quaternion, so3
+from sampled import sampled
 
 GROUPS = {"SO(4)": SO(4), "SO(5)": SO(5), "SO(6)": SO(6), "SU(2)": SU(2), "SU(3)": SU(3)}
 TURN_PER_STEP = 2e-3
@@ -243,7 +244,7 @@ def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
     np.testing.assert_allclose(end.element, group.exp(8.0 * rate), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("calls", [1, 250, 777])
+@pytest.mark.parametrize("calls", sampled([250, 1, 777], every=3))
 def test_an_exception_amid_a_motion_changes_nothing_of_it(monkeypatch: pytest.MonkeyPatch, calls: int) -> None:
     """A signal may raise one anywhere, as an interrupted notebook goes on with the object."""
     lagrangian = Lagrangian(SO(4), np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))

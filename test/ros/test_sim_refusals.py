@@ -178,7 +178,7 @@ def test_process_ends_with_status_2(name: str, folder: Path) -> None:
     require_one_good_line(name, done.stdout, done.stderr)
 
 
-@pytest.mark.parametrize(("settings", "said"), ENVIRONMENTS)
+@pytest.mark.parametrize(("settings", "said"), sampled(ENVIRONMENTS, every=3))
 def test_an_environment_in_which_ros_does_not_start_is_refused(settings: dict[str, str], said: str) -> None:
     """In a process of its own, which ROS would end."""
     environment = {**os.environ, **settings}
