@@ -58,6 +58,10 @@ class _ShortRepr(reprlib.Repr):
         is_long_call = text.startswith(call) and len(text) > self.maxstring
         return f"{call}{_GAP})" if is_long_call else _without_middle(text, self.maxstring)
 
+    def repr_array(self, x: Any, level: int) -> str:
+        """The numbers, as of a list: ROS gives lists of numbers so."""
+        return self.repr1(x.tolist(), level)
+
     def repr_ndarray(self, x: Any, level: int) -> str:
         """The numbers of a short row, or shape and ends of more."""
         if x.ndim == 0 or (x.ndim == 1 and x.size <= _MOST_NUMBERS):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 
 import numpy as np
 import pytest
@@ -48,6 +49,7 @@ def test_a_value_that_would_control_a_terminal_is_shown_with_escapes() -> None:
 def test_a_short_value_is_shown_as_it_is() -> None:
     for value in (0.1, -3, "base_link", [1.0, 2.0, 3.0], True, None, (1, 2)):
         assert shown(value) == repr(value)
+    assert shown(array("d", [1.0, 2.0])) == "[1.0, 2.0]"
 
 
 def test_a_cut_leaves_no_part_of_a_number() -> None:

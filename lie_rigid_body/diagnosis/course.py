@@ -223,8 +223,8 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
     Raises
     ------
     InputError
-        If they give a body that turns no more than `SMALLEST_TURN` between two readings, or one by one what a course
-        sets itself, as errors of sensors.
+        If they give a body that turns no more than `SMALLEST_TURN` between two readings of a sensor, or one by one
+        what a course sets itself, as errors of sensors.
     """
     kept = {name: value for name, value in read_parameters(given).items() if name in _TAKEN & given.keys()}
     odd = [name for name in said if name not in _TAKEN]
@@ -240,9 +240,11 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
         )
     motions = [kept] if MOTIONS[0].keys() & kept else [{**motion, **kept} for motion in MOTIONS]
     courses = tuple(Course(Scenario.from_parameters({**motion, **_OWN, **rates})) for motion in motions)
-    if not min(course.turn for course in courses) > SMALLEST_TURN:
+    fastest = max(rates, key=courses[0].parameter)
+    share = courses[0].parameter("imu_rate") / courses[0].parameter(fastest)
+    if not min(course.turn for course in courses) * share > SMALLEST_TURN:
         raise InputError(
-            f"initial_body_rate, imu_rate: the body turns by {SMALLEST_TURN:g} rad or less between two readings, which "
-            "tells nothing of a filter: let it turn faster, or read it less often"
+            f"initial_body_rate, {fastest}: the body turns by {SMALLEST_TURN:g} rad or less between two readings, "
+            "which tells nothing of a filter: let it turn faster, or read it less often"
         )
     return courses

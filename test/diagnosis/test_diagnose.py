@@ -272,6 +272,13 @@ def test_what_is_no_number_of_processes_is_one_line_and_status_2(
     assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.parametrize("name", ["imu_rate", "magnetometer_rate"])
+def test_rate_at_which_a_body_all_but_stands_between_readings_is_refused(name: str) -> None:
+    given: dict[str, Any] = {name: 1e9}
+    with pytest.raises(InputError, match=f"^initial_body_rate, {name}: "):
+        diagnose(textbook.right, **given)
+
+
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(
     ("name", "workers", "timeout", "word"),
