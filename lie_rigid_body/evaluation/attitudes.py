@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.errors import InputError
-from lie_rigid_body.evaluation.arguments import FARTHEST_NS, as_stamps, integer_stamps, read_series, unit
+from lie_rigid_body.evaluation.arguments import FARTHEST_NS, as_stamps, integer_stamps, numbers, read_series, unit
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_repr
 from lie_rigid_body.wording import components, shown
@@ -251,7 +251,7 @@ class ExactTruth(Truth):
     Parameters
     ----------
     attitude_xyzw : callable
-        Takes stamps in ns, shape (N,), never decreasing, and gives quaternions of shape (N, 4).
+        Takes stamps in ns, shape (N,), rising, and gives quaternions, array_like of shape (N, 4).
     first_ns, last_ns : int
         The times between which it may be asked.
 
@@ -270,7 +270,10 @@ class ExactTruth(Truth):
     def at(self, stamps_ns: Integers) -> Array:
         """Values of the function, asked once and in order of time."""
         stamps, place = np.unique(integer_stamps("truth", stamps_ns), return_inverse=True)
-        return np.asarray(self._attitude(stamps)[place.reshape(np.shape(stamps_ns))])
+        if not len(stamps):
+            return np.empty((*np.shape(stamps_ns), 4))
+        attitude = numbers("truth", self._attitude(stamps), len(stamps), 4, whole=True)
+        return np.asarray(attitude[place.reshape(np.shape(stamps_ns))])
 
 
 class SampledTruth(Truth):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of
 
+from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error, evaluate
 from lie_rigid_body.evaluation.remarks import of_series
 from lie_rigid_body.lie import quaternion
@@ -48,6 +49,15 @@ def test_nothing_is_interpolated_across_a_gap():
     assert truth.covers(STAMPS[[0, 99, 110, 299]]).all()
     assert not truth.covers(STAMPS[[300]]).any()
     assert SampledTruth(STAMPS[kept], SPIN[kept], longest_gap_ns=10**9).covers(inside).all()
+
+
+@pytest.mark.parametrize("given", [lambda t_ns: None, lambda t_ns: "truth", lambda t_ns: [[0.0, 0.0, 0.0, 1.0]]])
+def test_exact_truth_may_give_lists_of_a_quaternion_for_each_stamp(given):
+    t = STAMPS[:5]
+    truth = ExactTruth(lambda t_ns: SPIN[t_ns // STAMPS[1]].tolist(), 0, int(STAMPS[-1]))
+    np.testing.assert_array_equal(truth.at(t), SPIN[:5])
+    with pytest.raises(InputError, match=r"^truth: "):
+        ExactTruth(given, 0, int(STAMPS[-1])).at(t)
 
 
 def test_exact_truth_is_asked_in_order_and_once():
