@@ -21,6 +21,13 @@ _REAL_PART: Final = 1e-9
 """Real part of an eigenvalue, relative to the norm of the matrix, up to which it counts as imaginary."""
 
 
+_SPLIT: Final = 1e-4
+"""Distance of eigenvalues, relative to the largest, up to which their mean counts as well as each of them.
+
+Along a screw ad cannot be made diagonal. Rounding then splits a multiple eigenvalue by its square or cube root, 1e-8 or
+1e-5, and leaves the mean as it is."""
+
+
 class ChartReach(NamedTuple):
     """Reach of a chart along a direction ξ, as the multiples t of ξ at which it ends.
 
@@ -56,8 +63,11 @@ def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     """
     X, ad = of_kind(group, MatrixLieGroup).hat(direction), group.ad(direction)
     eigenvalues = np.linalg.eigvals(ad)
-    imaginary = np.abs(eigenvalues.real) <= _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
-    turn = np.where(imaginary, np.abs(eigenvalues.imag), 0.0).max(axis=-1)
+    near = np.abs(eigenvalues[..., :, np.newaxis] - eigenvalues[..., np.newaxis, :])
+    near = near <= _SPLIT * np.abs(eigenvalues).max(axis=-1, initial=0.0)[..., np.newaxis, np.newaxis]
+    means = (near @ eigenvalues[..., np.newaxis])[..., 0] / near.sum(axis=-1)
+    both, round_off = np.stack([eigenvalues, means]), _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
+    turn = np.where(np.abs(both.real) <= round_off, np.abs(both.imag), 0.0).max(axis=(0, -1))
     return ChartReach(group.elements.one_to_one(X), multiple_until(2.0 * np.pi, turn, ad))
 
 

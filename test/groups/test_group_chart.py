@@ -20,8 +20,11 @@ from lie_rigid_body.groups import (
     chart_reach,
     product,
 )
+from lie_rigid_body.lie import so3
 
 NAMES = pytest.mark.parametrize("name", GROUPS)
+SHIFTS, BOOSTS, TIME = [(0, 4), (1, 4), (2, 4)], [(0, 3), (1, 3), (2, 3)], [(3, 4)]
+"""Entries of 5×5 matrices that move space."""
 FIVE_POINTS = np.array([1.0, -8.0, 8.0, -1.0]) / 12.0
 
 
@@ -92,6 +95,23 @@ def test_how_far_a_chart_reaches(group, direction, one_to_one, regular):
     reach = chart_reach(group, direction)
     assert reach.one_to_one == pytest.approx(one_to_one, rel=1e-12)
     assert reach.regular == pytest.approx(regular, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("entries", "tolerance"), [(SHIFTS, 1e-7), (SHIFTS + BOOSTS, 1e-7), (SHIFTS + BOOSTS + TIME, 1e-4)]
+)
+def test_a_turn_that_comes_with_shifts_ends_a_chart_where_it_does_alone(entries, tolerance):
+    """Along most of these directions ad cannot be made diagonal: SE(3), SE_2(3) and Galilei's group."""
+    generators = np.zeros((3 + len(entries), 5, 5))
+    generators[:3, :3, :3] = so3.hat(np.eye(3))
+    for generator, entry in zip(generators[3:], entries, strict=True):
+        generator[entry] = 1.0
+    group = MatrixLieGroup.from_generators(generators)
+    for size in (1e-6, 1.0, 1e3):
+        xi = np.random.default_rng(85).normal(size=(300, group.dimension))
+        xi[:, 3:] *= size
+        full_turn = 2 * np.pi / np.linalg.norm(xi[:, :3], axis=1)
+        np.testing.assert_allclose(chart_reach(group, xi).regular, full_turn, rtol=tolerance)
 
 
 @pytest.mark.parametrize("group", ALL.values(), ids=ALL)
