@@ -233,14 +233,18 @@ class Truth(ABC):
         stamps = as_stamps("truth", stamps_ns)
         return np.asarray((stamps >= self.first_ns) & (stamps <= self.last_ns))
 
+    def smooth_around(self, stamps_ns: Integers) -> tuple[Integers, Integers]:
+        """First and last time, ns, of the smooth motion that each stamp belongs to."""
+        return np.full_like(stamps_ns, self.first_ns), np.full_like(stamps_ns, self.last_ns)
+
     def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
         """Attitude, shape (..., 4), and body rate, rad/s, shape (..., 3), by a central difference over 0.2 ms.
 
         Stamps outside of the truth's times, which a fit of a lag may try, have the state of the first or the last time.
         """
         stamps = np.clip(as_stamps("truth", stamps_ns), self.first_ns, self.last_ns)
-        before = np.maximum(stamps - DIFFERENCE_NS, self.first_ns)
-        after = np.minimum(stamps + DIFFERENCE_NS, self.last_ns)
+        begin, end = self.smooth_around(stamps)
+        before, after = np.maximum(stamps - DIFFERENCE_NS, begin), np.minimum(stamps + DIFFERENCE_NS, end)
         earlier, now, later = self.at(np.stack([before, stamps, after]))
         return now, turns(earlier, later) / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
 

@@ -345,7 +345,7 @@ class Run(_NamedSensors, Shown):
         return unavoidable_error_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
-        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings that have one.
+        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings of a segment that have one.
 
         Raises
         ------
@@ -358,7 +358,13 @@ class Run(_NamedSensors, Shown):
         if imu is None or not told.size:
             raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
         told = told[np.argsort(imu.t_ns[told], kind="stable")]
-        return linear(integer_stamps("t_ns", t_ns), imu.t_ns[told], bias[told])
+        stamps, known_ns, known = integer_stamps("t_ns", t_ns), imu.t_ns[told], bias[told]
+        found, starts = linear(stamps, known_ns, known), [segment.start_ns for segment in self.segments[1:]]
+        of_known, of_stamps = (np.searchsorted(starts, each, side="right") for each in (known_ns, stamps))
+        for i in np.unique(of_known):
+            own, at = of_known == i, of_stamps == i
+            found[at] = linear(stamps[at], known_ns[own], known[own])
+        return found
 
     def stamped(self, estimate: Estimate) -> Estimate:
         """An estimate with its stamps: by default those of the readings of the IMU, or of the samples of the truth.

@@ -117,6 +117,12 @@ class ScenarioTruth(Truth):
         pieces = ((i, inside) for i, inside in self._segments_of(stamps) if i in self._corrections)
         return max((self._corrections[i].uncertainty_at(stamps[inside]) for i, inside in pieces), default=0.0)
 
+    def smooth_around(self, stamps_ns: Integers) -> tuple[Integers, Integers]:
+        """First and last time of the segment of each stamp, ns."""
+        which = self._segment_at(stamps_ns)
+        ends = np.append(self._starts[1:] - 1, self.last_ns)
+        return np.maximum(self._starts[which], self.first_ns), np.minimum(ends[which], self.last_ns)
+
     def _exact(self, stamps_ns: Integers) -> Array:
         attitude = np.empty((*np.shape(stamps_ns), 4))
         for i, inside in self._segments_of(stamps_ns):
@@ -125,9 +131,13 @@ class ScenarioTruth(Truth):
 
     def _segments_of(self, stamps_ns: Integers) -> Iterator[tuple[int, Booleans]]:
         """The segments in force at some stamps, by their numbers, and which stamps are in each."""
-        which = np.asarray(np.maximum(np.searchsorted(self._starts, stamps_ns, side="right") - 1, 0))
+        which = self._segment_at(stamps_ns)
         for i in np.unique(which):
             yield int(i), which == i
+
+    def _segment_at(self, stamps_ns: Integers) -> Integers:
+        """Number of the segment in force at each stamp."""
+        return np.asarray(np.maximum(np.searchsorted(self._starts, stamps_ns, side="right") - 1, 0))
 
 
 class _Correction(SampledTruth):

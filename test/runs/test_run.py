@@ -177,13 +177,14 @@ def test_a_run_without_sensors_and_a_scenario_of_ones_own(tmp_path):
 
 
 def bag_with_a_reset(path: Path) -> None:
-    given = {"motion": "closed_form", "rate": 10.0, "imu_rate": 40.0, "gyro_noise_density": 1e-3}
+    sensors = {"imu_rate": 40.0, "gyro_noise_density": 1e-3, "gyro_turn_on_bias": 0.1}
+    given = {"motion": "closed_form", "rate": 10.0, **sensors}
     simulation = Simulation(Scenario.from_parameters(given))
     encoder = BatchEncoder(simulation.segment.scenario)
     with BagWriter(path, stamped_twist=True) as bag:
         for k, rate in enumerate([[0.3, 1.0, 0.0], [0.0, 0.2, 2.0]]):
             if k:
-                simulation.reset(Scenario.from_parameters({**given, "initial_body_rate": rate}))
+                simulation.reset(Scenario.from_parameters({**given, "initial_body_rate": rate, "sensor_seed": k}))
             bag.begin_segment(simulation.segment)
             bag.write(encoder.encode(simulation.take_until(simulation.segment.start_ns + 10**9 - 1, 10**6)))
 
@@ -205,7 +206,12 @@ def test_a_bag_with_a_reset(tmp_path):
         motion = ClosedForm(segment.scenario.body(), segment.scenario.start())
         expected = motion.at(np.array([stamp - segment.start_ns])).attitude_xyzw
         assert attitude_error(truth.at(np.array([stamp])), expected).total < 1e-14
+    _, rates = truth.states(10**9 + np.array([-1, 0, 1]))
+    assert np.linalg.norm(rates, axis=1).max() < 2.1
     assert truth.last_ns == 2 * 10**9 - 1
+    before, after = run.gyro_bias_at([10**9 - 1, 10**9])
+    np.testing.assert_array_equal([before, after], imu_of(run).gyro_bias[[0, -1]])
+    assert np.linalg.norm(after - before) > 0.01
 
 
 def test_faults_that_leave_no_reading_are_in_the_run_of_the_bag(tmp_path):
