@@ -16,6 +16,7 @@ from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.scenario.parameter_table import BY_NAME
+from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.short_dataclass import short_dataclass
 
 MOST_SERIES: Final = 1000
@@ -190,7 +191,7 @@ def _fixed_constants(campaign: Campaign) -> tuple[str, ...]:
         if name.endswith(("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron"))
         and name not in campaign.vary
         and value != BY_NAME[name].default
-        and ("magnetometer" if name.startswith("magnetometer") else "imu") in scenario.sensors.on
+        and name.startswith(tuple(part for sensor in scenario.sensors.on for part in (sensor, *SENSORS[sensor].parts)))
     )
 
 

@@ -106,7 +106,10 @@ class SensorLaws:
 
     @property
     def _horizon_ns(self) -> int:
-        """Latest time of an honest message, ns: a recorder may have lost the truth long before the sensors."""
+        """Latest time of an honest message, ns: 1 s and two samples after the last one of the truth.
+
+        A recorder may have lost the truth before the sensors: then `MOST_LOST` times as long as their readings last.
+        """
         last = self._surveyed.segments[-1]
         start_ns, scenario = last.segment.start_ns, last.segment.scenario
         truth_ns = (last.last_ns or start_ns) + round(2 * NS / scenario.rate) + NS

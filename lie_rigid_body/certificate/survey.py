@@ -312,7 +312,10 @@ class Surveyor:
         return Survey(found, self._segments, self._own, self._counts)
 
     def _contradicted(self) -> Iterator[int]:
-        """Starts of segments of which another scenario came too late to be that of a second reset at once, ns."""
+        """Starts of segments, ns, that have two scenarios, one logged more than 1 s after the first sample.
+
+        That is too late for a second reset at the same time.
+        """
         logged = {tally.segment.start_ns: tally.logged_ns for tally in self._tallies}
         latest = {text: time for time, text in self._bag.scenario_texts}
         texts = Counter(segment.start_ns for segment in {s.to_json(): s for s in self._declared.values()}.values())

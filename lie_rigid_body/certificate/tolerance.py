@@ -43,7 +43,9 @@ ENERGY_CAP: Final = 1e-9
 CLOSED_FORM: Final = 2e-15
 """Largest error of the closed form in every regime up to 1e15 rad, rad, as its tests find by multiprecision."""
 _PHASE: Final = 2.0**-101
-"""Error of a phase relative to what is gone through, or to half a turn a nanosecond (docs/closed_form.md, Phases)."""
+"""Relative error of a phase, of all that it has gone through, or of π rad a nanosecond where it is faster than that.
+
+See docs/closed_form.md, Phases."""
 _PHASE_RATE: Final = 1e-48
 """Relative error of the rates of phases, which have 50 digits: up to 8e-50 by enclosures of 1e36 to 1e45 rad."""
 

@@ -34,7 +34,7 @@ ROUND_OFF: Final = 2e-15
 """Round-off of the components of a product of unit quaternions: smaller z and w tell no heading, as their ratio is
 arbitrary."""
 SAME_AXES_DEG: Final = 5.0
-"""Largest angle between a mounting and axes that only change places and signs, to be told in those words, degrees."""
+"""Largest angle, degrees, from a mounting to axes that are swapped or negated, up to which it is told as such."""
 
 AXES: Final = np.array(
     [
@@ -200,7 +200,7 @@ def period_ns(stamps_ns: Integers) -> int:
 
 
 def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
-    """Mask of the stamps, ns, that are not before an earlier one, and not before `after_ns`."""
+    """Mask of the stamps, ns, that are no earlier than any that stands before them, and than `after_ns`."""
     before = stamps_ns[:1] if after_ns is None else np.array([after_ns])
     return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([before, stamps_ns]))[:-1])
 

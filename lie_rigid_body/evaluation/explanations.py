@@ -48,7 +48,9 @@ UNEVEN: Final = 3.0
 FOLLOWING: Final = 0.125
 """Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
 UNLIKE: Final = 0.5
-"""Largest error of an explanation with constants, as a share of that of a constant attitude; with a mounting half."""
+"""Largest error that an explanation with constants may leave, as a share of what a constant attitude leaves.
+
+With a mounting it is half of that."""
 LEAST_TILT: Final = float(np.radians(10.0))
 """Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
 about the vertical is a heading offset, and a world upside down is NED with a heading offset."""

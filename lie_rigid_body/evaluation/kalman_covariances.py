@@ -42,7 +42,9 @@ Pair: TypeAlias = tuple[Array, Array]
 
 
 Steps: TypeAlias = tuple[Array, Array, Array, Array, Array]
-"""F (S, n, n), a root of Q (S, q, n), H (S, m, n), B (S, n, c) and D (S, m, c) of S samples side by side."""
+"""Systems of S samples side by side: transitions F (S, n, n), roots of the noise Q (S, q, n), measurements H (S, m, n).
+
+Then what constants add to states, B (S, n, c), and to readings, D (S, m, c)."""
 
 
 def covariances(samples: Steps, first: Array) -> Array:

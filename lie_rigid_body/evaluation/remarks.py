@@ -56,7 +56,7 @@ LARGEST_MISS: Final = 0.2
 """Largest RMS difference, in median turns, between the turns of an estimate and those that a mistake predicts. Real
 mistakes leave less."""
 SMALLEST_MISS: Final = 1e-3
-"""Least RMS difference between turns and prediction, in median turns; a smaller one counts as this."""
+"""Floor of the RMS difference between turns and a prediction, in median turns."""
 CLEARLY: Final = 2.0
 """Ratio of the RMS differences of two predictions above which the larger one is not the mistake."""
 

@@ -248,7 +248,7 @@ class Tally:
         Parameters
         ----------
         given : int, optional
-            Estimates, of which those that were compared were added; by default these are enough.
+            Number of estimates that were given, at least half of which are to have been compared; 0: any share will do.
         due_ns : int, optional
             The stamp until which they are due.
         """

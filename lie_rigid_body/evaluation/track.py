@@ -105,7 +105,7 @@ def error_of(tracks: Tracks) -> float:
 
 
 def products(track: Track, stamps_ns: Integers) -> Array:
-    """The 16 numbers q ⊗ p of each sample, of the truth at some stamps and the estimate, shape (..., N, 16)."""
+    """Products q_i p_j of all components of the true quaternion q, at some stamps, and the estimate p, (..., N, 16)."""
     q, p = track.truth.at(stamps_ns), track.attitude_xyzw
     return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
 

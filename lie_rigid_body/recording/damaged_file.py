@@ -28,7 +28,7 @@ _CHUNK_HEAD, _CHUNKED_HEAD, _LOOSE_HEAD = (
 
 Or of another file, as of one that is attached."""
 _DATA_END: Final = RECORD_HEAD.pack(Opcode.DATA_END, 4)
-"""Beginning of the record behind which the summary stands, whose own content is as long as it says."""
+"""Head of the record DataEnd, behind which the summary stands: its kind, and the length 4 of its content."""
 _BEFORE: Final = Place(0, 0, 0, len(MAGIC))
 """Place of what stands before the first record."""
 _INDEXES: Final[Mapping[int, tuple[int, int]]] = {
@@ -86,10 +86,10 @@ class DamagedFile:
             yield (place := found)
 
     def doubt(self, place: Place) -> None:
-        """Take notice that the content of the record that `places` gave last is damaged, if it may hold others.
+        """Take notice that the record that `places` gave last has damaged content.
 
-        Such are disjoint, but for what some have lost: all of them together are not twice as long as the file, and the
-        file may be looked through twice.
+        Within a chunk or an attachment other records are looked for then, until all such records together are four
+        times as long as the file. Where none overlaps another they are not twice as long.
         """
         self._in_doubt += place.end - place.begin
         if place.opcode in (Opcode.CHUNK, Opcode.ATTACHMENT) and self._looks_within:

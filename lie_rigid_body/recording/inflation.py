@@ -172,4 +172,5 @@ _INFLATE: Final[dict[str, Callable[[bytes, int], tuple[bytes, int]]]] = {
 }
 """Functions that inflate, by the name of the compression.
 
-Each is given bytes and a size; it returns at most so many, and the size of the first compressed frame."""
+Each takes compressed bytes and a largest size. It returns what they hold, of at most that size, and the number of bytes
+that the first frame takes."""

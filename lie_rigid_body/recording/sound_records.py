@@ -39,7 +39,7 @@ _LAYOUTS: Final[Mapping[int, tuple[int, ...]]] = {
     Opcode.SUMMARY_OFFSET: (17,),
     Opcode.DATA_END: (4,),
 }
-"""Fields of a record in their order: how many bytes they take, or, below 0, those of a size that stands before them."""
+"""Sizes of the fields of a record, bytes. Of a size -n a number of n bytes stands before the field, and gives it."""
 OUTSIDE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA, Opcode.ATTACHMENT)
 """Records that stand outside of chunks and are written as they are."""
 _MAY_BE_LONGER: Final = (*OUTSIDE, Opcode.CHUNK)

@@ -51,7 +51,7 @@ _LAYOUTS: Final[dict[str, tuple[int, int, slice | None]]] = {
     ODOMETRY: (85, 3, slice(7, 43)),
     TF_MESSAGE: (7, 3, None),
 }
-"""Number of float64 fields, the first of the attitude, and those of the covariance, by the type.
+"""Number of float64 fields of a message type, where the attitude begins among them, and which are the covariance.
 
 An attitude stands behind the three numbers of a position, if there is one. A covariance is 6 × 6 after a pose, 3 × 3
 after an orientation.

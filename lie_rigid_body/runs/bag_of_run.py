@@ -42,7 +42,7 @@ OWN_TOPICS: Final = frozenset(
 ) | {f"/{SOFTWARE}{POSE_TOPIC}", f"/{SOFTWARE}{TWIST_TOPIC}"}
 """Topics of a bag with the run's own messages, truth, scenario and sensors, and those that readers take for such."""
 _TOPIC: Final = re.compile(r"(?=.{1,255}\Z)(/[A-Za-z_]\w*)+")
-"""Name of a topic of ROS, which has at most as many characters."""
+"""Pattern of a full topic name of ROS, of at most 255 characters."""
 
 
 def write_bag(

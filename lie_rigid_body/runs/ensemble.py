@@ -40,7 +40,7 @@ _RUN_BYTES: Final = 2**16
 WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
 """Parameters that would tell the truth, or the noise."""
 _TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
-"""Methods of a run that would tell the truth, were it in a bag."""
+"""Methods of a run that need the truth, which a run without it refuses."""
 _NO_TRUTH: Final[Any] = None
 _NO_BIASES: Final = {"gyro_bias": None, "accelerometer_bias": None}
 

@@ -268,7 +268,7 @@ class Run(_NamedSensors, Shown):
         t_ns : array_like of int, shape (K,), optional
             Its stamps, ns. By default those of the IMU, if it has as many readings, or of the truth.
         after_s : float
-            Estimates of so many seconds from the first on do not count, s: a filter converges.
+            Time after the first estimate, s, in which estimates do not count: a filter converges.
         gyro_bias : array_like, shape (K, 3), optional
             Estimated biases of the gyro at the same stamps, rad/s.
         limits, covariance_axes, converged_deg, longest_lag_s, diagnosed : optional

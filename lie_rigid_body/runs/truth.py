@@ -43,7 +43,7 @@ MOST_DECLARED: Final = 20_000_000
 SETTLES_S: Final = 1.0
 """Time in which a right filter corrects the error of its gyro, s."""
 LEFT: Final = 1.5
-"""Ratio of the largest turn that sensor errors leave to a right filter to the expected one."""
+"""Largest turn that sensor errors leave in a right filter, as a multiple of the expected one."""
 FEWEST: Final = 100
 """Least number of IMU readings in a segment at which the bound is computed. The segments share the other readings by
 their durations."""

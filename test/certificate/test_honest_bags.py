@@ -64,9 +64,6 @@ class Elsewhere:
     def __init__(self, motion):
         self._motion, self._random = motion, np.random.default_rng(1)
 
-    def expect(self, work):
-        """Take notice of work to come."""
-
     def at(self, t_ns):
         """The states at some times, moved."""
         states = self._motion.at(t_ns)
