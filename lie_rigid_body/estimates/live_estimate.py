@@ -59,8 +59,10 @@ class HeardTruth:
         The latest poses.
     segments : dict of int to Segment
         By their starts, ns.
+    reached_ns : int
+        The latest stamp of a pose, or of an estimate that was read, ns.
     contradictions : int
-        Number of scenarios that were left out, as another one had begun at the same stamp.
+        Number of scenarios that were left out, as samples had followed another one that begins at the same stamp.
     beyond : int
         Number of scenarios that were left out, as there were `MOST_SEGMENTS` before.
     gyro_bias : KeptBiases
@@ -68,13 +70,13 @@ class HeardTruth:
     """
 
     def __init__(self, most: int) -> None:
-        self.poses, self.contradictions, self.beyond = KeptAttitudes(most), 0, 0
+        self.poses, self.reached_ns, self.contradictions, self.beyond = KeptAttitudes(most), 0, 0, 0
         self.gyro_bias = KeptBiases(most)
         self.recent = deque[AttitudeTrack](maxlen=RECENT)
         self.segments: dict[int, Segment] = {}
 
     def hear_scenarios(self, payloads: list[bytes]) -> None:
-        """Take latched scenarios; a reset sends another.
+        """Take latched scenarios; a reset sends another, which may begin at once after one without a sample.
 
         Raises
         ------
@@ -82,10 +84,13 @@ class HeardTruth:
             If a text is no scenario: then none is taken.
         """
         for segment in [Segment.from_json(decode_string(payload)) for payload in payloads]:
-            if segment.start_ns not in self.segments and len(self.segments) == MOST_SEGMENTS:
+            known = self.segments.get(segment.start_ns)
+            if known is None and len(self.segments) == MOST_SEGMENTS:
                 self.beyond += 1
+            elif known in (None, segment) or self.reached_ns < segment.start_ns + NS:
+                self.segments[segment.start_ns] = segment
             else:
-                self.contradictions += self.segments.setdefault(segment.start_ns, segment) != segment
+                self.contradictions += 1
 
     def hear_poses(self, topic: str, message_type: str, payloads: list[bytes]) -> None:
         """Take messages of poses.
@@ -97,6 +102,7 @@ class HeardTruth:
         """
         tracks = self.poses.of_one_body(attitudes_of(topic, message_type, payloads))
         self.recent += filter(len, map(self.poses.add, tracks))
+        self.reached_ns = max(self.reached_ns, self.poses.last_ns or 0)
 
     @property
     def is_known(self) -> bool:
@@ -193,6 +199,7 @@ class LiveEstimate:
         while self._unread:
             for read in self.estimate.of_one_body(self._unread.popleft(), wanted):
                 self._waiting.append(self.estimate.add(read, self.truth.begin_ns))
+        self.truth.reached_ns = max(self.truth.reached_ns, self.estimate.last_ns or 0)
         track = AttitudeTrack.joined(ready) if ready else None
         if track is None or not len(track):
             return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,12 +22,12 @@ from lie_rigid_body.estimates.live_estimate import RECENT, LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages import decode_string, encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import IMU, ODOMETRY, POSE_STAMPED, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
-from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.simulation import Segment, Simulation
 from said import numbers
 from sampled import sampled
 
@@ -218,6 +219,23 @@ def test_scenarios_without_end_are_counted_and_not_kept(own, monkeypatch):
     assert len(live.truth.segments) == 1
     assert (live.truth.beyond, live.truth.contradictions) == (2, 0)
     assert [numbers(told)[:1] for told in live.left_out().values()] == [[2]]
+
+
+def test_of_scenarios_of_one_start_the_last_before_the_samples_counts(own):
+    """A node that is reset twice with no sample between, or paused from its start, sends several."""
+    live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
+    first = next(payload for topic, payload in of(own) if topic.endswith("/scenario"))
+    segment = Segment.from_json(decode_string(first))
+    given = [{**segment.scenario.parameters(), "initial_body_rate": [0.1 * k, 0.0, 1.0]} for k in range(3)]
+    others = [replace(segment, scenario=Scenario.from_parameters(parameters)) for parameters in given]
+    live.truth.hear_scenarios([first, *(encode_string(other.to_json()) for other in others[:2])])
+    assert [*live.truth.segments.values()] == others[1:2]
+    for topic, payload in of(own):
+        if topic == "/pose":
+            live.truth.hear_poses(topic, POSE_STAMPED, [payload])
+    live.truth.hear_scenarios([encode_string(others[2].to_json())])
+    assert [*live.truth.segments.values()] == others[1:2]
+    assert live.truth.contradictions == 1
 
 
 def test_kept_rows_are_even_and_bounded():
