@@ -29,7 +29,7 @@ from league.readings import Readings
 from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
-from lie_rigid_body.diagnosis.repairs import SENSORS, Answer, Job, Repair, exact_repairs, factor, late
+from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Answer, Job, Repair, exact_repairs, factor, late
 from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.errors import FilterError, LieRigidBodyError
 from lie_rigid_body.estimates.estimators import each_alone
@@ -259,7 +259,7 @@ def separation() -> None:
     course = replace(courses_of({})[0], moving_s=4.0)
     repairs = [repair for repair in exact_repairs() if not repair.code.endswith("_units")]
     repairs += [repair for repair in exact_repairs() if repair.code == "gyro_units" and "degrees a" in repair.fact]
-    repairs += [late(sensor, count) for sensor in SENSORS for count in (-4, -1, 1, 4)]
+    repairs += [late(sensor, count) for sensor in SENSOR_READINGS for count in (-4, -1, 1, 4)]
     repairs += [factor(value) for value in (0.9, 1.1)]
     least: dict[tuple[str, str], float] = {}
     codes = list(dict.fromkeys(repair.code for repair in repairs))
@@ -281,9 +281,9 @@ def separation() -> None:
 
 
 TYPICAL: Final = {
-    **{f"{sensor}_axes": ("y x z",) for sensor in SENSORS},
+    **{f"{sensor}_axes": ("y x z",) for sensor in SENSOR_READINGS},
     "body_axes": ("y z x",),
-    **{f"{sensor}_late": ("4 samples later",) for sensor in SENSORS},
+    **{f"{sensor}_late": ("4 samples later",) for sensor in SENSOR_READINGS},
 }
 """The repair of each code that is put in, where it has several."""
 

@@ -41,7 +41,7 @@ from lie_rigid_body.certificate import certify
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.closed_form.states import KINDS
+from lie_rigid_body.motion.closed_form.states import MOTION_KINDS
 from lie_rigid_body.motion.description import describe
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.recording import bag_reader
@@ -90,7 +90,7 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
         *METHODS.values(),
         describe(BODY, START),
     ]
-    found += [mechanics.box(1.0, [0.1, 0.2, 0.3]), KINDS[0].work, LOOP, *errors()]
+    found += [mechanics.box(1.0, [0.1, 0.2, 0.3]), MOTION_KINDS[0].work, LOOP, *errors()]
     found += [*of_a_run(tmp_path_factory.mktemp("bags") / "run.mcap"), *of_a_score(), *of_the_league(), *of_a_group()]
     if find_spec("flint"):
         from lie_rigid_body.proof import FlintMissingError, enclose

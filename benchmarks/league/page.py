@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 
 from league.contender import Filter
 from league.tournament import Result, by_filter
-from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, PERFECT, REAL, Case, readings_hash, run_of
+from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, REAL, Case, readings_hash, run_of
 from lie_rigid_body.league.table import SMALLEST_DEG, CaseResult, FilterRow, LeagueTable, angle, is_of
+from lie_rigid_body.sensors import PERFECT
 
 BEGIN: Final = "<!-- begin of the league -->"
 END: Final = "<!-- end of the league -->"

@@ -13,9 +13,10 @@ from tqdm import tqdm
 
 from league.contender import DEFAULTS, Filter, Setting, filters
 from lie_rigid_body import Run
-from lie_rigid_body.league.cases import CASES, PERFECT, REAL, SEED, SETTLED_S, Case, run_of
+from lie_rigid_body.league.cases import CASES, REAL, SEED, SETTLED_S, Case, run_of
 from lie_rigid_body.league.playing import play_case
 from lie_rigid_body.league.table import CaseResult
+from lie_rigid_body.sensors import PERFECT
 
 TUNING: Final = ("slow_tumble", "fast_tumble", "spin_z", "flips")
 """Motions on which settings are chosen."""

@@ -25,7 +25,7 @@ from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
-from lie_rigid_body.evaluation.consistency import AXES, factor_of
+from lie_rigid_body.evaluation.consistency import OTHER_AXES, factor_of
 from lie_rigid_body.interpreters import STARTING_S, Interpreter
 from lie_rigid_body.parameters import Value
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
@@ -266,7 +266,7 @@ class Judgement:
             scores.keys() != {*SCORES, *MORE_SCORES, ERROR}
             or not {*map(type, numbers)} <= {float, type(None)}
             or not isinstance(scores[ERROR], str | None)
-            or found.axes not in AXES
+            or found.axes not in OTHER_AXES
             or {*map(type, (found.curve_deg, found.covariance, found.gyro_bias))} != {list}
             or len(found.curve_deg) not in (0, CURVE)
             or not {*map(type, found.curve_deg)} <= {float, type(None)}

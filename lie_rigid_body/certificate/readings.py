@@ -30,7 +30,7 @@ from lie_rigid_body.simulation.samples import Measurement
 ROUNDINGS: Final = 64.0
 """Limit of the round-off of a reading, in units of u and of the summed sizes of its parts. At most 53 were needed, with
 normal deviates 16 u off, as in another library, and states off by 1e-15 rad and 12 u."""
-BLOCK: Final = 8192
+REPLAY_BLOCK: Final = 8192
 """Largest number of readings replayed at once."""
 MOST_DRAWN: Final = 200_000_000
 """Largest number of normal deviates drawn for readings that a bag lacks, as a bias walks through them. Drawing so many
@@ -168,7 +168,7 @@ class Replay:
             self._measurement = self._begun()
         if not self._replays.allow(self._measurement.walk_deviates * (first - self._measurement.next)):
             return None
-        near = numbers[: np.searchsorted(numbers, first + BLOCK)]
+        near = numbers[: np.searchsorted(numbers, first + REPLAY_BLOCK)]
         gaps = np.flatnonzero(np.diff(near) > _LONGEST_GAP)
         last = int(near[gaps[0]] if len(gaps) else near[-1])
         self._pieces = [*self._pieces[1 - _PIECES_KEPT :], self._replayed(first, last + 1 - first)]

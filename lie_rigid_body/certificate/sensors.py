@@ -24,7 +24,7 @@ from lie_rigid_body.certificate.sensor_topics import MOST_LOST, SegmentSensor, v
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
-from lie_rigid_body.messages.batch import FAULTS, SENSOR_TOPICS, sensor_topics
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, SENSOR_TOPICS, sensor_topics
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.bag_writer import LIBRARY
@@ -89,7 +89,7 @@ class SensorLaws:
             if topic.name in self._held and topic.name in bag.sensors
         }
         most, own = MOST_LOOKED_THROUGH + 2 * sum(topic.count for topic in bag.sensors.values()), surveyed.as_written
-        is_due = FAULTS in self._held
+        is_due = FAULTS_TOPIC in self._held
         self._faults = FaultLaw(surveyed.declared, self._horizon_ns, is_whole=own, most=most) if is_due else None
         self._last_ns = {id(found.segment): found.last_ns for found in surveyed.segments}
         self._sensors: dict[tuple[int, str], SegmentSensor] = {}  # by the segment's place among those declared
@@ -102,7 +102,7 @@ class SensorLaws:
     @property
     def wanted(self) -> list[str]:
         """The topics of the bag that are to be added, by their relative names."""
-        return [*self._clocks, *({FAULTS} & self._held & self._bag.sensors.keys())]
+        return [*self._clocks, *({FAULTS_TOPIC} & self._held & self._bag.sensors.keys())]
 
     @property
     def _horizon_ns(self) -> int:
@@ -126,7 +126,7 @@ class SensorLaws:
 
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Check the next messages, by relative topic names."""
-        own, faults = self._surveyed.as_written, readings.get(FAULTS)
+        own, faults = self._surveyed.as_written, readings.get(FAULTS_TOPIC)
         if isinstance(faults, list) and self._faults is not None:
             self._faults.add(faults)
         for name, sensor in SENSORS.items():
@@ -282,7 +282,7 @@ class SensorLaws:
                 if count
             )
         if self._faults is not None:
-            law = self._faults.result(self._full_name(FAULTS), self._end_ns)
+            law = self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns)
             self._logged_otherwise += self._faults.logged_otherwise
             laws += [] if self._faults.expected.is_too_far else [law]
         return tuple(laws)
@@ -299,7 +299,7 @@ class SensorLaws:
         if early and not self._surveyed.as_written:
             yield f"readings before the first scenario's start: {early}"
         if faults is not None and faults.expected.is_too_far:
-            yield f"{self._full_name(FAULTS)}: too many readings to compute the faults of all"
+            yield f"{self._full_name(FAULTS_TOPIC)}: too many readings to compute the faults of all"
         elif faults is not None and not self._surveyed.as_written:
             if faults.early:
                 yield f"faults before the first scenario's start: {faults.early}"

@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.readings import BLOCK, ROUNDINGS
+from lie_rigid_body.certificate.readings import REPLAY_BLOCK, ROUNDINGS
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.motion.drift import U
 from lie_rigid_body.parameters import NS
@@ -69,7 +69,7 @@ class ExpectedFaults:
             end_ns = min(time_ns, int(later[0]) - 1 if len(later) else time_ns)
             if sensors.have_faults:
                 rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
-                end_ns = min(end_ns, self._known_ns + max(1, int(BLOCK * NS / rate)))
+                end_ns = min(end_ns, self._known_ns + max(1, int(REPLAY_BLOCK * NS / rate)))
                 self.left -= 1 + int((end_ns - self._known_ns) * rate / NS)
             self._known_ns, self.is_too_far = end_ns, self.left < 0
             yield from self._log.take(end_ns)

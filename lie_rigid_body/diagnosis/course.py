@@ -22,7 +22,7 @@ from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import read_parameters
 
-KINDS: Final = ("integrated", "instantaneous")
+GYRO_KINDS: Final = ("integrated", "instantaneous")
 """Kinds of gyro: values of the parameter ``gyro_rate``."""
 
 REST: Final = 1.0
@@ -36,7 +36,7 @@ MARGIN: Final = 64
 
 RATE: Final = 100.0
 """Readings a second, where a scenario tells no rate."""
-MOTIONS: Final[tuple[dict[str, object], ...]] = (
+COURSE_MOTIONS: Final[tuple[dict[str, object], ...]] = (
     {
         "inertia": [1.0, 2.0, 3.0],
         "initial_attitude_xyzw": [0.1, -0.2, 0.3, 0.9273618495495704],
@@ -56,9 +56,9 @@ gyro, a share of the vector of others. An unstable filter amplifies such errors,
 looks right by chance."""
 SMALLEST_TURN: Final = 1e-6
 """Turn between two readings, rad, below which a motion tells nothing."""
-_TAKEN: Final = {*MOTIONS[0], "imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
+_TAKEN: Final = {*COURSE_MOTIONS[0], "imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
 """Parameters that a course takes from a given scenario."""
-_OWN: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity", "gyro_rate": KINDS[0]}
+_OWN: Final = {"motion": "closed_form", "accelerometer_mode": "pivot_gravity", "gyro_rate": GYRO_KINDS[0]}
 """Parameters that every course sets itself; the kind of the gyro is that of an ordinary course."""
 
 NOISE: Final = {
@@ -238,7 +238,7 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
         raise InputError(
             f"{', '.join(name for name in rates if not rates[name])}: 0: give rates above 0, or leave it out"
         )
-    motions = [kept] if MOTIONS[0].keys() & kept else [{**motion, **kept} for motion in MOTIONS]
+    motions = [kept] if COURSE_MOTIONS[0].keys() & kept else [{**motion, **kept} for motion in COURSE_MOTIONS]
     courses = tuple(Course(Scenario.from_parameters({**motion, **_OWN, **rates})) for motion in motions)
     fastest = max(rates, key=courses[0].parameter)
     share = courses[0].parameter("imu_rate") / courses[0].parameter(fastest)

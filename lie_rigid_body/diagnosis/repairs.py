@@ -13,7 +13,7 @@ from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.estimates.estimators import Estimator, called
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
-from lie_rigid_body.evaluation.attitudes import AXES, angles_between, named
+from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, angles_between, named
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of
 from lie_rigid_body.lie import quaternion
@@ -23,7 +23,7 @@ from lie_rigid_body.short_dataclass import short_dataclass
 ALIKE: Final = 0.25
 """Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not
 begin with its readings."""
-SENSORS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
+SENSOR_READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Names of the readings of each sensor, by the sensor's name in codes."""
 
 LARGEST_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
@@ -70,7 +70,7 @@ Repairs = tuple[Repair, ...]
 
 def _multiplied(sensors: Sequence[str], matrix: Array, given: Readings) -> Readings:
     """Readings of some sensors, multiplied by a matrix from the left, shape (3, 3)."""
-    return given.changed(lambda rows: rows @ matrix.T, *(SENSORS[name] for name in sensors))
+    return given.changed(lambda rows: rows @ matrix.T, *(SENSOR_READINGS[name] for name in sensors))
 
 
 def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
@@ -80,7 +80,7 @@ def _moved(sensors: Sequence[str], count: int, given: Readings) -> Readings:
         places = np.arange(len(rows))
         return rows[np.clip(places + count, np.minimum(places, MARGIN), len(rows) - 1)]
 
-    return given.changed(moved, *(SENSORS[name] for name in sensors))
+    return given.changed(moved, *(SENSOR_READINGS[name] for name in sensors))
 
 
 def _on_world_axes(given: Readings) -> Readings:
@@ -100,10 +100,10 @@ JOINT: Final = Repair(
 
 def _axes() -> Iterator[Repair]:
     """Wrong axes of one sensor, with any permutation and signs, and of all sensors, with any such rotation."""
-    for matrix in AXES[1:]:
+    for matrix in SIGNED_PERMUTATIONS[1:]:
         name = named(matrix).replace(",", "")
         wrong = "the axes of the {} in another order or sign" if name != "-x -y -z" else "the {} with the opposite sign"
-        for sensor in SENSORS:
+        for sensor in SENSOR_READINGS:
             yield Repair(
                 f"{sensor}_axes",
                 name,
@@ -117,7 +117,7 @@ def _axes() -> Iterator[Repair]:
                 "body_axes",
                 name,
                 0,
-                partial(_multiplied, tuple(SENSORS), matrix),
+                partial(_multiplied, tuple(SENSOR_READINGS), matrix),
                 "The filter takes the axes of the body, of all sensors alike, in another order or sign",
                 f"Given as {name} the readings leave",
             )
@@ -174,7 +174,7 @@ def drifting(sensor: str, share: float, given: Readings) -> Readings:
     axis = given.course.field / np.linalg.norm(given.course.field) if sensor == "accelerometer" else UP
     rate = DRIFT * given.course.turn * given.course.parameter("imu_rate") * axis
     drifts = quaternion.rotate(quaternion.conjugate(given.course.at(given.t_ns)), rate)
-    return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSORS[sensor])
+    return given.changed(lambda gyro: gyro + drifts, "gyro").changed(lambda rows: share * rows, SENSOR_READINGS[sensor])
 
 
 def late(sensor: str, count: int) -> Repair:
@@ -218,13 +218,13 @@ def exact_repairs() -> tuple[Repair, ...]:
         "The filter turns about the world's axes, as where the turn is multiplied on the wrong side",
         "Given on the world's axes its readings leave",
     )
-    units = (repair for sensor in SENSORS for repair in _units(sensor))
+    units = (repair for sensor in SENSOR_READINGS for repair in _units(sensor))
     return tuple(sorted((*_axes(), *units, world, factor(2.0), factor(0.5)), key=lambda each: ORDER.index(each.code)))
 
 
 FITTED: Final[dict[str, tuple[Callable[[Any], Repair], tuple[float, ...]]]] = {
     "time_step": (factor, (0.25, 0.4, 0.6, 0.75, 0.87, 0.95, 1.05, 1.15, 1.33, 1.67, 2.5, 4.0)),
-    **{f"{sensor}_late": (partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSORS},
+    **{f"{sensor}_late": (partial(late, sensor), (-2, -1, 1, 2, 3, 5, 8, 13, 21, 40)) for sensor in SENSOR_READINGS},
 }
 """Repairs with one fitted constant, each with the constants that are tried first, in order."""
 

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from lie_rigid_body.diagnosis.course import KINDS, REST, Course
+from lie_rigid_body.diagnosis.course import GYRO_KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
     JOINT,
@@ -48,7 +48,7 @@ SCREENED: Final = 100
 """Number of samples of the short motion at which repairs of the output are compared."""
 FINALISTS: Final = 4
 """Number of repairs, of the best alone and of the best with a repair of the output, that go on to all courses."""
-FAR: Final = 10.0
+PRUNING_RATIO: Final = 10.0
 """Multiple of the least error, or of the floor, above which a repair is not tried further."""
 BEAM: Final = 8
 """Largest number of repairs, the most promising ones, each of which is paired with every other repair."""
@@ -239,7 +239,7 @@ class Search:
 
     def changes(self) -> Iterator[tuple[float, float]]:
         """Changes of the estimate in an equal run, rad, and by nearly perfect sensors, or 0 up to the floor."""
-        for kind, repairs in product(KINDS, ((), (JOINT,))):
+        for kind, repairs in product(GYRO_KINDS, ((), (JOINT,))):
             course = self.courses[0].of_scenario(gyro_rate=kind)
             given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
             exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
@@ -300,7 +300,7 @@ class Search:
         least = {trials[0]: min(trials, key=lambda trial: trial.error) for trials in found}
         best = sorted(least, key=lambda trial: least[trial].error)[:FINALISTS]
         alone = sorted(least, key=lambda trial: trial.error)[:FINALISTS]  # else an output's repair hides them
-        far = FAR * max(self.floor, least[best[0]].error)
+        far = PRUNING_RATIO * max(self.floor, least[best[0]].error)
         promising = [trial for trial in dict.fromkeys((*alone, *best)) if least[trial].error <= far]
         finals = dict.fromkeys(trial.mistakes for trial in promising if self._uses_what_it_scales(least[trial]))
         self.trials += self.fully(finals, CAUSES if causes else ())
@@ -338,7 +338,7 @@ class Search:
         """
         jointly = [(*repairs, *joint) for repairs in chosen for joint in ((), (JOINT,))]
         courses = courses or [course.nearly_perfect() for course in self.courses]
-        by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in KINDS]
+        by_kind = [tuple(course.of_scenario(gyro_rate=kind) for course in courses) for kind in GYRO_KINDS]
         return chain.from_iterable(self.tried([*product(jointly, by_kind)], causes))
 
     def _fitted(self, code: str, rest: Repairs, causes: Sequence[Cause]) -> Repair:

@@ -21,7 +21,7 @@ from lie_rigid_body.estimates.kept import (
 )
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
-from lie_rigid_body.evaluation.attitudes import GAP, period_ns
+from lie_rigid_body.evaluation.attitudes import GAP_PERIODS, period_ns
 from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.evaluation.track import spread
 from lie_rigid_body.messages import decode_string
@@ -328,7 +328,7 @@ class LiveEstimate:
         if motion.segments and truth.last_ns < end <= truth.last_ns + LENIENCE_NS:
             truth.last_ns = end
         elif end <= truth.last_ns <= end + LENIENCE_NS:  # what is on its way through the filter is no gap
-            truth.last_ns = min(truth.last_ns, end + int(GAP * period_ns(stamps)))
+            truth.last_ns = min(truth.last_ns, end + int(GAP_PERIODS * period_ns(stamps)))
         return motion, truth
 
 

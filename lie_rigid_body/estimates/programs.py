@@ -31,6 +31,7 @@ from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrac
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run, require_run
 from lie_rigid_body.sensors import SENSORS
+from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SensorSamples
 from lie_rigid_body.wording import listed, printable, shown
@@ -50,8 +51,6 @@ PLAYER: Final = "lie_rigid_body.ros.play"
 """Module that plays readings to a node: nothing else here needs ROS."""
 TOPIC: Final = "imu/data"
 """Topic of the attitudes of a filter, as filters of imu_tools call it."""
-IMU: Final = "imu"
-"""Sensor whose readings are answered, and the last of those that arrive at once."""
 _BEGIN_NS: Final = 1_767_225_600 * 10**9
 """Time added to the stamps of a run, ns: the year 2026. A stamp of 0 means that there is no time yet, and a node that
 keeps seconds in single precision errs at stamps of today only."""
@@ -336,7 +335,7 @@ def readings_of(run: Run) -> tuple[Reading, ...]:
     require_run(run)
     if run.imu is None:
         raise InputError("a run without an IMU cannot be played to a node: give imu_rate")
-    return tuple(sorted(_readings(run), key=lambda reading: (reading.arrival_ns, reading.sensor == IMU)))
+    return tuple(sorted(_readings(run), key=lambda reading: (reading.arrival_ns, reading.sensor == IMU_SENSOR.name)))
 
 
 def _readings(run: Run) -> Iterator[Reading]:

@@ -36,7 +36,7 @@ arbitrary."""
 SAME_AXES_DEG: Final = 5.0
 """Largest angle, degrees, from a mounting to axes that are swapped or negated, up to which it is told as such."""
 
-AXES: Final = np.array(
+SIGNED_PERMUTATIONS: Final = np.array(
     [
         np.diag(signs) @ np.eye(3)[list(order)]
         for order in permutations(range(3))
@@ -45,7 +45,7 @@ AXES: Final = np.array(
 )
 """Matrices that permute and reverse axes, the first of which is the identity: shape (48, 3, 3)."""
 
-GAP: Final = 2.5
+GAP_PERIODS: Final = 2.5
 """Least distance of neighbouring stamps that is a gap, in median periods: two samples or more are missing."""
 DIFFERENCE_NS: Final = 100_000
 """Half of the time between the attitudes of the central difference, ns."""
@@ -306,7 +306,7 @@ class SampledTruth(Truth):
         stamps, attitude = read_series("truth", stamps_ns, attitude_xyzw)
         if np.any(np.diff(stamps) == 0):
             raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
-        self._longest_gap = GAP * period_ns(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
+        self._longest_gap = GAP_PERIODS * period_ns(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
         self.first_ns, self.last_ns = int(stamps[0]), int(stamps[-1])
         if len(stamps) == 1:  # an interval, within whose ends the truth is not asked for
             stamps, attitude = stamps + np.arange(2), np.repeat(attitude, 2, axis=0)

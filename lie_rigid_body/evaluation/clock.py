@@ -50,7 +50,7 @@ LEAST_TURN: Final = 0.1
 """Least turn of the body in the whole run, rad, that determines a clock."""
 EVEN_SPIN: Final = 0.98
 """Squared length of the mean axis of rotation above which a spin is even: lags a whole turn apart then look alike."""
-FAR: Final = 1.5
+CLOCK_RATIO: Final = 1.5
 """Ratio of two clock rates above which no error of a gyro looks like another rate."""
 LEAST_OFF: Final = 2e-3
 """Least difference of a clock's rate from 1. A clock with a smaller one is left out, as the lag alone explains as
@@ -259,6 +259,6 @@ def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, T
     if spins(rate, EVEN_SPIN if is_lag else SPIN):
         span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
         near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
-        if not (near if is_lag else max(seconds, 1.0 / seconds) > FAR and span > MOSTLY_SPANNED * whole):
+        if not (near if is_lag else max(seconds, 1.0 / seconds) > CLOCK_RATIO and span > MOSTLY_SPANNED * whole):
             return []
     return [(clock, undone(track, clock).known())]

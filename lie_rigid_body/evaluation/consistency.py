@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import shown
 
-AXES: Final = {"world": "body", "body": "world"}
+OTHER_AXES: Final = {"world": "body", "body": "world"}
 """Names of the axes that a covariance may be about, each with the name of the others."""
 TELLING: Final = np.log(1.5)
 """Logarithm of the ratio of mean and expected NEES above which the other axes are tried."""
@@ -160,7 +160,7 @@ def attitude_nees(
     """
     require_axes(axes)
     estimate, truth = pairs(estimate_xyzw, truth_xyzw)
-    P, other = rotation_block(covariance), AXES[axes]
+    P, other = rotation_block(covariance), OTHER_AXES[axes]
     found = nees(error_vectors(estimate, truth, axes), P, probability)
     off = abs(np.log(found.mean / found.dimension)) if found.mean > 0.0 else 0.0
     if found.verdict == "consistent" or off < TELLING:
@@ -182,7 +182,7 @@ def require_axes(axes: str) -> None:
     ------
     InputError
     """
-    if not isinstance(axes, str) or axes not in AXES:
+    if not isinstance(axes, str) or axes not in OTHER_AXES:
         raise InputError(f"axes {shown(axes)} are unknown: give 'world' or 'body'")
 
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.evaluation.attitudes import (
-    AXES,
-    GAP,
+    GAP_PERIODS,
+    SIGNED_PERMUTATIONS,
     Truth,
     angles_between,
     named,
@@ -26,7 +26,7 @@ from lie_rigid_body.evaluation.attitudes import (
     turns,
 )
 from lie_rigid_body.evaluation.causes import FEIGNED
-from lie_rigid_body.evaluation.clock import FAR
+from lie_rigid_body.evaluation.clock import CLOCK_RATIO
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
 from lie_rigid_body.evaluation.track import FEWEST, SAMPLES, Track, spread
@@ -82,7 +82,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
         )
     steps, period = np.diff(kept), period_ns(kept)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
-    wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP) * period)
+    wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:
         longest = wide[np.argmax(steps[wide])]
         yield Finding(
@@ -108,7 +108,7 @@ def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> I
     Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
     """
     last_ns = max(truth.last_ns, truth.last_ns if due_ns is None else due_ns)
-    most = max(ABSENT * (last_ns - truth.first_ns), GAP * period_ns(stamps))
+    most = max(ABSENT * (last_ns - truth.first_ns), GAP_PERIODS * period_ns(stamps))
     absent = {
         "begins {:g} s after the truth": int(stamps[0]) - truth.first_ns,
         "ends {:g} s before the run does": last_ns - int(stamps[-1]),
@@ -148,7 +148,7 @@ class Turns:
     def __init__(self, track: Track) -> None:
         stamps, q = track.stamps_ns, track.attitude_xyzw
         self.stamps_ns, self.estimate_xyzw = stamps, q
-        self.first = np.flatnonzero(np.diff(stamps) <= GAP * period_ns(stamps))
+        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * period_ns(stamps))
         self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
         self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
 
@@ -201,11 +201,13 @@ class Turns:
         ours, true = self.ours[few], self.true[few]
         if len(self.first) < FEWEST or self.true_rad.sum() < LEAST_TURN:
             return None
-        missed = _missed(ours, np.stack([scale * np.einsum("aij,nj->ani", AXES, true) for scale in SCALES]))
+        missed = _missed(
+            ours, np.stack([scale * np.einsum("aij,nj->ani", SIGNED_PERMUTATIONS, true) for scale in SCALES])
+        )
         most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
         if missed.min() > LARGEST_MISS:  # about the axes of the body perhaps, at any other rate
             scale = float(np.sum(ours * true) / np.sum(true**2))
-            is_rate = max(scale, 1.0 / max(scale, 1e-300)) > FAR and _missed(ours, scale * true) <= LARGEST_MISS
+            is_rate = max(scale, 1.0 / max(scale, 1e-300)) > CLOCK_RATIO and _missed(ours, scale * true) <= LARGEST_MISS
             return _turn_rate(scale) if is_rate else None
         fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
         if len({scale for scale, _ in fitting}) != 1:
@@ -215,10 +217,10 @@ class Turns:
             return None if scale == 1.0 else _turn_rate(scale)
         if len(fitting) > 1:
             return None
-        mirrored = ", which are right-handed; these are not" if np.linalg.det(AXES[axes]) < 0.0 else ""
+        mirrored = ", which are right-handed; these are not" if np.linalg.det(SIGNED_PERMUTATIONS[axes]) < 0.0 else ""
         return Finding(
             "turn_axes",
-            f"The estimate turns about x, y, z as the body does about {named(AXES[axes])}"
+            f"The estimate turns about x, y, z as the body does about {named(SIGNED_PERMUTATIONS[axes])}"
             f"{f', {times(scale)} the body' if scale != 1.0 else ''}: give the filter its gyro on the "
             f"axes of the body{mirrored}; {FEIGNED}.",
         )

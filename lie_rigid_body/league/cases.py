@@ -11,9 +11,9 @@ import numpy as np
 
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.scenario.parameter_file import CONFIG, gather
+from lie_rigid_body.sensors import PERFECT
 
 MOTIONS: Final = ("slow_tumble", "fast_tumble", "spin_x", "spin_y", "spin_z", "flips", "precession")
-PERFECT: Final = "perfect"
 REAL: Final = ("navigation", "tactical", "mems")
 """Grades of sensors that have errors."""
 GRADES: Final = (PERFECT, *REAL)

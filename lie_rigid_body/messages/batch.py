@@ -32,8 +32,8 @@ from lie_rigid_body.simulation import Samples, SensorSamples, Taken
 
 POSE: Final = "pose"
 TWIST: Final = "twist"
-FAULTS: Final = "~/faults"
-SENSOR_TOPICS: Final[Mapping[str, str]] = ChainMap({FAULTS: definitions.STRING}, SENSORS.topics)
+FAULTS_TOPIC: Final = "~/faults"
+SENSOR_TOPICS: Final[Mapping[str, str]] = ChainMap({FAULTS_TOPIC: definitions.STRING}, SENSORS.topics)
 """Message types of the topics of all sensors, by their relative names; a view, as the table of sensors may grow.
 
 Messages of equal times come in this order, after those of the truth.
@@ -272,7 +272,7 @@ class Gathering:
 def sensor_topics(sensors: Sensors) -> list[str]:
     """Relative names of the topics that the sensors of a scenario have."""
     topics = [topic.name for name in sensors.on for topic in SENSORS[name].topics]
-    return [*topics, FAULTS] if sensors.have_faults else topics
+    return [*topics, FAULTS_TOPIC] if sensors.have_faults else topics
 
 
 class BatchEncoder:
@@ -309,4 +309,6 @@ class BatchEncoder:
                 yield Messages(encoder.topic.name, samples.times_ns, encoder.encode(samples))
         if taken.faults:
             begins = np.array([fault.begin_ns for fault in taken.faults], dtype=np.int64)
-            yield Messages(FAULTS, begins, encode_strings([fault.to_json() for fault in taken.faults], LONGEST_TEXT))
+            yield Messages(
+                FAULTS_TOPIC, begins, encode_strings([fault.to_json() for fault in taken.faults], LONGEST_TEXT)
+            )

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.batch import FAULTS, POSE, TWIST
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TWIST
 from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of, redefined
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
@@ -257,10 +257,10 @@ class Bag(BagFacts):
             Called with the messages about faults first, and then with the messages of the others that stand among the
             poses and twists of a batch, before it comes.
         """
-        told = self._faults() if FAULTS in sensors else iter(())
+        told = self._faults() if FAULTS_TOPIC in sensors else iter(())
         while some := list(itertools.islice(told, _TEXTS_AT_ONCE)):
-            take({FAULTS: some})
-        for readings in self._decoded([name for name in sensors if name != FAULTS]):
+            take({FAULTS_TOPIC: some})
+        for readings in self._decoded([name for name in sensors if name != FAULTS_TOPIC]):
             poses, twists = readings.pop(POSE), readings.pop(TWIST)
             take(readings)
             yield poses, twists
@@ -293,16 +293,16 @@ class Bag(BagFacts):
 
     def _faults(self) -> Iterator[tuple[int, str]]:
         """Log time, ns, and text of each message about faults, as they are read."""
-        return texts_on(self._path, self._contents, self._tracks[FAULTS])
+        return texts_on(self._path, self._contents, self._tracks[FAULTS_TOPIC])
 
     def load(self) -> Recording:
         """The whole bag in memory."""
-        names = [name for name in self.sensors if name != FAULTS]
+        names = [name for name in self.sensors if name != FAULTS_TOPIC]
         parts = list(self._decoded(names))
         whole = {name: TopicMessages.joined([part[name] for part in parts]) for name in (POSE, TWIST, *names)}
         poses, twists, readings = whole.pop(POSE), whole.pop(TWIST), dict[str, OfSensor](whole)
-        if FAULTS in self.sensors:
-            readings[FAULTS] = [*self._faults()]
+        if FAULTS_TOPIC in self.sensors:
+            readings[FAULTS_TOPIC] = [*self._faults()]
         facts = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
         return Recording(**facts, poses=poses, twists=twists, readings=readings)
 

@@ -16,7 +16,16 @@ from mcap.records import Channel, Header, Metadata, Schema
 from lie_rigid_body import __version__
 from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
-from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, Gathering, Messages
+from lie_rigid_body.messages.batch import (
+    FAULTS_TOPIC,
+    POSE,
+    SENSOR_TOPICS,
+    TWIST,
+    Batch,
+    BatchEncoder,
+    Gathering,
+    Messages,
+)
 from lie_rigid_body.output_file import DiskQueue, OutputFile, reason, remedy
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
 from lie_rigid_body.recording.records import RESCUE, record_bytes
@@ -41,7 +50,7 @@ REWRITTEN: Final = f"; rewritten by {SOFTWARE} "
 CHUNK_BYTES: Final = 512 * 1024
 """Default size of a chunk."""
 _SCENARIO: Final = "~/scenario"
-_LATCHED: Final = {_SCENARIO: 1, FAULTS: 1000}
+_LATCHED: Final = {_SCENARIO: 1, FAULTS_TOPIC: 1000}
 """Depth of the history of the topics that late subscribers hear as well."""
 _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final, TypeAlias
 
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
 from lie_rigid_body.recording.bag_files import missing_beside, whole_of
@@ -253,7 +253,7 @@ def _track(contents: McapContents, name: str, topic: str) -> RawTrack | None:
 
 def _of_types(contents: McapContents, name: str) -> list[RawTrack]:
     alike = [track for (_, kind), track in contents.tracks.items() if kind in topic_types()[name]]
-    return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS)]  # texts as well
+    return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS_TOPIC)]  # texts as well
 
 
 def _types(name: str) -> str:

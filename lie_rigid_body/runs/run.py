@@ -18,7 +18,7 @@ from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantity
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages.batch import FAULTS
+from lie_rigid_body.messages.batch import FAULTS_TOPIC
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import Block
@@ -142,7 +142,7 @@ class Run(_NamedSensors, Shown):
         found = {
             sensor.key: SensorArrays.of_recording(sensor, recording, surveyed.declared) for sensor in SENSORS.values()
         }
-        told = recording.readings.get(FAULTS)
+        told = recording.readings.get(FAULTS_TOPIC)
         has_faults = any(each.scenario.sensors.have_faults for each in surveyed.declared)  # else they are of others
         texts = dict.fromkeys(text for _, text in told) if has_faults and isinstance(told, list) else ()
         try:

@@ -292,7 +292,7 @@ _UNORIENTED: Final[dict[str, tuple[float, ...]]] = {
 }
 """An orientation that is not given (REP-145)."""
 _MESSAGE: Final = "sensor_msgs/msg/Imu"
-IMU: Final = Sensor(
+IMU_SENSOR: Final = Sensor(
     "imu",
     "IMU",
     ImuModel,

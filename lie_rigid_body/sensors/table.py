@@ -8,7 +8,7 @@ from typing import Any, Final, cast
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.parameters import Parameter, Value, require_frame_name
 from lie_rigid_body.sensors.fault import PARTS
-from lie_rigid_body.sensors.imu import IMU
+from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
 from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
@@ -70,7 +70,7 @@ class SensorTable(dict[str, Sensor]):
         self.topics = {topic.name: topic.message_type for sensor in sensors for topic in sensor.topics}
 
 
-SENSORS: Final = SensorTable(IMU, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
+SENSORS: Final = SensorTable(IMU_SENSOR, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
 """The sensors that there can be on a body."""
 
 

@@ -90,7 +90,7 @@ def test_a_range_or_level_that_is_no_multiple_of_the_resolution(tmp_path, draw):
 
 @pytest.mark.parametrize("name", sampled(AXES, every=3))
 def test_faults_of_axes_that_began_before_a_recorder_did(tmp_path, monkeypatch, name):
-    monkeypatch.setattr(readings, "BLOCK", 7)
+    monkeypatch.setattr(readings, "REPLAY_BLOCK", 7)
     path = write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 1.0))
     found = certify(Bag(tamper(path, tmp_path / "b.mcap", recorded(0.213))))
     assert found.passed, found.messages

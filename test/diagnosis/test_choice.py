@@ -15,7 +15,7 @@ from lie_rigid_body.diagnosis.repairs import (
     FITTED,
     JOINT,
     ORDER,
-    SENSORS,
+    SENSOR_READINGS,
     Repair,
     exact_repairs,
     late,
@@ -86,7 +86,7 @@ def test_small_error_is_mended_by_a_repair_that_halves_it_below_the_floor() -> N
 
 def test_each_sensor_has_every_wrong_signed_permutation_once() -> None:
     repairs = Counter(repair.code for repair in exact_repairs())
-    assert [repairs[f"{sensor}_axes"] for sensor in SENSORS] == [47, 47, 47]
+    assert [repairs[f"{sensor}_axes"] for sensor in SENSOR_READINGS] == [47, 47, 47]
     assert repairs["body_axes"] == 23
     assert {*repairs, *FITTED, *(cause.code for cause in CAUSES)} == {*ORDER}
     assert len({(repair.code, repair.text) for repair in exact_repairs()}) == len(exact_repairs())
@@ -128,7 +128,7 @@ def repaired(readings: Readings, *repairs: Repair) -> dict[str, Any]:
 
 def test_late_readings_are_undone_by_earlier_ones() -> None:
     readings = readings_of(courses_of({})[0])
-    for sensor, name in SENSORS.items():
+    for sensor, name in SENSOR_READINGS.items():
         moved = repaired(readings, late(sensor, -3), late(sensor, 3))
         assert np.array_equal(moved[name], given(readings)[name])
         once = repaired(readings, late(sensor, 3))

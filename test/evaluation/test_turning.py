@@ -11,7 +11,7 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import Finding, SampledTruth, evaluate
-from lie_rigid_body.evaluation.attitudes import AXES, places
+from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, places
 from lie_rigid_body.evaluation.remarks import DEGREE, Turns
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
@@ -157,7 +157,7 @@ def test_a_body_of_other_axes_is_told_by_their_names():
     estimate = quaternion.multiply(mounted, turns(0.5, 1, len(few)))
     [finding] = evaluate(few, estimate, truth_of("slow_tumble")).findings
     assert finding.code == "body_mounting"
-    for axes in AXES[np.linalg.det(AXES) > 0.0][1:]:
+    for axes in SIGNED_PERMUTATIONS[np.linalg.det(SIGNED_PERMUTATIONS) > 0.0][1:]:
         slightly = quaternion.multiply(quaternion.from_matrix(axes.T), quaternion.exp([0.0, 0.0, np.radians(1.0)]))
         told = places(slightly)
         names = re.findall("-?[xyz]", told.split(" are ")[1])[:3]

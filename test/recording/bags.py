@@ -10,7 +10,7 @@ from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body import __version__
 from lie_rigid_body.messages import definitions, encode_string
-from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
@@ -54,7 +54,7 @@ class PlainBag:
 
     def write(self, batch: Batch) -> None:
         for stamp, topic, payload in batch.in_order():
-            if topic == FAULTS and topic not in self._channels:
+            if topic == FAULTS_TOPIC and topic not in self._channels:
                 self._channels[topic] = self._channel("/lie_rigid_body/faults", definitions.STRING, 1000, latched=True)
             elif topic not in self._channels:
                 self._channels[topic] = self._channel(f"/{topic}", self._types[topic], 10)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.messages import decode_string
-from lie_rigid_body.messages.batch import FAULTS, BatchEncoder
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Delivery, Fault
@@ -119,7 +119,7 @@ def test_a_reset_begins_anew_and_loses_what_is_under_way(tmp_path: Path) -> None
     readings = [time for time, topic, _ in before + after if topic == "imu/data_raw"]
     assert not [time for time in readings if start <= time < start + 200_000_000]
     assert [time for time in readings if start - 50_000_000 < time < start]
-    told = [Fault.from_json(decode_string(data)) for _, topic, data in before + after if topic == FAULTS]
+    told = [Fault.from_json(decode_string(data)) for _, topic, data in before + after if topic == FAULTS_TOPIC]
     assert [fault.begin_ns for fault in told] == sorted(fault.begin_ns for fault in told)
     # the start lies off the IMU's grid: only what does not depend on it repeats
     first, second = (

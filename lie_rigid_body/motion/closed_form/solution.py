@@ -21,7 +21,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.attitude import BodyMotion, Members
 from lie_rigid_body.motion.closed_form.decimal_constants import decimal_motions
 from lie_rigid_body.motion.closed_form.fast_constants import fast_motions
-from lie_rigid_body.motion.closed_form.states import KINDS, WORK_AREA, KindOfMotion, kind_and_row
+from lie_rigid_body.motion.closed_form.states import MOTION_KINDS, WORK_AREA, KindOfMotion, kind_and_row
 from lie_rigid_body.motion.motion import (
     DEFAULT_MEMORY_LIMIT,
     InitialConditions,
@@ -42,7 +42,7 @@ _WORKING_MEMORY: Final = WorkingMemory(body=0, time=8, sample=512)
 
 def compile_all() -> bool:
     """Compile the functions of every kind now, for what is to be timed or compared; whether numba is there to do it."""
-    return all(kind.work.compile() for kind in KINDS)
+    return all(kind.work.compile() for kind in MOTION_KINDS)
 
 
 @dataclass(frozen=True)

@@ -278,7 +278,7 @@ class KindOfMotion:
         return self.name
 
 
-KINDS: Final = tuple(
+MOTION_KINDS: Final = tuple(
     KindOfMotion(name, constants, sample_at, Work(fill_in, SIGNATURE, SAMPLES_FOR_COMPILING, SAMPLES_FOR_LOADING))
     for name, constants, sample_at, fill_in in (
         ("CIRCULAR", general_constants, circular_sample, fill_circular),
@@ -287,7 +287,7 @@ KINDS: Final = tuple(
         ("STEADY", steady_constants, steady_sample, fill_steady),
     )
 )
-CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY = KINDS
+CIRCULAR, HYPERBOLIC, SEPARATRIX, STEADY = MOTION_KINDS
 
 
 def kind_and_row(motion: BodyMotion) -> tuple[KindOfMotion, list[Number]]:

@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.batch import FAULTS, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.session import message_class, offered
@@ -110,7 +110,7 @@ class SamplePublisher(Sink):
 
     def _add_sensors(self, sensors: Sensors) -> None:
         for topic in sensor_topics(sensors):
-            quality = _latched(DEPTH) if topic == FAULTS else self._quality()
+            quality = _latched(DEPTH) if topic == FAULTS_TOPIC else self._quality()
             self._add(topic, message_class(SENSOR_TOPICS[topic]), quality)
 
     def _add(self, topic: str, kind: type, quality: QoSProfile) -> None:

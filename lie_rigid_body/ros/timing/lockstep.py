@@ -8,10 +8,9 @@ from typing import Final
 
 from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.parameters import NS
+from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.wording import counted
 
-IMU: Final = "imu"
-"""Name of the sensor whose readings are answered."""
 LOOK_NS: Final = 100_000_000
 """Longest time between two looks whether samples are still held back, ns."""
 FIRST_NS: Final = NS
@@ -86,12 +85,12 @@ class Lockstep:
 
     def sent(self, readings: Iterable[tuple[str, int]]) -> None:
         """Await the answers to readings that were sent, names of sensors and stamps, ns."""
-        others, sent = self._sensors.intersection(self._heard or ()) - {IMU}, list(readings)
+        others, sent = self._sensors.intersection(self._heard or ()) - {IMU_SENSOR.name}, list(readings)
         for name, stamp in sent:
             if name in others:
                 self._delivered.setdefault(name, deque(maxlen=STAMPS_KEPT)).append(stamp)
         for name, stamp in sent:
-            is_new = name == IMU and stamp > self._latest_ns
+            is_new = name == IMU_SENSOR.name and stamp > self._latest_ns
             if is_new and all(stamp in self._delivered.get(other, ()) for other in others):
                 self._await(stamp)
 

@@ -16,7 +16,7 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.motion.closed_form import solution
 from lie_rigid_body.motion.closed_form.solution import compile_all
-from lie_rigid_body.motion.closed_form.states import CIRCULAR, KINDS
+from lie_rigid_body.motion.closed_form.states import CIRCULAR, MOTION_KINDS
 
 RANDOM = np.random.default_rng(12)
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
@@ -37,7 +37,7 @@ def bits(states: State) -> np.ndarray:
 def plain(monkeypatch) -> Iterator[pytest.MonkeyPatch]:
     """Without compiled code, as long as this is not undone."""
     with monkeypatch.context() as patch:
-        for kind in KINDS:
+        for kind in MOTION_KINDS:
             patch.setattr(kind.work, "_compiled", None)
             patch.setattr(kind.work, "_may_compile", False)
         yield patch
