@@ -62,7 +62,7 @@ class Parser(argparse.ArgumentParser):
         groups: list[tuple[argparse._ActionsContainer, Sequence[Argument]]] = [
             (self, table),
             *([(self.add_mutually_exclusive_group(), either)] if either else []),
-            *([(self.add_argument_group("scenario", order), SCENARIO)] if scenario else []),
+            *([(self.add_argument_group("scenario", order), SCENARIO_OPTIONS)] if scenario else []),
         ]
         for group, rows in groups:
             for names, how in rows:
@@ -134,7 +134,7 @@ def processes(text: str) -> int:
 
 
 def scenario_of(arguments: argparse.Namespace) -> Scenario:
-    """The scenario that the arguments of `SCENARIO` give.
+    """The scenario that the arguments of `SCENARIO_OPTIONS` give.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def scenario_of(arguments: argparse.Namespace) -> Scenario:
         raise error if path is None else InputError(f"{path}: {error}") from None
 
 
-SCENARIO: Final = (
+SCENARIO_OPTIONS: Final = (
     argument("--scenario", metavar="NAME", help="a scenario of the package; 'scenarios' lists them"),
     argument(
         "--params-file",
@@ -179,7 +179,7 @@ WORKERS: Final = argument(
     "--workers", metavar="N", type=processes, help="processes on this machine; one per core if absent"
 )
 """Option of the verbs that work in several processes."""
-TOPIC: Final = argument(
+TOPIC_OPTION: Final = argument(
     "--topic",
     metavar="NAME:=/TOPIC",
     action="append",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from lie_rigid_body.command_line import FORCE_PAGE, TOPIC, argument, file_name, verb
+from lie_rigid_body.command_line import FORCE_PAGE, TOPIC_OPTION, argument, file_name, verb
 
 
 @verb(
@@ -22,7 +22,7 @@ from lie_rigid_body.command_line import FORCE_PAGE, TOPIC, argument, file_name, 
         metavar="a,b,c",
         help="3 principal moments or 6 tensor entries to use in place of the declared ones",
     ),
-    TOPIC,
+    TOPIC_OPTION,
     argument(
         "--prove",
         metavar="N",

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from lie_rigid_body import console
-from lie_rigid_body.command_line import TOPIC, argument, file_name, require_suffix, topic_names, verb
+from lie_rigid_body.command_line import TOPIC_OPTION, argument, file_name, require_suffix, topic_names, verb
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.output_file import require_room
 
@@ -14,7 +14,7 @@ from lie_rigid_body.output_file import require_room
 @verb(
     "Draw body rate, drifts and polhode of a bag into one PNG.",
     argument("bag", metavar="BAG", type=file_name, help="an MCAP file, or a folder that 'ros2 bag record' made"),
-    TOPIC,
+    TOPIC_OPTION,
     argument(
         "-o",
         "--out",

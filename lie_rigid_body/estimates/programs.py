@@ -49,7 +49,7 @@ _LONGEST_WORDS: Final = 100
 """Largest number of bytes that are repeated of what a program prints."""
 PLAYER: Final = "lie_rigid_body.ros.play"
 """Module that plays readings to a node: nothing else here needs ROS."""
-TOPIC: Final = "imu/data"
+ATTITUDE_TOPIC: Final = "imu/data"
 """Topic of the attitudes of a filter, as filters of imu_tools call it."""
 _BEGIN_NS: Final = 1_767_225_600 * 10**9
 """Time added to the stamps of a run, ns: the year 2026. A stamp of 0 means that there is no time yet, and a node that
@@ -265,7 +265,7 @@ class NodeEstimator(CommandEstimator):
         Topic of its attitudes.
     """
 
-    topic: str = TOPIC
+    topic: str = ATTITUDE_TOPIC
 
     def __call__(self, run: Run) -> Estimate:  # type: ignore[override]  # a node may tell a covariance as well
         """Attitudes that the node publishes, with their covariances where all have one.

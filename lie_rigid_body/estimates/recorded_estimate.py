@@ -32,7 +32,7 @@ from lie_rigid_body.recording.topic_messages import (
     topic_messages,
 )
 from lie_rigid_body.runs.bag_of_run import OWN_TOPICS
-from lie_rigid_body.runs.estimate import BIAS, Estimate
+from lie_rigid_body.runs.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
 from lie_rigid_body.short_dataclass import short_dataclass
@@ -174,7 +174,7 @@ def recorded_estimate(
     truth = motion.until(int(ordered.stamps_ns[-1]))
     read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
     biases = min(
-        (track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS}" and track.count),
+        (track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS_SUFFIX}" and track.count),
         key=lambda track: track.message_type != VECTOR3_STAMPED,
         default=None,
     )
@@ -204,7 +204,7 @@ def _with_bias(
 def _is_kept(topics: Collection[str], name: str, kind: str) -> bool:
     """Whether messages are those of an estimate, of its biases, or of a topic that is said to or may tell the truth."""
     told = kind in ATTITUDE_TYPES and (name in topics or name.rpartition("/")[2] == POSE)
-    return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS) and name.removesuffix(BIAS) in topics)
+    return told or (kind == VECTOR3_STAMPED and name.endswith(BIAS_SUFFIX) and name.removesuffix(BIAS_SUFFIX) in topics)
 
 
 def _true_motion(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.arrays import Array, Integers, windows
 from lie_rigid_body.bounded_input import LONGEST_NAME, LONGEST_STRING
 from lie_rigid_body.errors import BagError
-from lie_rigid_body.messages.layout import FRAME, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
+from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -113,7 +113,7 @@ def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) ->
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
     """Group rows of one size by what determines their layout: the encapsulation and the length of the frame name."""
     keys = _column(rows, 0, 2, "u2")[:, 0].astype(np.int64)
-    if stamped and rows.shape[1] >= FRAME:
+    if stamped and rows.shape[1] >= FRAME_OFFSET:
         keys += _column(rows, 12, 4, "u4")[:, 0].astype(np.int64) << 16
     if (keys == keys[0]).all():
         return [slice(None)]
@@ -129,13 +129,13 @@ def _decode_alike(
     length = _word(head, 12, order, first + at) if stamped else 0
     if length > LONGEST_NAME:
         raise BagError(f"message {first + at} has a frame of {length} bytes: at most {LONGEST_NAME} are read")
-    start = numbers_after(FRAME + length) if stamped else 4
+    start = numbers_after(FRAME_OFFSET + length) if stamped else 4
     count = values.shape[1]
     _require_size(head, start + 8 * count, first + at)
     values[indices] = _column(rows, start, 8 * count, f"{order}f8")
     if stamped:
         stamps[indices] = _stamps(rows, order, first + indices)
-        frames.add(rows[:, FRAME : FRAME + length], indices, first)
+        frames.add(rows[:, FRAME_OFFSET : FRAME_OFFSET + length], indices, first)
 
 
 def _column(rows: Bytes, start: int, size: int, kind: str) -> NDArray[np.generic]:

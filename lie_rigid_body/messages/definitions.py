@@ -10,7 +10,7 @@ from typing import Final
 
 POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
 TWIST_STAMPED: Final = "geometry_msgs/msg/TwistStamped"
-TWIST: Final = "geometry_msgs/msg/Twist"
+BARE_TWIST: Final = "geometry_msgs/msg/Twist"
 STRING: Final = "std_msgs/msg/String"
 IMU: Final = "sensor_msgs/msg/Imu"
 MAGNETIC_FIELD: Final = "sensor_msgs/msg/MagneticField"
@@ -55,7 +55,7 @@ _PARTS: Final = {
         "geometry_msgs/Quaternion",
     ),
     TWIST_STAMPED: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Twist", "geometry_msgs/Vector3"),
-    TWIST: ("geometry_msgs/Vector3",),
+    BARE_TWIST: ("geometry_msgs/Vector3",),
     STRING: (),
     IMU: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Quaternion", "geometry_msgs/Vector3"),
     MAGNETIC_FIELD: ("std_msgs/Header", "builtin_interfaces/Time", "geometry_msgs/Vector3"),

@@ -16,7 +16,7 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
 """First bytes of a payload: plain CDR, little-endian, no options."""
-FRAME: Final = 16
+FRAME_OFFSET: Final = 16
 """Byte of a payload at which the frame name of its header begins: after encapsulation, stamp and length of the name."""
 
 POSE_NUMBERS: Final = 7

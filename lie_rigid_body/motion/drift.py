@@ -85,7 +85,7 @@ U: Final = 2.0**-53
 RANDOM_WALK_FACTOR: Final = 8.0
 """Factor of the random walk that rounding makes. The largest observed in random motions of up to 3·10⁷ steps is 2.5."""
 
-BIAS: Final = 2.0**-6
+ROUNDING_BIAS: Final = 2.0**-6
 """Bound of the bias of rounding, in units of u x Θ. The largest observed value is 0.005."""
 
 BIAS_IF_REPEATED: Final = 2.0**-3
@@ -166,7 +166,7 @@ class MoserVeselovDrift:
             # n is the mean over the step, which a slender body's own turn makes worse
             implicit = 1.0 + 2.0 * fully * max(map(float, frame.inverse_moments))
             change = float(so3.norm(body.angular_acceleration(start))) * step**2
-            bias = BIAS_IF_REPEATED if change <= REPEATED * U * fully else BIAS
+            bias = BIAS_IF_REPEATED if change <= REPEATED * U * fully else ROUNDING_BIAS
             return cls(rate_bound, quickest, step, 2.0 * implicit * missing, _growth(frame, step), bias)
 
     def attitude(self, t: Array) -> Array:

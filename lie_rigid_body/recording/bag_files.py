@@ -21,7 +21,7 @@ from lie_rigid_body.recording.mcap_reader import read_file
 from lie_rigid_body.system import real_path
 from lie_rigid_body.wording import shown
 
-METADATA: Final = "metadata.yaml"
+METADATA_FILE: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""
 
 SUFFIXES: Final = (".mcap", ".db3")
@@ -83,7 +83,7 @@ class BagFiles:
     def __init__(self, path: str | Path, progress: Progress = unheard) -> None:
         self.path = as_path(path, "bag", "that of an MCAP file, or of a folder of them")
         self.progress = progress
-        self._metadata = self.path / METADATA
+        self._metadata = self.path / METADATA_FILE
         try:
             self._information = _information(self._metadata) if self.path.is_dir() else None
             self.files = _files(self.path, self._information)
@@ -120,7 +120,7 @@ def is_one_bag(folder: Path) -> bool:
 
     Without metadata, as a recorder leaves ``NAME`` that was killed, they are ``NAME_0.mcap``, ``NAME_1.mcap`` …
     """
-    if os.path.exists(folder / METADATA):
+    if os.path.exists(folder / METADATA_FILE):
         return True
     suffix = next((suffix for suffix in SUFFIXES if _ending(folder, suffix)), "")
     numbers = _numbers(folder, suffix) if suffix else set()
@@ -323,4 +323,4 @@ def files_of(bag: str | Path) -> Iterator[Path]:
     for each in bags_in(Path(bag)):
         with suppress(BagError):
             yield from BagFiles(each).files
-        yield from (file for file in each.glob("*") if file.suffix.lower() in SUFFIXES or file.name == METADATA)
+        yield from (file for file in each.glob("*") if file.suffix.lower() in SUFFIXES or file.name == METADATA_FILE)

@@ -18,7 +18,7 @@ from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TWIST
 from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of, redefined
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
-from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, other_bodies, texts_on, the_body
+from lie_rigid_body.recording.bodies import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
     McapContents,
     Progress,
@@ -226,7 +226,7 @@ class Bag(BagFacts):
         self._path, self._contents, self._progress = files.path, contents, files.progress
         for track in body.tracks.values():
             require_cdr(self._path, track)
-        pose, twist, scenario = (body.tracks[name] for name in TRUTH)
+        pose, twist, scenario = (body.tracks[name] for name in BODY_TOPICS)
         self._tracks, self.pose_count, self.twist_count = body.tracks, pose.count, twist.count
         super().__init__(
             pose_topic=pose.topic,
@@ -240,7 +240,7 @@ class Bag(BagFacts):
             undefined=tuple(t.topic for t in contents.tracks.values() if not _is_defined(self._path, t, body)),
             without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
-            sensors={name: track for name, track in body.tracks.items() if name not in TRUTH},
+            sensors={name: track for name, track in body.tracks.items() if name not in BODY_TOPICS},
             name=str(files.path),
         )
 

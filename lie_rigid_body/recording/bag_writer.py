@@ -131,7 +131,7 @@ class BagWriter:
         rescued: bool = True,
     ) -> None:
         self._stamped_twist, self._end, self._compression, self._rescued = stamped_twist, end, compression, rescued
-        twist = definitions.TWIST_STAMPED if stamped_twist else definitions.TWIST
+        twist = definitions.TWIST_STAMPED if stamped_twist else definitions.BARE_TWIST
         named = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **(sensor_topics or {})}
         named |= {topic: topic for topic in others or {}}
         truth = {POSE: definitions.POSE_STAMPED, TWIST: twist, _SCENARIO: definitions.STRING}

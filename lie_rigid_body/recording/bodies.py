@@ -10,8 +10,7 @@ from typing import Final, TypeAlias
 
 from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST_STAMPED
-from lie_rigid_body.messages.definitions import TWIST as BARE_TWIST
+from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, TrackKey
 from lie_rigid_body.recording.topic_messages import texts
@@ -19,7 +18,7 @@ from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import listed, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
-TRUTH: Final = (POSE, TWIST, SCENARIO)
+BODY_TOPICS: Final = (POSE, TWIST, SCENARIO)
 """Relative names of the topics that every body has."""
 Tracks: TypeAlias = dict[str, RawTrack]
 """Topics of a body by their relative names."""
@@ -76,12 +75,12 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
         there.
     """
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
-    own = [name for name in TRUTH if name in given]
+    own = [name for name in BODY_TOPICS if name in given]
     complete = _complete(path, contents, given)
     found = [body for body in complete if all(body[0][name] is given[name] for name in own)]
     if not found:  # the topics of the one body are not in one namespace
         near = next((given[name].topic.rpartition("/")[0] for name in given if name in (POSE, TWIST)), None)
-        found = [({name: given.get(name) or _find(path, contents, name, near) for name in TRUTH}, "")]
+        found = [({name: given.get(name) or _find(path, contents, name, near) for name in BODY_TOPICS}, "")]
     return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
 
 
@@ -266,14 +265,14 @@ def _last(name: str) -> str:
 
 
 def _body(path: Path, contents: McapContents, tracks: Tracks, given: Tracks, fault: str, *, alone: bool) -> Body:
-    silent = [tracks[name].topic for name in TRUTH if not tracks[name].count]
+    silent = [tracks[name].topic for name in BODY_TOPICS if not tracks[name].count]
     if silent and not fault:
         fault = f"{path} has no message on {silent[0]}: {_remedy(path, 'record it while the body is published')}"
     if fault and alone:
         raise BagError(fault)
     sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
-    return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in TRUTH}, **there}, fault)
+    return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in BODY_TOPICS}, **there}, fault)
 
 
 def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTrack | None:

@@ -21,13 +21,13 @@ from lie_rigid_body.errors import BagError
 from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
 from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transforms
 from lie_rigid_body.messages.definitions import (
+    BARE_TWIST,
     IMU,
     ODOMETRY,
     POSE_STAMPED,
     POSE_WITH_COVARIANCE_STAMPED,
     QUATERNION_STAMPED,
     TF_MESSAGE,
-    TWIST,
     TWIST_STAMPED,
     places,
 )
@@ -37,7 +37,7 @@ from lie_rigid_body.sensors import SENSORS, Field, Topic
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.wording import listed
 
-TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, TWIST)
+TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, BARE_TWIST)
 """Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""
 _FRAMED: Final[dict[str, Callable[[list[bytes]], dict[Frames, FramedNumbers]]]] = {
     ODOMETRY: decode_odometry,
@@ -175,7 +175,7 @@ def topic_messages(path: Path, key: TrackKey, parts: Iterable[RawMessages], firs
 def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:
     varying = varying_fields(message_type)
     with decoding(path, topic, found):
-        decoded = _columns(found, len(varying), stamped=message_type != TWIST, first=first)
+        decoded = _columns(found, len(varying), stamped=message_type != BARE_TWIST, first=first)
     stamps, frame_ids = decoded.stamps_ns, decoded.frame_ids or (None,)
     values = decoded.numbers if varying.all() else decoded.numbers[:, varying]
     rest = decoded.numbers[:, ~varying].view(np.int64)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from lie_rigid_body import console
-from lie_rigid_body.command_line import TOPIC, Parser, argument, file_name, require_suffix, split_ros_arguments
+from lie_rigid_body.command_line import TOPIC_OPTION, Parser, argument, file_name, require_suffix, split_ros_arguments
 from lie_rigid_body.errors import InputError
 from lie_rigid_body.output_file import write_file
 from lie_rigid_body.wording import listed, shown
@@ -50,7 +50,7 @@ _ARGUMENTS: Final = (
         "several are compared",
     ),
     argument("--truth", metavar="OTHER", type=file_name, help="the bag of the truth, if it is not in RUN"),
-    TOPIC,
+    TOPIC_OPTION,
     argument("--json", action="store_true", help="print the score for programs"),
     argument("--series", action="store_true", help="with --json: also the errors of every sample"),
     argument("--plot", metavar="OUT.png", type=file_name, help="draw the errors over time"),

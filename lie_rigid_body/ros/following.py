@@ -17,7 +17,7 @@ from lie_rigid_body.estimates.recorded_estimate import nearest, pose_beside
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import message_class, translated_errors
-from lie_rigid_body.runs.estimate import BIAS
+from lie_rigid_body.runs.estimate import BIAS_SUFFIX
 from lie_rigid_body.wording import counted, listed
 
 ESTIMATE: Final = "estimate"
@@ -86,7 +86,7 @@ class Following:
         for topic, kind in kinds.items():
             self._hear(topic, kind, truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind))
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
-        biases = f"{self.estimate}{BIAS}"
+        biases = f"{self.estimate}{BIAS_SUFFIX}"
         if VECTOR3_STAMPED in there.get(biases, []):
             self._hear(biases, VECTOR3_STAMPED, partial(self.live.gyro_bias.hear, biases, VECTOR3_STAMPED))
             for pose in {pose_beside(topic) if kind == STRING else topic for topic, kind in kinds.items()}:

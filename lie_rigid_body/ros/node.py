@@ -23,7 +23,7 @@ from lie_rigid_body.ros.control.services import PACKAGE, StandardServices, offer
 from lie_rigid_body.ros.installation import is_installed
 from lie_rigid_body.ros.publishing.announcement import announcement, farewell
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
-from lie_rigid_body.ros.publishing.publisher import CLOCK, SCENARIO, SamplePublisher
+from lie_rigid_body.ros.publishing.publisher import CLOCK, PRIVATE_SCENARIO, SamplePublisher
 from lie_rigid_body.ros.publishing.recorder import Recorder
 from lie_rigid_body.ros.publishing.views import MARKERS_TOPIC, TF, Markers, Transforms
 from lie_rigid_body.ros.session import (
@@ -43,7 +43,7 @@ from lie_rigid_body.scenario.parameter_file import NODE_NAME, gather
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.wording import counted
 
-TOPICS: Final = (POSE, TWIST, SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
+TOPICS: Final = (POSE, TWIST, PRIVATE_SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
 """The topics of the node beside its sensors', wanted or not: each has a type of its own, or means something else."""
 SERVICES: Final = (
     *("~/reset", "~/pause", "~/resume", "~/step"),
@@ -231,7 +231,7 @@ def _recording(node: SimulatorNode, values: Mapping[str, Any]) -> Iterator[Recor
             wait_for_disk=not values["real_time_factor"],
             pose_topic=node.names[POSE],
             twist_topic=node.names[TWIST],
-            scenario_topic=node.names[SCENARIO],
+            scenario_topic=node.names[PRIVATE_SCENARIO],
             sensor_topics={topic: node.names[topic] for topic in SENSOR_TOPICS},
         )
     except BagError as error:

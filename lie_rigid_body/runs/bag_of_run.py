@@ -32,7 +32,7 @@ from lie_rigid_body.recording.bag_writer import (
     BagWriter,
 )
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.runs.estimate import BIAS, Estimate
+from lie_rigid_body.runs.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Taken
 from lie_rigid_body.wording import listed, shown
@@ -111,7 +111,7 @@ def _of_estimate(topic: str, estimate: Estimate, scenario: Scenario) -> Iterator
     yield _attitudes(topic, estimate, scenario.world_frame)
     if estimate.gyro_bias is not None:
         bias = numbers("gyro_bias", estimate.gyro_bias, 3)
-        yield _messages(f"{topic}{BIAS}", VECTOR3_STAMPED, scenario.body_frame, estimate.t_ns, {"vector": bias})
+        yield _messages(f"{topic}{BIAS_SUFFIX}", VECTOR3_STAMPED, scenario.body_frame, estimate.t_ns, {"vector": bias})
 
 
 def _attitudes(topic: str, estimate: Estimate, frame: str) -> tuple[Messages, str]:
@@ -150,7 +150,7 @@ def _of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, 
         yield _messages(f"{topic}/nees", VECTOR3_STAMPED, frame, score.stamps_ns, {"vector": rows})
     if bias := score.gyro_bias:
         error = {"vector": bias.estimate - bias.truth}
-        yield _messages(f"{topic}{BIAS}_error", VECTOR3_STAMPED, frame, bias.stamps_ns, error)
+        yield _messages(f"{topic}{BIAS_SUFFIX}_error", VECTOR3_STAMPED, frame, bias.stamps_ns, error)
 
 
 def _declared(segments: tuple[Segment, ...], recording: Recording | None) -> tuple[dict[str, Segment], dict[str, Any]]:

@@ -13,7 +13,7 @@ from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape
 from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
 from lie_rigid_body.wording import call_repr
 
-BIAS: Final = "/gyro_bias"
+BIAS_SUFFIX: Final = "/gyro_bias"
 """End of the name of the topic of estimated biases, behind that of the attitudes."""
 
 

@@ -19,7 +19,7 @@ from refused_bags import refused
 from rosbags.highlevel import AnyReader
 
 from lie_rigid_body import __version__
-from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
@@ -101,7 +101,7 @@ def test_the_same_run_gives_the_same_bytes_whatever_its_batches(make_bag: MakeBa
     assert first.read_bytes() == again.read_bytes() == odd.read_bytes()
 
 
-@pytest.mark.parametrize(("stamped", "twist"), [(True, TWIST_STAMPED), (False, TWIST)])
+@pytest.mark.parametrize(("stamped", "twist"), [(True, TWIST_STAMPED), (False, BARE_TWIST)])
 def test_the_file_is_built_as_rosbag2_wants_it(make_bag: MakeBag, stamped: bool, twist: str) -> None:
     path = make_bag(count=4000, stamped_twist=stamped)
     with open(path, "rb") as stream:

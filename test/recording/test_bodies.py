@@ -13,9 +13,9 @@ from refused_bags import FAULTS, refused
 from test_bag_reader import rewrite
 
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, TWIST, TWIST_STAMPED
+from lie_rigid_body.messages.definitions import BARE_TWIST, IMU, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bodies import TRUTH, Body, bodies, the_body
+from lie_rigid_body.recording.bodies import BODY_TOPICS, Body, bodies, the_body
 from lie_rigid_body.recording.mcap_contents import Found, McapContents, Progress, RawMessages, RawTrack, TrackKey
 from said import Error
 
@@ -51,7 +51,7 @@ def found(topics: dict[str, str], **renamed: str) -> list[Body]:
 
 
 def names(body: Body) -> tuple[str, ...]:
-    return tuple(body.tracks[name].topic for name in TRUTH)
+    return tuple(body.tracks[name].topic for name in BODY_TOPICS)
 
 
 def test_each_scenario_with_pose_and_twist_beside_it_is_a_body() -> None:
@@ -61,7 +61,7 @@ def test_each_scenario_with_pose_and_twist_beside_it_is_a_body() -> None:
 
 
 def test_what_others_publish_is_no_body() -> None:
-    mixed = {**BODY, "/estimate/pose": POSE, "/cmd/twist": TWIST, "/chatter": TEXT}
+    mixed = {**BODY, "/estimate/pose": POSE, "/cmd/twist": BARE_TWIST, "/chatter": TEXT}
     assert [names(body) for body in found(mixed)] == [tuple(BODY)]
 
 
@@ -90,7 +90,7 @@ def test_a_scenario_that_is_named_is_the_only_one() -> None:
 
 
 def sensors(body: Body) -> dict[str, str]:
-    return {name: track.topic for name, track in body.tracks.items() if name not in TRUTH}
+    return {name: track.topic for name, track in body.tracks.items() if name not in BODY_TOPICS}
 
 
 def test_sensors_belong_to_the_body_of_their_namespace() -> None:

@@ -25,7 +25,7 @@ from lie_rigid_body.ros.timing.sink import FOREVER, LARGEST_BATCH, Punctuality, 
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
 
-SCENARIO: Final = "~/scenario"
+PRIVATE_SCENARIO: Final = "~/scenario"
 IMU_TOPIC: Final = "imu/data_raw"
 CLOCK: Final = "/clock"
 DEPTH: Final = 4 * LARGEST_BATCH
@@ -92,7 +92,7 @@ class SamplePublisher(Sink):
         self.publishers: dict[str, Publisher] = {}
         self._add(POSE, PoseStamped, self._quality())
         self._add(TWIST, TwistStamped if stamped_twist else Twist, self._quality())
-        self._add(SCENARIO, String, _latched(1))
+        self._add(PRIVATE_SCENARIO, String, _latched(1))
         if clock:
             self._add(CLOCK, Clock, self._quality(CLOCK_DEPTH))
         self._clock_ns = 0
@@ -121,7 +121,7 @@ class SamplePublisher(Sink):
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""
         self._add_sensors(segment.scenario.sensors)
-        self.publishers[SCENARIO].publish(encode_string(segment.to_json()))
+        self.publishers[PRIVATE_SCENARIO].publish(encode_string(segment.to_json()))
 
     def write(self, batch: Batch) -> None:
         """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""
@@ -178,7 +178,7 @@ class SamplePublisher(Sink):
     def _wait_for_confirmation(self, longest_ns: int) -> None:
         """Wait until subscribers have confirmed all messages, on each topic at most ``longest_ns``."""
         self._unconfirmed = 0
-        samples = [publisher for topic, publisher in self.publishers.items() if topic not in (SCENARIO, CLOCK)]
+        samples = [publisher for topic, publisher in self.publishers.items() if topic not in (PRIVATE_SCENARIO, CLOCK)]
         end = time.monotonic_ns() + len(samples) * longest_ns
         for publisher in samples:
             left = min(longest_ns, max(0, end - time.monotonic_ns()))
