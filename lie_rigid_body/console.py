@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from lie_rigid_body.errors import PACKAGE, InputError, LieRigidBodyError
+from lie_rigid_body.errors import PACKAGE_FOLDER, InputError, LieRigidBodyError
 from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.system import limit
@@ -279,7 +279,7 @@ def explanation(error: Exception) -> str:
     if isinstance(error, ImportError):
         return f"a library is missing or broken: {error}: install the requirements of the package again"
     imported = [f.filename for f in traceback.extract_tb(error.__traceback__) if f.name == "<module>"]
-    if imported and not imported[-1].startswith(PACKAGE):  # a library that fails so, as by an odd variable
+    if imported and not imported[-1].startswith(PACKAGE_FOLDER):  # a library that fails so, as by an odd variable
         return f"{imported[-1]} cannot be imported ({error}): mend the environment, or install it again"
     what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
     return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"

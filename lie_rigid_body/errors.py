@@ -9,7 +9,7 @@ from typing import Final
 
 from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
 
-PACKAGE: Final = f"{Path(__file__).parent}{os.sep}"
+PACKAGE_FOLDER: Final = f"{Path(__file__).parent}{os.sep}"
 """Folder of the package, by which a line of a traceback is known as its own."""
 
 

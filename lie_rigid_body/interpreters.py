@@ -20,7 +20,7 @@ from threading import Thread, Timer
 from typing import Any, BinaryIO, Final, TypeVar
 
 from lie_rigid_body.console import DEBUG
-from lie_rigid_body.errors import PACKAGE, FilterError, InputError, LieRigidBodyError, said
+from lie_rigid_body.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, said
 
 R = TypeVar("R")
 T = TypeVar("T")
@@ -60,7 +60,7 @@ def told(error: BaseException) -> str:
     Of an installed filter that is the first line outside of this package. What this package says of an answer, with no
     such line, stands alone.
     """
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((PACKAGE, "<"))]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((PACKAGE_FOLDER, "<"))]
     installed = [frame for frame in frames if "-packages" in frame.filename]
     own = [frame for frame in frames if frame not in installed and not frame.filename.startswith(_STANDARD)]
     line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in own[-1:] or installed[:1])

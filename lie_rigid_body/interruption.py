@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import ClassVar, Final
 
-ENDING: Final = tuple(each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"))
+END_SIGNALS: Final = tuple(each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"))
 """Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
 MOST_SIGNALS: Final = 4
 """Number of signals of which the last ends the process by its default action."""
@@ -63,7 +63,7 @@ class Interruption:
             yield cls.current()
             return
         interruption = cls._current = cls()
-        former = {number: signal.getsignal(number) for number in ENDING}
+        former = {number: signal.getsignal(number) for number in END_SIGNALS}
         defaults = (signal.SIG_DFL, signal.default_int_handler)
         taken = [n for n, f in former.items() if f in defaults or (f == signal.SIG_IGN and n.name != "SIGHUP")]
         sys.unraisablehook, sys.excepthook = interruption._ignored, interruption._printed

@@ -17,7 +17,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from lie_rigid_body.interruption import ENDING
+from lie_rigid_body.interruption import END_SIGNALS
 
 # By itself each process has as many threads of linear algebra as there are cores, for small matrices. They wait for
 # one another in busy loops, which beside other processes takes many times as long as the work. NumPy is not loaded yet.
@@ -85,7 +85,7 @@ def pytest_configure(config: pytest.Config) -> None:
     if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
         sys.dont_write_bytecode = False
     # under nohup, or in the background of a script, signals are ignored, and children inherit that
-    for number in ENDING:
+    for number in END_SIGNALS:
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     if "PYTEST_XDIST_WORKER" in os.environ:
@@ -162,9 +162,9 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 @pytest.fixture(autouse=True)
 def own_signals() -> Iterator[None]:
     """What runs in the process of a test changes its signal handlers; afterwards they are pytest's again."""
-    handlers = [signal.getsignal(number) for number in ENDING]
+    handlers = [signal.getsignal(number) for number in END_SIGNALS]
     yield
-    for number, handler in zip(ENDING, handlers, strict=True):
+    for number, handler in zip(END_SIGNALS, handlers, strict=True):
         signal.signal(number, handler)
 
 

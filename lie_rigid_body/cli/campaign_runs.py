@@ -26,7 +26,7 @@ from lie_rigid_body.campaign.definition import SCORES_TABLE, Contender
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
 from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
-from lie_rigid_body.estimates.estimators import MENDED
+from lie_rigid_body.estimates.estimators import MEND_IT
 from lie_rigid_body.estimates.programs import words
 from lie_rigid_body.interpreters import Interpreter
 from lie_rigid_body.interruption import Interruption
@@ -190,7 +190,7 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     scored = {name for name, error in told if error is None}
     if failed := [name for name in campaign.contenders if name not in scored]:
         first = next(error for name, error in told if name == min(failed) and error is not None)
-        reason = shortened(first.removesuffix(f": {MENDED}"), _LONGEST_REASON)
+        reason = shortened(first.removesuffix(f": {MEND_IT}"), _LONGEST_REASON)
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
         raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 

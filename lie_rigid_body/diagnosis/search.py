@@ -29,7 +29,7 @@ from lie_rigid_body.diagnosis.repairs import (
     without,
 )
 from lie_rigid_body.errors import FilterError
-from lie_rigid_body.evaluation.causes import CAUSES, ONE, Cause
+from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, Cause
 from lie_rigid_body.evaluation.track import Track, error_of
 from lie_rigid_body.short_dataclass import short_dataclass
 
@@ -223,7 +223,8 @@ class Search:
             return
         first = first_attitude(exact[0].unrepaired)
         self.begins_alike = first is not None
-        for begin in [first, ONE.tolist()] * self.begins_alike:  # it may tell the first attitude in another convention
+        # it may tell the first attitude in another convention
+        for begin in [first, IDENTITY.tolist()] * self.begins_alike:
             if self._is_right_on([course.of_scenario(initial_attitude_xyzw=begin) for course in self.courses]):
                 return
         before = self.courses, self.trials

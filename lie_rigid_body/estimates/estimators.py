@@ -27,7 +27,7 @@ Estimator: TypeAlias = Callable[[Run], Any]
 Job = Callable[[Estimator], T]
 """What is to be done with an estimator; it is pickled for another process, and so is its result."""
 
-MENDED: Final = "mend it"
+MEND_IT: Final = "mend it"
 """Remedy at the end of an error line about an estimator that cannot be imported."""
 _GRACE_S: Final = 2.0
 """Time that a program has beyond its own limit, s: its estimator ends it, and says more."""
@@ -90,7 +90,7 @@ class NamedFunction:
         try:
             found: Estimator | None = getattr(import_module(module), function, None)
         except (Exception, SystemExit) as error:
-            raise InputError(f"{what} cannot be imported: {shortened(said(error))}: {MENDED}") from None
+            raise InputError(f"{what} cannot be imported: {shortened(said(error))}: {MEND_IT}") from None
         if not callable(found):
             raise InputError(f"{what}: {shown(module)} has no function {shown(function)}: define it there")
         return found

@@ -30,7 +30,7 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.short_dataclass import short_repr
 from lie_rigid_body.wording import components, shown
 
-ROUND_OFF: Final = 2e-15
+QUATERNION_ROUND_OFF: Final = 2e-15
 """Round-off of the components of a product of unit quaternions: smaller z and w tell no heading, as their ratio is
 arbitrary."""
 SAME_AXES_DEG: Final = 5.0
@@ -59,8 +59,8 @@ class AttitudeError(NamedTuple):
     total : ndarray, shape (...)
         Angle of the rotation that takes the true attitude to the estimate, rad.
     heading : ndarray, shape (...)
-        Its part about the world's vertical, rad. An inclination error of π has no heading error; within `ROUND_OFF` of
-        it 0 is given.
+        Its part about the world's vertical, rad. An inclination error of π has no heading error; within
+        `QUATERNION_ROUND_OFF` of it 0 is given.
     inclination : ndarray, shape (...)
         Its part about a horizontal axis, rad: the angle between the true and the estimated vertical.
     """
@@ -129,7 +129,7 @@ def angles(error_xyzw: Array) -> AttitudeError:
     # its result happens to lie behind it in memory
     x, y, z, w = np.ascontiguousarray(np.moveaxis(np.abs(error_xyzw), -1, 0))
     tilt, turn = np.hypot(x, y), np.hypot(z, w)
-    heading = 2.0 * np.arctan2(np.where(turn > ROUND_OFF, z, 0.0), w)
+    heading = 2.0 * np.arctan2(np.where(turn > QUATERNION_ROUND_OFF, z, 0.0), w)
     return AttitudeError(2.0 * np.arctan2(np.hypot(tilt, z), w), heading, 2.0 * np.arctan2(tilt, turn))
 
 

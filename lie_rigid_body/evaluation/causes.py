@@ -30,7 +30,7 @@ from lie_rigid_body.wording import components
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
-ONE: Final = np.array([0.0, 0.0, 0.0, 1.0])
+IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
 """What is said of a cause that a mistake at the input of the filter may feign."""
@@ -150,7 +150,7 @@ def _right(turns_xyzw: Array) -> Array:
     return np.swapaxes(quaternion.multiply(np.eye(4), turns_xyzw[:, np.newaxis]), 1, 2)
 
 
-def _turned(track: Track, left: Array = ONE, right: Array = ONE) -> Track:
+def _turned(track: Track, left: Array = IDENTITY, right: Array = IDENTITY) -> Track:
     return replace(track, attitude_xyzw=quaternion.multiply(quaternion.multiply(left, track.attitude_xyzw), right))
 
 

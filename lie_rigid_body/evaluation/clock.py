@@ -36,7 +36,7 @@ UNSTEADY: Final = 0.25
 """Largest relative difference between the lag of either half of a run and that of the whole run; a drift makes ½."""
 LARGEST_INFLATION: Final = 10.0
 """Largest variance inflation factor with which the motion separates a lag from constant turns."""
-SLOWEST_RATE: Final = 1e-6
+LEAST_BODY_RATE: Final = 1e-6
 """Least body rate, rad/s, at which the motion determines a lag."""
 LEFT_BY_CLOCK: Final = float(np.radians(5.0))
 """Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
@@ -46,7 +46,7 @@ GRID_TURN: Final = 0.2
 """Turn of the body at its fastest, rad, between one clock that is tried and the next."""
 MOST_CLOCKS: Final = 5000
 """Largest number of clocks of one kind that are tried; if the grid needs more, none of the kind is tried."""
-LEAST_TURN: Final = 0.1
+LEAST_CLOCK_TURN: Final = 0.1
 """Least turn of the body in the whole run, rad, that determines a clock."""
 EVEN_SPIN: Final = 0.98
 """Squared length of the mean axis of rotation above which a spin is even: lags a whole turn apart then look alike."""
@@ -145,7 +145,7 @@ def _separable(track: Track, parts: Sequence[Part]) -> bool:
     normal = np.einsum("nia,nib->ab", J, J)
     alone = float(normal[-1, -1])
     shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
-    return bool(alone > SLOWEST_RATE**2 * len(J) and alone <= LARGEST_INFLATION * (alone - shared))
+    return bool(alone > LEAST_BODY_RATE**2 * len(J) and alone <= LARGEST_INFLATION * (alone - shared))
 
 
 def standard_error(track: Track, parts: Sequence[Part]) -> float:
@@ -185,7 +185,7 @@ def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | No
     truth = track.truth
     some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
     fastest = float(sizes(truth.states(some[truth.covers(some)])[1]).max(initial=0.0))
-    if fastest * (truth.last_ns - truth.first_ns) < 1e9 * LEAST_TURN or len(track.stamps_ns) < FEWEST:
+    if fastest * (truth.last_ns - truth.first_ns) < 1e9 * LEAST_CLOCK_TURN or len(track.stamps_ns) < FEWEST:
         return None
     found = []
     for rates, lags in _grids(track, GRID_TURN / fastest):

@@ -43,7 +43,7 @@ LEAST_LATE: Final = 0.5
 """Least lag, in samples, that is named as a cause where other errors are as large."""
 TIE: Final = 1.25
 """Ratio of two RMS errors up to which their explanations count as equally good."""
-UNEVEN: Final = 3.0
+UNEVEN_QUARTERS: Final = 3.0
 """Largest ratio of the RMS errors that a far lag leaves in two quarters: a near repetition fits another lag in each."""
 FOLLOWING: Final = 0.125
 """Largest share of the error that causes, not sure enough to be named, may leave if the estimate follows the body."""
@@ -56,7 +56,7 @@ LEAST_TILT: Final = float(np.radians(10.0))
 about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
 LEAD: Final = 1.5
 """Largest lead of a right filter, samples: one sample, and half of one for sensor errors."""
-FLOOR: Final = 0.1
+DISCRETISATION_ERROR: Final = 0.1
 """Largest constant error of a right filter with perfect sensors, as a share of the largest turn between samples."""
 OF_SENSORS: Final = float(np.radians(1.0))
 """Attitude error, rad, below which sensor errors may be the cause; they look more like a constant turn than a lag."""
@@ -64,7 +64,7 @@ LAG_TIE: Final = 3.0
 """Ratio of two RMS errors up to which a lag is an alternative to a cause of an error below `OF_SENSORS`."""
 FULL: Final = 0.999
 """Share of the longest lag from which on a lag counts as at the limit of the search."""
-HEADINGS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
+HEADING_STARTS: Final = np.stack([np.cos(h := np.arange(6) * np.pi / 6.0), np.sin(h)], axis=-1)
 """Starts of the joint fit of heading and mounting: w and z of quaternions of turns about the vertical, 60° apart."""
 
 Turned = tuple[str, ...]
@@ -227,7 +227,7 @@ class Evidence:
         others = whole[..., np.newaxis, :, :] - G
         if turned == BOTH:
             first = whole.reshape(-1, 8, 8)[0]
-            starts = _best_of_both(first, HEADINGS)
+            starts = _best_of_both(first, HEADING_STARTS)
             best = starts[np.argmax(_value(starts, first)), :2]
             numbers, crossed = (_best_of_both(sums, best) for sums in (whole, others))
         else:
@@ -345,7 +345,7 @@ class Evidence:
             cause.code == "world_turned" and not LEAST_TILT < angles(quaternion.exp(c)).inclination < np.pi - LEAST_TILT
             for cause, c in explanation.parts
         )
-        if is_lead or is_level or (explanation.far and left.max() > UNEVEN**2 * left.min()):
+        if is_lead or is_level or (explanation.far and left.max() > UNEVEN_QUARTERS**2 * left.min()):
             return False
         shares = dict.fromkeys(explanation.causes, SHARE)
         if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
@@ -361,7 +361,7 @@ class Evidence:
             explanation.error > FOLLOWING * self.without(explanation, "lag").error
             and abs(explanation.lag_s) * self.fastest <= self.left_by_sensors
         )
-        least = max(self.left_by_sensors, FLOOR * self.fastest * self.period_s)
+        least = max(self.left_by_sensors, DISCRETISATION_ERROR * self.fastest * self.period_s)
         return is_late or min(turns_rad, default=np.inf) <= least
 
     def follows(self) -> bool:

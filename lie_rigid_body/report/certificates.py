@@ -16,9 +16,9 @@ from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.recorded_motion import RecordedSegment, ResidualsOverTime
 from lie_rigid_body.wording import counted, numerals, printable
 
-HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
+LAW_HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Headings of the columns of `law_cells`."""
-COLUMNS: Final = " {:<34} {:>7} {:>7} {:<3} {:>7} {:>9} {}"
+LAW_ROW: Final = " {:<34} {:>7} {:>7} {:<3} {:>7} {:>9} {}"
 _UNIT: Final = 3
 """Width of the column of units, characters; a longer unit stands behind the name."""
 _TIME: Final = 9
@@ -49,10 +49,10 @@ def as_table(bag: str, certificate: Certificate, proof: Proof | None = None) -> 
     lines = [printable(bag)]
     for i, segment in enumerate(certificate.segments, 1):
         first, *others = segment_facts(i, len(certificate.segments), segment)
-        lines += ["", first, *(f"  {fact}" for fact in others), "", COLUMNS.format(*HEADINGS).rstrip()]
-        lines += [COLUMNS.format(*law_cells(law, segment.time_s(law))) for law in segment.laws]
+        lines += ["", first, *(f"  {fact}" for fact in others), "", LAW_ROW.format(*LAW_HEADINGS).rstrip()]
+        lines += [LAW_ROW.format(*law_cells(law, segment.time_s(law))) for law in segment.laws]
         lines += [wrapped(note, " note: ") for note in segment.notes]
-    lines += [*(COLUMNS.format(*law_cells(law, None)) for law in certificate.whole), "", verdict(certificate)]
+    lines += [*(LAW_ROW.format(*law_cells(law, None)) for law in certificate.whole), "", verdict(certificate)]
     if certificate.not_certified:
         lines.append(wrapped("; ".join(certificate.not_certified) + ".", "Not certified: "))
     if proof is not None:
@@ -197,7 +197,7 @@ def segment_facts(number: int, count: int, certificate: SegmentCertificate) -> t
 
 
 def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
-    """Cells of a law's line in the table, under `HEADINGS`.
+    """Cells of a law's line in the table, under `LAW_HEADINGS`.
 
     Parameters
     ----------
@@ -309,4 +309,4 @@ def _laws(certificate: Certificate) -> Iterator[str]:
 
 def law_table(laws: Iterable[tuple[LawResult, float | None]]) -> str:
     """Table of laws as HTML, each with the time of its worst sample; see `law_cells`."""
-    return html_page.table(HEADINGS, [(law_cells(law, time_s), law.holds) for law, time_s in laws])
+    return html_page.table(LAW_HEADINGS, [(law_cells(law, time_s), law.holds) for law, time_s in laws])

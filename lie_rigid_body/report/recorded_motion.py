@@ -47,7 +47,7 @@ _BUCKETS: Final = 2000
 """Number of pieces of a long bag of which the extreme samples are drawn: a picture has as many columns."""
 _CLOSE: Final = 0.05
 """Largest turn, rad, that a line may stand for."""
-INTERVALS: Final = 400
+RESIDUAL_INTERVALS: Final = 400
 """Most intervals of time of which the largest residual is kept."""
 
 
@@ -148,7 +148,7 @@ class ResidualsOverTime(Watch):
 
 
 class LawOverTime:
-    """The largest residual and the largest limit of one law in each of `INTERVALS` equal intervals of time at most.
+    """The largest residual and the largest limit of one law in each of `RESIDUAL_INTERVALS` equal intervals at most.
 
     An interval is twice as long as before when the time that all cover is over.
 
@@ -162,11 +162,11 @@ class LawOverTime:
     def __init__(self, unit: str, start_ns: int) -> None:
         self.unit, self._start_ns, self._length_ns = unit, start_ns, 1
         # residuals, limits, and 1 where a residual is beyond its limit
-        self._largest = np.full((3, INTERVALS), -np.inf)
+        self._largest = np.full((3, RESIDUAL_INTERVALS), -np.inf)
 
     def add(self, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
         """Take residuals, not negative, NaN for broken; those before the first interval count as its own."""
-        while (int(stamps_ns.max()) - self._start_ns) // self._length_ns >= INTERVALS:
+        while (int(stamps_ns.max()) - self._start_ns) // self._length_ns >= RESIDUAL_INTERVALS:
             self._double()
         at = np.maximum(0, (stamps_ns - self._start_ns) // self._length_ns)
         weights = np.where(np.isnan(residuals), np.inf, residuals)

@@ -28,7 +28,7 @@ from lie_rigid_body.report.recorded_motion import (
 )
 from lie_rigid_body.wording import counted, numerals
 
-INTERVALS: Final = 60
+ENVELOPE_INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
 
 _LARGEST: Final = 1e300
@@ -99,7 +99,7 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
         _draw_envelope(momentum, t, drift, colour, rf"$L_{name}$")
     energy.set_ylabel("energy drift\n$(H - H_0)/H_0$")
     momentum.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
-    momentum.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{INTERVALS}")
+    momentum.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{ENVELOPE_INTERVALS}")
 
 
 def _drifts(piece: RecordedSegment) -> Array:
@@ -124,7 +124,7 @@ def _draw_envelope(axes: Axes, t: Array, values: Array, colour: str, label: str 
 
 
 def envelope(t: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Smallest and largest value in each of `INTERVALS` equal parts of the samples, or of each sample.
+    """Smallest and largest value in each of `ENVELOPE_INTERVALS` equal parts of the samples, or of each sample.
 
     Parameters
     ----------
@@ -135,9 +135,9 @@ def envelope(t: Array, values: Array) -> tuple[Array, Array, Array]:
     t, lowest, highest : ndarray, shape (M,)
         The times in the middle of the parts.
     """
-    if len(t) <= INTERVALS:
+    if len(t) <= ENVELOPE_INTERVALS:
         return t, values, values
-    first = np.linspace(0, len(t), INTERVALS, endpoint=False).astype(np.int64)
+    first = np.linspace(0, len(t), ENVELOPE_INTERVALS, endpoint=False).astype(np.int64)
     last = np.append(first[1:], len(t)) - 1
     return 0.5 * (t[first] + t[last]), np.minimum.reduceat(values, first), np.maximum.reduceat(values, first)
 

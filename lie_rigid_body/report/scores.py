@@ -56,7 +56,7 @@ _HEADINGS: Final = (
 _WIDTHS: Final = "{:<22} {:>8} {:>8} {:>11} {:>8} {:>9} {:>10} {:>6} {:>12}  {}"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
-COLUMNS: Final = 2000
+SCORE_COLUMNS: Final = 2000
 """Number of intervals of time of a long curve, so that no peak is lost."""
 _LONGEST_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
@@ -272,7 +272,7 @@ def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width:
     """Plot some thousand points of a curve, the smallest and the largest of their neighbours, and none in a gap."""
     steps = np.diff(t_s)
     behind = np.flatnonzero(steps > GAP_PERIODS * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.int64)
-    kept = np.union1d(extremes(t_s, values, COLUMNS), behind)
+    kept = np.union1d(extremes(t_s, values, SCORE_COLUMNS), behind)
     points = [np.insert(array[kept], np.searchsorted(kept, behind), np.nan) for array in (t_s, values)]
     axes.plot(*points, color=colour, ls=style, label=label, **curve_style(len(values), width))
 

@@ -27,7 +27,7 @@ from lie_rigid_body.ros.timing.lockstep import LOOK_NS
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.wording import listed
 
-SETTLED_S: Final = 1.0
+QUIET_S: Final = 1.0
 """Time in which nothing may have changed before lock-step begins, s: what a node hears becomes known by and by."""
 
 
@@ -110,7 +110,7 @@ class Answers:
             if missing and missing != self.missing:
                 self._node.get_logger().info(f"lock-step waits for {', '.join(missing)}")
             self._parts, self.missing, self._since = present, missing, time.monotonic()
-        if missing or time.monotonic() < self._since + SETTLED_S:
+        if missing or time.monotonic() < self._since + QUIET_S:
             return None
         [name] = filters
         topics = {topic: publisher.topic_name for topic, publisher in self._publishers.items()}

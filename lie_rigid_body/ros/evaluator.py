@@ -56,10 +56,10 @@ FIRST_DIAGNOSIS_S: Final = 5.0
 """Shortest estimate, by its stamps, of which a diagnosis is made, s."""
 DIAGNOSIS_SHARE: Final = 0.03
 """Largest share of the time spent on diagnoses; one is always made when the time of the estimate has doubled."""
-SLOW: Final = frozenset({"heading_offset", "body_mounting"})
+DOUBTFUL_CODES: Final = frozenset({"heading_offset", "body_mounting"})
 """Codes of findings that the slow error of a healthy filter resembles for some seconds."""
 PLAIN_DEG: Final = 1.0
-"""Median error from which on the findings in `SLOW` are told at once, degrees."""
+"""Median error from which on the findings in `DOUBTFUL_CODES` are told at once, degrees."""
 
 
 class Confirmed:
@@ -74,7 +74,7 @@ class Confirmed:
         while len(self._found) > 1 and self._found[1][0] <= span_s / 2.0:
             self._found.popleft()
         earlier_s, earlier = self._found[0]
-        doubtful = SLOW if score.total_deg.median < PLAIN_DEG else frozenset()
+        doubtful = DOUBTFUL_CODES if score.total_deg.median < PLAIN_DEG else frozenset()
         doubtful -= earlier if earlier_s <= span_s / 2.0 else frozenset()
         return tuple(finding for finding in score.findings if finding.code not in doubtful)
 

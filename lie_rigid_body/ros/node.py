@@ -19,7 +19,7 @@ from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.control.parameters import NodeParameters
-from lie_rigid_body.ros.control.services import PACKAGE, StandardServices, offer_triggers
+from lie_rigid_body.ros.control.services import SIMULATION_INTERFACES, StandardServices, offer_triggers
 from lie_rigid_body.ros.installation import is_installed
 from lie_rigid_body.ros.publishing.announcement import announcement, farewell
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Diagnostics
@@ -151,7 +151,7 @@ class SimulatorNode(Node):
 
         self.add_post_set_parameters_callback(change_factor)
         offer_triggers(self, run, self.parameters.scenario)
-        if is_installed(PACKAGE):
+        if is_installed(SIMULATION_INTERFACES):
             StandardServices(run, self.parameters.scenario, self.get_name()).offer(self)
 
 

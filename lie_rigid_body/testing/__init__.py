@@ -37,7 +37,7 @@ __all__ = ["assert_attitude", "attitude_run", "command_estimator", "node_estimat
 
 FIXTURE: Final = "attitude_run"
 """Name of the fixture, and of its marker."""
-PARAMETERS: Final[dict[str, object]] = {
+RUN_DEFAULTS: Final[dict[str, object]] = {
     "duration": 30.0,
     "motion": "closed_form",
     "imu_rate": 100.0,
@@ -131,7 +131,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if marker is not None:
         for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:
             try:
-                _key(scenario, {**PARAMETERS, "sensor_grade": grade, **chosen})
+                _key(scenario, {**RUN_DEFAULTS, "sensor_grade": grade, **chosen})
             except InputError as error:
                 _fail(str(error))
     metafunc.parametrize(FIXTURE, pairs, indirect=True, ids=["-".join(map(str, pair)) for pair in pairs])
@@ -184,7 +184,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     scenario, grade = pair
     marker = request.node.get_closest_marker(FIXTURE)
     chosen = {k: v for k, v in (marker.kwargs if marker else {}).items() if k not in ("scenarios", "grades")}
-    given = {**PARAMETERS, "sensor_grade": grade, **chosen}
+    given = {**RUN_DEFAULTS, "sensor_grade": grade, **chosen}
     try:
         key = _key(scenario, given)
         if key not in _runs:

@@ -12,7 +12,7 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.cli.check import main
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report.certificates import COLUMNS, law_cells
+from lie_rigid_body.report.certificates import LAW_ROW, law_cells
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -98,7 +98,7 @@ def test_columns_never_run_into_each_other(time_s, said):
     law = LawResult("IMU stamps", "gap", 1.26e300, 1.26e-300, 12345678901, 1, 1, 1)
     cells = law_cells(law, time_s)
     assert cells[5] == said
-    assert COLUMNS.format(*cells).split()[2:] == [cell for cell in cells[1:] if cell]
+    assert LAW_ROW.format(*cells).split()[2:] == [cell for cell in cells[1:] if cell]
 
 
 def test_a_bag_that_breaks_a_law(tmp_path, capsys):

@@ -14,7 +14,7 @@ import pytest
 
 from lie_rigid_body import console
 from lie_rigid_body.cli.record import main as record
-from lie_rigid_body.interruption import ENDING
+from lie_rigid_body.interruption import END_SIGNALS
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.system import cores, lock
 from lie_rigid_body.wording import shortened
@@ -102,4 +102,4 @@ def test_cores_are_counted_without_an_affinity(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_of_signals_those_are_heeded_that_there_are() -> None:
-    assert {"SIGINT", "SIGTERM"} <= {number.name for number in ENDING}
+    assert {"SIGINT", "SIGTERM"} <= {number.name for number in END_SIGNALS}

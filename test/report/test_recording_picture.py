@@ -18,7 +18,7 @@ from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report.recorded_motion import Ellipsoid, thinned_segments
-from lie_rigid_body.report.recording_picture import INTERVALS, draw, envelope
+from lie_rigid_body.report.recording_picture import ENVELOPE_INTERVALS, draw, envelope
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 from lie_rigid_body.simulation import Simulation, Taken
@@ -109,9 +109,9 @@ def test_the_polhode_is_seen_from_in_front_and_not_as_a_chord(scenario):
 def test_an_envelope_holds_every_value_between_its_edges():
     values = np.random.default_rng(0).normal(size=10_007)
     t, lowest, highest = envelope(np.arange(10_007.0), values)
-    assert len(t) == len(lowest) == len(highest) == INTERVALS
+    assert len(t) == len(lowest) == len(highest) == ENVELOPE_INTERVALS
     assert (lowest.min(), highest.max()) == (values.min(), values.max())
-    first = np.linspace(0, 10_007, INTERVALS, endpoint=False).astype(int)
+    first = np.linspace(0, 10_007, ENVELOPE_INTERVALS, endpoint=False).astype(int)
     for k, (begin, end) in enumerate(pairwise([*first, 10_007])):
         assert lowest[k] == values[begin:end].min()
         assert highest[k] == values[begin:end].max()

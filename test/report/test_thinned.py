@@ -13,7 +13,7 @@ from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.report import recorded_motion
-from lie_rigid_body.report.recorded_motion import INTERVALS, LawOverTime, ResidualsOverTime, thinned_segments
+from lie_rigid_body.report.recorded_motion import RESIDUAL_INTERVALS, LawOverTime, ResidualsOverTime, thinned_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -28,7 +28,7 @@ def test_the_largest_of_each_interval_is_kept(block):
     for i in range(0, 3000, block):
         law.add(residuals[i : i + block], limits[i : i + block], stamps[i : i + block])
     t, largest, limit, broken = law.series(int(stamps[0]))
-    assert INTERVALS / 2 <= len(t) <= INTERVALS
+    assert RESIDUAL_INTERVALS / 2 <= len(t) <= RESIDUAL_INTERVALS
     length = np.diff(t).min()
     weights = np.where(np.isnan(residuals), np.inf, residuals)
     for k, middle in enumerate(t):

@@ -31,7 +31,7 @@ from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.wording import numerals, shown
 
-PACKAGE: Final = "simulation_interfaces"
+SIMULATION_INTERFACES: Final = "simulation_interfaces"
 
 
 class Code(IntEnum):

@@ -35,10 +35,10 @@ ARROW: Final = 1.0
 """Length of the arrows at the start of a segment, m."""
 TRAIL: Final = 600
 """Most points of the polhode's line."""
-BLUE: Final = ColorRGBA(r=0.35, g=0.55, b=0.85, a=0.6)
-ORANGE: Final = ColorRGBA(r=0.95, g=0.55, b=0.1, a=1.0)
-GREEN: Final = ColorRGBA(r=0.1, g=0.65, b=0.35, a=1.0)
-PURPLE: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
+BODY_COLOUR: Final = ColorRGBA(r=0.35, g=0.55, b=0.85, a=0.6)
+RATE_COLOUR: Final = ColorRGBA(r=0.95, g=0.55, b=0.1, a=1.0)
+MOMENTUM_COLOUR: Final = ColorRGBA(r=0.1, g=0.65, b=0.35, a=1.0)
+POLHODE_COLOUR: Final = ColorRGBA(r=0.6, g=0.3, b=0.75, a=1.0)
 
 
 class Transforms(Sink):
@@ -121,7 +121,7 @@ class Markers(Sink):
             "body",
             Marker.CUBE,
             stamp_ns,
-            BLUE,
+            BODY_COLOUR,
             pose=Pose(orientation=_message(Quaternion, quaternion.multiply(attitude, axes))),
             scale=_message(Vector3, sides),
         )
@@ -130,14 +130,14 @@ class Markers(Sink):
             "polhode",
             Marker.LINE_STRIP,
             stamp_ns,
-            PURPLE,
+            POLHODE_COLOUR,
             pose=Pose(orientation=_message(Quaternion, attitude)),
             scale=Vector3(x=0.01),
             points=[_message(Point, point) for point in self._trail],
         )
         arrows = (
-            self._arrow(1, "momentum", stamp_ns, GREEN, momentum),
-            self._arrow(2, "angular velocity", stamp_ns, ORANGE, rate),
+            self._arrow(1, "momentum", stamp_ns, MOMENTUM_COLOUR, momentum),
+            self._arrow(2, "angular velocity", stamp_ns, RATE_COLOUR, rate),
         )
         return MarkerArray(markers=[body, *arrows, polhode])
 
