@@ -40,7 +40,7 @@ RUNS_AHEAD: Final = 4
 MOST_FAILURES: Final = 20
 """Number of runs that may fail one after another, besides those under way, before no more are begun."""
 
-LONGEST_CLOSING_S: Final = 15.0
+LONGEST_CLUSTER_CLOSING_S: Final = 15.0
 """Longest wait for a cluster to close, s; Dask kills a worker that has not ended after 9."""
 
 _FILES: Final = 24
@@ -324,12 +324,12 @@ def _end_what_is_left(mark: str) -> None:
 
 @contextmanager
 def _closed_in_time(what: _Closable) -> Iterator[_Closable]:
-    """A context at whose end a client or a cluster is closed, within `LONGEST_CLOSING_S`."""
+    """A context at whose end a client or a cluster is closed, within `LONGEST_CLUSTER_CLOSING_S`."""
     try:
         yield what
     finally:
         with suppress(Late), Interruption.current().noted():
-            what.close(timeout=LONGEST_CLOSING_S)
+            what.close(timeout=LONGEST_CLUSTER_CLOSING_S)
 
 
 def finished(

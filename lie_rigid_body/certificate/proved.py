@@ -16,7 +16,7 @@ from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 
-MOST_SAMPLES: Final = 10_000
+MOST_PROVED: Final = 10_000
 """Largest number of samples that are proved, which takes half a minute."""
 
 
@@ -85,8 +85,8 @@ def require_count(count: int) -> None:
     LieRigidBodyError
         If python-flint is not installed.
     """
-    if not 1 <= count <= MOST_SAMPLES:
-        raise InputError(f"--prove {count}: not a number of samples: give 1 to {MOST_SAMPLES}")
+    if not 1 <= count <= MOST_PROVED:
+        raise InputError(f"--prove {count}: not a number of samples: give 1 to {MOST_PROVED}")
     import lie_rigid_body.proof  # noqa: F401
 
 

@@ -14,7 +14,7 @@ from lie_rigid_body.compilation import Work, kernel
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import (
     ABREAST,
-    WORK_AREA,
+    FLOW_AREA,
     column_quadruple,
     column_triple,
     flow,
@@ -203,7 +203,7 @@ _EXACT, _UNIT, _MOMENTUM, _FOUND = 7, 11, 15, 18
 """First columns of the exact attitude, the normalised attitude, the body momentum and the residuals in the work array
 of `fill_residuals`. The recorded attitude and body rate stand before them."""
 _COLUMNS: Final = _FOUND + _OF_SAMPLES + _OF_STEPS
-AREA: Final = WORK_AREA + (_COLUMNS + 1) * ABREAST
+AREA: Final = FLOW_AREA + (_COLUMNS + 1) * ABREAST
 """Length of the work array of `fill_residuals`: the work area of `follow`, then `_COLUMNS` columns, then the spans."""
 
 
@@ -256,7 +256,7 @@ def fill_residuals(
 ) -> None:
     """Fill in the residuals of all samples and steps; numba compiles this function."""
     tensor, inverted = _nine(inertia), _nine(inverse)
-    flow_area, columns, parts = work[:WORK_AREA], work[WORK_AREA : AREA - ABREAST], work[AREA - ABREAST : AREA]
+    flow_area, columns, parts = work[:FLOW_AREA], work[FLOW_AREA : AREA - ABREAST], work[AREA - ABREAST : AREA]
     for first in range(0, len(attitude), ABREAST):
         count = min(ABREAST, len(attitude) - first)
         put_columns(flow_area, 6, 0, column_quadruple(columns, _UNIT, ABREAST - 1))

@@ -23,7 +23,7 @@ MOST_KEPT: Final = 100_000
 
 Of more every second is kept, then every fourth, and so on. Their score takes about 3 s; launch kills what does not end
 within 10 s."""
-MOST_BLOCKS: Final = 2000
+MOST_ARRAYS: Final = 2000
 """Largest number of arrays of kept attitudes before they are joined."""
 LENIENCE_NS: Final = NS
 """Largest time between neighbours, ns, that counts as no leap of the stamps. The last estimate and the last pose heard
@@ -38,14 +38,14 @@ STEPS: Final = 4
 MOST_FRAMES: Final = 20
 """Largest number of pairs of frames of one topic that are told apart, beside the one that is wanted."""
 
-STRAY, DISORDERED, UNUSABLE, OF_OTHERS = "stray", "disordered", "unusable", "of_others"
+STRAY, DISORDERED, UNUSABLE_ATTITUDES, OF_OTHERS = "stray", "disordered", "unusable", "of_others"
 _SENTENCES: Final = {
     STRAY: "{count} of {whole} are left out, whose stamps leap from those beside them, the first to {first} s: find "
     "out what stamped them",
     DISORDERED: "{count} of {whole} were stamped before one that had come, the first {first} s, and are left out: let "
     "one node publish them, whose time never jumps back",
-    UNUSABLE: "{count} of {whole} are not finite, or zero, the first stamped {first} s: they are left out; find out "
-    "why they were given",
+    UNUSABLE_ATTITUDES: "{count} of {whole} are not finite, or zero, the first stamped {first} s: they are left out; "
+    "find out why they were given",
     OF_OTHERS: "{count} of {whole} are of other frames, the first stamped {first} s, and are left out: let one node "
     "publish one body",
 }
@@ -252,12 +252,12 @@ class KeptAttitudes:
         due_ns = np.inf if self.due_ns is None else self.due_ns
         inside = stamps <= due_ns
         self.complete |= bool(np.any(stamps >= due_ns))
-        self.leave_out(UNUSABLE, stamps[inside & ~usable])
+        self.leave_out(UNUSABLE_ATTITUDES, stamps[inside & ~usable])
         counted = track[inside & usable]
         self._blocks.append(counted[-self.count % self.stride :: self.stride])
         self._last = [counted[-1:]] if len(counted) else self._last
         self.count += len(counted)
-        if sum(map(len, self._blocks)) > self._most or len(self._blocks) > MOST_BLOCKS:
+        if sum(map(len, self._blocks)) > self._most or len(self._blocks) > MOST_ARRAYS:
             kept = AttitudeTrack.joined(self._blocks)
             while len(kept) > self._most:
                 kept, self.stride = kept[np.arange(0, len(kept), 2)], 2 * self.stride

@@ -12,7 +12,7 @@ import numpy as np
 
 from lie_rigid_body.arrays import Array
 from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.estimates.kept import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE, KeptAttitudes, KeptBiases
+from lie_rigid_body.estimates.kept import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE_ATTITUDES, KeptAttitudes, KeptBiases
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
@@ -167,7 +167,7 @@ def recorded_estimate(
     kept.leave_out(STRAY, track.stamps_ns[~within])
     kept.add(track[within])
     kept.end(until_ns=until_ns)
-    if kept.number_of(UNUSABLE):
+    if kept.number_of(UNUSABLE_ATTITUDES):
         unit("estimate", track.attitude_xyzw)  # refuses them
     ordered = kept.track()
     notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))

@@ -51,7 +51,7 @@ _TABLE: Final = np.array([_N[0::2], _N[1::2]])
 REACH: Final = 2.0
 """Largest 1-norm that is not halved: the relative error of φ there is (9!)² 2¹⁸/(18! 19!) < 5e-17."""
 
-NEAR: Final = 0.5
+LOGARITHM_RADIUS: Final = 0.5
 """Frobenius distance from the identity up to which the series of the logarithm is used."""
 
 HALF_TURN_MARGIN: Final = 1e-13
@@ -151,7 +151,7 @@ def distance_from_identity(A: Matrix) -> Array:
 
 
 def log_near_identity(A: Matrix) -> Matrix:
-    """The logarithm of matrices within `NEAR` of the identity: log A = 2 artanh((A − 1)(A + 1)⁻¹).
+    """The logarithm of matrices within `LOGARITHM_RADIUS` of the identity: log A = 2 artanh((A − 1)(A + 1)⁻¹).
 
     The difference A − 1 enters first, so that the logarithm of 1 + δ has the relative accuracy of δ.
 
@@ -179,14 +179,14 @@ def batched_log(A: Matrix, far: Callable[[Matrix], Matrix]) -> Matrix:
     ----------
     A : ndarray, shape (..., n, n)
     far : callable
-        The logarithm of one matrix, shape (n, n), that is farther from the identity than `NEAR`.
+        The logarithm of one matrix, shape (n, n), that is farther from the identity than `LOGARITHM_RADIUS`.
 
     Returns
     -------
     ndarray, shape (..., n, n)
     """
     flat = A.reshape(-1, *A.shape[-2:])
-    near = distance_from_identity(flat) <= NEAR
+    near = distance_from_identity(flat) <= LOGARITHM_RADIUS
     result = np.empty_like(flat)
     result[near] = log_near_identity(flat[near])
     for k in np.flatnonzero(~near):
@@ -206,7 +206,7 @@ def principal_log(A: Matrix) -> Matrix:
     ndarray, shape (n, n)
         Not checked: where no logarithm is found it is not finite, or is no logarithm of the matrix.
     """
-    if distance_from_identity(A) <= NEAR:
+    if distance_from_identity(A) <= LOGARITHM_RADIUS:
         return log_near_identity(A)
     # SciPy before 1.18 prints, and later warns, where it doubts its result
     with warnings.catch_warnings(), redirect_stdout(None):

@@ -26,7 +26,7 @@ from lie_rigid_body.messages.layout import (
 )
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Field, SensorModel, Sensors, Topic
-from lie_rigid_body.sensors.fault import LONGEST_TEXT
+from lie_rigid_body.sensors.fault import LONGEST_FAULT_TEXT
 from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Samples, SensorSamples, Taken
 
@@ -310,5 +310,5 @@ class BatchEncoder:
         if taken.faults:
             begins = np.array([fault.begin_ns for fault in taken.faults], dtype=np.int64)
             yield Messages(
-                FAULTS_TOPIC, begins, encode_strings([fault.to_json() for fault in taken.faults], LONGEST_TEXT)
+                FAULTS_TOPIC, begins, encode_strings([fault.to_json() for fault in taken.faults], LONGEST_FAULT_TEXT)
             )

@@ -40,7 +40,7 @@ _Q: Final = 6
 """Column where an attitude begins, behind momentum and rate."""
 _ORDER: Final = 10 * ABREAST
 _SUMS: Final = _ORDER * (_MOST_TERMS + 1)
-WORK_AREA: Final = _SUMS + 7 * ABREAST
+FLOW_AREA: Final = _SUMS + 7 * ABREAST
 """Length of the array in which `follow` works."""
 
 _BLOCK: Final = 4096
@@ -138,7 +138,7 @@ def follow(work: Any, inverse: Sequence[Number], spans: Any, terms: int) -> None
 
     Parameters
     ----------
-    work : ndarray, shape (WORK_AREA,)
+    work : ndarray, shape (FLOW_AREA,)
         Columns of `ABREAST` numbers: of each order momentum, rate and attitude. Those of order 0 are moved.
     inverse : tuple of float, length 9
         Entries of the inverse inertia, row by row.
@@ -165,7 +165,7 @@ def follow(work: Any, inverse: Sequence[Number], spans: Any, terms: int) -> None
 def _add_order(work: Any, inverse: Sequence[Number], n: int) -> None:
     """The rates of order n, and momenta and attitudes of the next."""
     here, later = work[n * _ORDER : (n + 1) * _ORDER], work[(n + 1) * _ORDER : (n + 2) * _ORDER]
-    sums = work[_SUMS:WORK_AREA]
+    sums = work[_SUMS:FLOW_AREA]
     for j in range(ABREAST):
         x, y, z = column_triple(here, 0, j)
         for k in range(3):

@@ -25,7 +25,7 @@ from rclpy.qos import QoSProfile
 from lie_rigid_body import console
 from lie_rigid_body.arrays import Integers
 from lie_rigid_body.errors import InputError, LieRigidBodyError
-from lie_rigid_body.estimates.kept import UNUSABLE
+from lie_rigid_body.estimates.kept import UNUSABLE_ATTITUDES
 from lie_rigid_body.estimates.live_estimate import INTERIM, LiveEstimate
 from lie_rigid_body.evaluation import AttitudeError, Finding, Limits, Score
 from lie_rigid_body.evaluation.consistency import require_axes
@@ -152,7 +152,7 @@ class Scores:
         if score is not None and (bias := score.gyro_bias_rad_s):
             values["gyro bias error, RMS of the second half (rad/s)"] = f"{bias.rms:.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
-        fault = self._fault or live.left_out().get(UNUSABLE, "")
+        fault = self._fault or live.left_out().get(UNUSABLE_ATTITUDES, "")
         if fault:
             return DiagnosticStatus.ERROR, fault, values
         # that the run is still shorter than a limit is no fault yet
@@ -250,7 +250,7 @@ def _score(given: argparse.Namespace, following: Following, missing: str, comple
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
     status = answer(given, "", [(read, score)])
-    if live.estimate.number_of(UNUSABLE):
-        console.complain(console.program("evaluate"), f"estimate: {live.left_out()[UNUSABLE]}")
+    if live.estimate.number_of(UNUSABLE_ATTITUDES):
+        console.complain(console.program("evaluate"), f"estimate: {live.left_out()[UNUSABLE_ATTITUDES]}")
         return console.UNUSABLE
     return status

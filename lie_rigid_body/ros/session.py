@@ -29,7 +29,7 @@ from lie_rigid_body.errors import InputError, LieRigidBodyError
 
 _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
-LONGEST_NAME: Final = 200
+LONGEST_NODE_NAME: Final = 200
 """Longest name of a node and longest namespace, characters: those of its services are longer, and may have 247."""
 LARGEST_DEPTH: Final = 2**31 - 1
 """Most messages of a topic that can be kept."""
@@ -80,10 +80,10 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
 
 def _require_short_name(arguments: Sequence[str]) -> None:
     for argument in arguments:
-        if (rule := _NAME.fullmatch(argument)) and len(rule[1]) > LONGEST_NAME:
+        if (rule := _NAME.fullmatch(argument)) and len(rule[1]) > LONGEST_NODE_NAME:
             raise InputError(
-                f"{argument}: this node would have a name of {len(rule[1])} characters: at most {LONGEST_NAME} leave "
-                "room for those of its services"
+                f"{argument}: this node would have a name of {len(rule[1])} characters: at most {LONGEST_NODE_NAME} "
+                "leave room for those of its services"
             )
 
 

@@ -44,7 +44,7 @@ SETTLES_S: Final = 1.0
 """Time in which a right filter corrects the error of its gyro, s."""
 LEFT: Final = 1.5
 """Largest turn that sensor errors leave in a right filter, as a multiple of the expected one."""
-FEWEST: Final = 100
+FEWEST_READINGS: Final = 100
 """Least number of IMU readings in a segment at which the bound is computed. The segments share the other readings by
 their durations."""
 
@@ -280,7 +280,7 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
                 f"the scenario declares {declared:.3g} readings, and the unavoidable error is computed of "
                 f"{MOST_DECLARED:g}: take a shorter run"
             )
-        share = None if most is None else max(FEWEST, most * (end - segment.start_ns) // whole)
+        share = None if most is None else max(FEWEST_READINGS, most * (end - segment.start_ns) // whole)
         stamps = _stamps(segment, segment.scenario.sensors.imu.rate, end)
         parts += [_of_segment(segment, stamps, end, share)] if len(stamps) else []
     return _in_turn(parts)

@@ -31,7 +31,7 @@ AXES: Final = ("x", "y", "z")
 PARTS: Final[list[str]] = []
 """Names of the sensors, and of parts of sensors, that can have faults, as the table of sensors puts them here. Their
 order is part of the keys of the random numbers."""
-LONGEST_TEXT: Final = 192
+LONGEST_FAULT_TEXT: Final = 192
 """Largest length of the text of a fault, characters."""
 SHORTEST_INTERVAL_S: Final = 1e-3
 """Shortest interval from one episode to the next, s."""
@@ -85,7 +85,7 @@ class Fault:
             If the text tells of no fault.
         """
         try:
-            fault = cls(**json.loads(text[: 2 * LONGEST_TEXT]))
+            fault = cls(**json.loads(text[: 2 * LONGEST_FAULT_TEXT]))
             names = fault.kind in KINDS and fault.sensor in PARTS and fault.axis in (*AXES, "")
             times = type(fault.begin_ns) is int and (fault.end_ns is None or type(fault.end_ns) is int)
             if names and times and (fault.size is None or type(fault.size) in (int, float)):

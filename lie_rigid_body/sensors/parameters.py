@@ -19,7 +19,7 @@ from lie_rigid_body.parameters import Parameter, Value, Vector
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
 
-LARGEST: Final = 1e9
+LARGEST_PARAMETER: Final = 1e9
 """Largest value of a parameter that has no narrower limit, in its unit."""
 _LONGEST_S: Final = 1e9
 """Longest duration of a fault, s."""
@@ -37,7 +37,7 @@ def values_of(kind: type, name: str, values: Values) -> dict[str, Any]:
     return {field: value for field, value in found.items() if value is not None}
 
 
-def not_negative(name: str, description: str, default: float = 0.0, maximum: float = LARGEST) -> Parameter:
+def not_negative(name: str, description: str, default: float = 0.0, maximum: float = LARGEST_PARAMETER) -> Parameter:
     """A parameter whose values are not below 0."""
     return Parameter(name, "double", default, description, minimum=0.0, maximum=maximum)
 

@@ -20,7 +20,7 @@ from lie_rigid_body.short_dataclass import short_dataclass
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
-LONGEST_TEXT: Final = 64 * 1024
+LONGEST_SCENARIO_TEXT: Final = 64 * 1024
 """Largest length of a scenario message that is read, characters; this package writes about 2000."""
 
 
@@ -133,8 +133,10 @@ class Segment:
         InputError
             If the text is not such a message, or its ``start_ns`` is not the stamp of its ``first_sample``.
         """
-        if len(text) > LONGEST_TEXT:
-            raise InputError(f"the scenario message has {len(text)} characters: at most {LONGEST_TEXT} are read")
+        if len(text) > LONGEST_SCENARIO_TEXT:
+            raise InputError(
+                f"the scenario message has {len(text)} characters: at most {LONGEST_SCENARIO_TEXT} are read"
+            )
         try:
             content = _parsed(text)
         except ValueError as error:

@@ -17,7 +17,7 @@ from refused_runs import refused
 
 from lie_rigid_body import Estimate, Run, Scenario, simulate
 from lie_rigid_body.estimates import live_estimate
-from lie_rigid_body.estimates.kept import DISORDERED, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.kept import DISORDERED, STRAY, UNUSABLE_ATTITUDES, KeptAttitudes
 from lie_rigid_body.estimates.live_estimate import RECENT, LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate
@@ -360,7 +360,7 @@ def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, t
     kept = np.delete(np.arange(len(stamps)), [40, 90])
     alone = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[kept], noisy[kept]))
     assert score.total_deg == scored(alone).total_deg
-    assert live.estimate.number_of(UNUSABLE) == 2
+    assert live.estimate.number_of(UNUSABLE_ATTITUDES) == 2
     _, note = read.notes
     assert numbers(note) == [2, 149, stamps[40] / NS]
     assert followed(alone, POSE_STAMPED).left_out() == {}
@@ -391,7 +391,7 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
     live.judge()
     assert [*complete, live.estimate.complete] == [False, True]
     score = live.score()[1]
-    assert (score.t_s[-1], score.samples, live.estimate.number_of(UNUSABLE)) == (2.0, 51, 1)
+    assert (score.t_s[-1], score.samples, live.estimate.number_of(UNUSABLE_ATTITUDES)) == (2.0, 51, 1)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import Scenario
-from lie_rigid_body.estimates.kept import DISORDERED, OF_OTHERS, STRAY, UNUSABLE, KeptAttitudes
+from lie_rigid_body.estimates.kept import DISORDERED, OF_OTHERS, STRAY, UNUSABLE_ATTITUDES, KeptAttitudes
 from lie_rigid_body.messages.definitions import ODOMETRY, POSE_STAMPED
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.runs.truth import TrueMotion
@@ -21,7 +21,8 @@ LEFT_OUT = {
     STRAY: "are left out, whose stamps leap from those beside them, the first to 2 s: find out what stamped them",
     DISORDERED: "were stamped before one that had come, the first 2 s, and are left out: let one node publish them, "
     "whose time never jumps back",
-    UNUSABLE: "are not finite, or zero, the first stamped 2 s: they are left out; find out why they were given",
+    UNUSABLE_ATTITUDES: "are not finite, or zero, the first stamped 2 s: they are left out; find out why they "
+    "were given",
     OF_OTHERS: "are of other frames, the first stamped 2 s, and are left out: let one node publish one body",
 }
 """Kinds of estimates that are left out, and what is said of them."""

@@ -38,7 +38,7 @@ def test_the_exponential_of_matrices_is_right_where_halving_begins(size: float):
         assert max(abs(mpf(float(found[i, j])) - truth[i, j]) for i in range(3) for j in range(3)) < 4e-15
 
 
-@pytest.mark.parametrize("size", [*beside(exponential.NEAR), 1e-9, 1e-3, 0.9])
+@pytest.mark.parametrize("size", [*beside(exponential.LOGARITHM_RADIUS), 1e-9, 1e-3, 0.9])
 @pytest.mark.parametrize("direction", [GENERATOR, np.diag([-1.0, 0.0, 0.0]), np.ones((3, 3))])
 def test_the_logarithm_of_matrices_is_right_where_its_series_ends(direction: np.ndarray, size: float):
     """The series converges the slowest where a matrix shrinks one direction alone."""

@@ -14,7 +14,7 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS, Fault
-from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_TEXT, PARTS, Episodes, Window, stream
+from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_FAULT_TEXT, PARTS, Episodes, Window, stream
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
 NS = 1_000_000_000
@@ -279,8 +279,8 @@ def _defaults() -> dict[str, Any]:
 def test_a_fault_comes_back_from_its_text(kind, sensor, axis, begin, end, size) -> None:
     fault = Fault(kind, sensor, axis, begin, end, size)
     text = fault.to_json()
-    assert len(text) <= LONGEST_TEXT
-    assert Fault.from_json(text.ljust(LONGEST_TEXT)) == fault
+    assert len(text) <= LONGEST_FAULT_TEXT
+    assert Fault.from_json(text.ljust(LONGEST_FAULT_TEXT)) == fault
 
 
 @pytest.mark.parametrize(

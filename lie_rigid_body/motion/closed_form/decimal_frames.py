@@ -21,7 +21,7 @@ Exact = TypeVar("Exact", int, Decimal)
 Tensor: TypeAlias = Sequence[Sequence[float]]
 """An inertia, kg m², body frame: 3 rows of 3."""
 
-DIGITS: Final = 50
+DIAGONAL_DIGITS: Final = 50
 """Decimal digits where the inertia is diagonal: no sum cancels, and time multiplies some rates by 1e10 rad."""
 
 COUPLED_DIGITS: Final = 80
@@ -38,7 +38,7 @@ def digits_for(inertia: Tensor) -> int:
     full precision.
     """
     sizes = [Decimal.from_float(entry).adjusted() for row in inertia for entry in row if entry != 0.0]
-    return (DIGITS if len(sizes) == 3 else COUPLED_DIGITS) + 2 * (max(sizes) - min(sizes))
+    return (DIAGONAL_DIGITS if len(sizes) == 3 else COUPLED_DIGITS) + 2 * (max(sizes) - min(sizes))
 
 
 def is_steady(inertia: Tensor, rate: Sequence[float]) -> bool:

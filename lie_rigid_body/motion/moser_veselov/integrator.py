@@ -20,8 +20,8 @@ from lie_rigid_body.motion.moser_veselov.layout import (
     M1,
     M3,
     MOMENTUM,
-    NANOSECOND,
     RATES,
+    SCALED_NANOSECOND,
     SPATIAL_MOMENTUM,
     STATE_SIZE,
     STEP_LENGTH,
@@ -68,7 +68,7 @@ def _placed(motion: ScaledMotion, series: list[float]) -> list[float]:
     n1, n2, n3 = (component * component for component in motion.momentum)
     e12, e13, e23 = e1 - e2, e1 - e3, e2 - e3
     numbers: dict[int, Sequence[Decimal]] = {
-        NANOSECOND: [decimals.NANOSECOND * motion.fastest],
+        SCALED_NANOSECOND: [decimals.NANOSECOND * motion.fastest],
         INVERSE_MOMENTS: [e1, e2, e3],
         P: [e23 * (e12 * n2 + e13 * n3)],
         Q: [e12 * (e13 * n1 + e23 * n2)],

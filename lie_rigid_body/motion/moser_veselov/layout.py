@@ -41,10 +41,10 @@ STATE_SIZE: Final = ROTATION_STEP + 6
 
 # The constants of a motion.
 
-NANOSECOND: Final = 0
+SCALED_NANOSECOND: Final = 0
 """One nanosecond in the motion's unit of time."""
 
-INVERSE_MOMENTS: Final = NANOSECOND + 2
+INVERSE_MOMENTS: Final = SCALED_NANOSECOND + 2
 """e₁, e₂, e₃."""
 
 P: Final = INVERSE_MOMENTS + 6

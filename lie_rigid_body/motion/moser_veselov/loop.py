@@ -32,9 +32,9 @@ from lie_rigid_body.motion.moser_veselov.layout import (
     M3,
     MOMENTUM,
     MOMENTUM_STEP,
-    NANOSECOND,
     RATES,
     ROTATION_STEP,
+    SCALED_NANOSECOND,
     SINCE_RESTORATION,
     SPATIAL_MOMENTUM,
     STEP_LENGTH,
@@ -68,7 +68,7 @@ SMALLEST: Final = 1e-250
 @kernel
 def prepare(state: Any, constants: Any, span: int, count: int) -> None:
     """Store the constants of a step, unless they are there already."""
-    length = divide(multiply(pair(constants, NANOSECOND), from_integer(span)), (float(count), 0.0))
+    length = divide(multiply(pair(constants, SCALED_NANOSECOND), from_integer(span)), (float(count), 0.0))
     if length[0] != state[STEP_LENGTH] or length[1] != state[STEP_LENGTH + 1]:
         state[STEP_LENGTH], state[STEP_LENGTH + 1] = length
         momentum_step, rotation_step = step_constants(length, constants)

@@ -14,7 +14,7 @@ from lie_rigid_body.motion.motion import InitialConditions
 from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STATE_SIZE
 from lie_rigid_body.motion.munthe_kaas.tableau import Tableau
 
-LARGEST_TURN: Final = math.pi
+CHART_RADIUS: Final = math.pi
 """Largest rotation angle in a step, rad: farther from its centre the chart is not one to one."""
 
 GOOD_TURN: Final = 0.01
@@ -66,9 +66,9 @@ class MuntheKaasIntegrator:
         """
         step = min(self.largest_step, 1e-9 * span_ns)
         way = step * math.hypot(*apply_tensor(self._inverse, np.array(state[MOMENTUM:])).tolist())
-        if way > LARGEST_TURN:
+        if way > CHART_RADIUS:
             raise InputError(
-                f"a step of {step:g} s goes {way:.3g} rad at the rate of its start, or more (limit {LARGEST_TURN:.3g} "
+                f"a step of {step:g} s goes {way:.3g} rad at the rate of its start, or more (limit {CHART_RADIUS:.3g} "
                 f"rad): lower max_step, to about {GOOD_TURN * step / way:.1g} s"
             )
 
