@@ -339,7 +339,7 @@ class Run(_NamedSensors, Shown):
         Raises
         ------
         InputError
-            If the scenario declares more than 20 million readings, or vectors or noises whose squares are no numbers.
+            If the scenario declares more than 20 million readings, or a vector or a noise is too small or too large.
         """
         last = self.t_ns[-1] if self.imu is None else max(self.t_ns[-1:].max(), self.imu.t_ns.max(initial=0))
         return unavoidable_error_of(self.segments, int(last))

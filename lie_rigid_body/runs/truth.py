@@ -267,7 +267,7 @@ def unavoidable_error_of(segments: Sequence[Segment], last_ns: int, most: int | 
     Raises
     ------
     InputError
-        If the scenario declares more than `MOST_DECLARED` readings, or vectors or noises whose squares are no numbers.
+        If the scenario declares more than `MOST_DECLARED` readings, or a vector or a noise is too small or too large.
     """
     if not segments or not all(_has_noise(segment.scenario.sensors) for segment in segments):
         return None
