@@ -16,8 +16,8 @@ from typing import Any, Final, TypeVar
 from mcap.reader import make_reader
 from mcap.writer import Writer
 
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_writer import CHUNK_BYTES, BagWriter, write_run
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation

@@ -31,9 +31,9 @@ from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
 from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Answer, Job, Repair, exact_repairs, factor, late
 from lie_rigid_body.diagnosis.search import Search, plain
-from lie_rigid_body.errors import FilterError, LieRigidBodyError
 from lie_rigid_body.estimates.estimators import each_alone
 from lie_rigid_body.evaluation.causes import CAUSES
+from lie_rigid_body.foundation.errors import FilterError, LieRigidBodyError
 from lie_rigid_body.lie import quaternion
 
 sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))

@@ -23,8 +23,8 @@ from lie_rigid_body.diagnosis.course import courses_of
 from lie_rigid_body.diagnosis.examination import MOST_RUNS
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import Search
-from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.estimates.estimators import each_alone
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 
 sys.path.append(str(Path(__file__).parents[1] / "test" / "diagnosis"))
 import textbook

@@ -1,7 +1,7 @@
 """Who imports whom in the package, and the picture of it: ``python docs/rooms.py`` writes docs/images/rooms.svg.
 
-A room is a folder of the package or a module beside these folders. The picture leaves out `errors`, `wording` and
-`short_dataclass`, which everyone may import, and each arrow from a room to one that it also reaches by other arrows.
+A room is a folder of the package or a module beside these folders. The picture leaves out `foundation`, which everyone
+may import, and each arrow from a room to one that it also reaches by other arrows.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ PACKAGE: Final = "lie_rigid_body"
 SOURCES: Final = Path(__file__).resolve().parent.parent / PACKAGE
 PICTURE: Final = Path(__file__).resolve().parent / "images" / "rooms.svg"
 
-FOR_ALL: Final = {"errors", "short_dataclass", "wording"}
+FOR_ALL: Final = {"foundation"}
 """What everyone may import."""
 
 Arrows = dict[str, set[str]]

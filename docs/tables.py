@@ -18,7 +18,7 @@ from unittest.mock import patch
 
 from lie_rigid_body.__main__ import VERBS, main
 from lie_rigid_body.command_line import Parser
-from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.foundation.parameters import Parameter
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario.parameter_table import OWN
 from lie_rigid_body.sensors import GRADE, SENSORS

@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
     from lie_rigid_body.certificate import certify
     from lie_rigid_body.diagnosis import diagnose
-    from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
     from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
+    from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, ParameterError
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
     from lie_rigid_body.runs import Estimate, Run, simulate
@@ -43,15 +43,15 @@ __all__ = [
 
 # Loaded at first use (PEP 562), so that `lie-rigid-body --help` does not wait for NumPy and SciPy.
 _HOMES = {
-    "BagError": "lie_rigid_body.errors",
+    "BagError": "lie_rigid_body.foundation.errors",
     "Campaign": "lie_rigid_body.campaign",
     "ClosedForm": "lie_rigid_body.motion",
     "Estimate": "lie_rigid_body.runs",
-    "InputError": "lie_rigid_body.errors",
-    "LieRigidBodyError": "lie_rigid_body.errors",
+    "InputError": "lie_rigid_body.foundation.errors",
+    "LieRigidBodyError": "lie_rigid_body.foundation.errors",
     "Limits": "lie_rigid_body.evaluation",
     "MovingChart": "lie_rigid_body.motion",
-    "ParameterError": "lie_rigid_body.errors",
+    "ParameterError": "lie_rigid_body.foundation.errors",
     "RigidBody": "lie_rigid_body.mechanics",
     "Run": "lie_rigid_body.runs",
     "SampledTruth": "lie_rigid_body.evaluation",

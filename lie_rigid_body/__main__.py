@@ -13,8 +13,9 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Final
 
-from lie_rigid_body import __version__, console
-from lie_rigid_body.errors import InputError
+from lie_rigid_body import __version__
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.system import console
 
 PROGRAM = "lie-rigid-body"
 

@@ -9,10 +9,10 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
 
-from lie_rigid_body.console import UNUSABLE, Main, complain, program, run, say
-from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.system import MOST_PROCESSES
-from lie_rigid_body.wording import listed, shown, suggestion
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.wording import listed, shown, suggestion
+from lie_rigid_body.system.console import UNUSABLE, Main, complain, program, run, say
+from lie_rigid_body.system.portable import MOST_PROCESSES
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite

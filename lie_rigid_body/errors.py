@@ -1,72 +1,12 @@
 """The errors of the package: one tree, so that callers can catch all of it at once."""
 
-from __future__ import annotations
+from lie_rigid_body.foundation.errors import (
+    BagError,
+    ExistsError,
+    FilterError,
+    InputError,
+    LieRigidBodyError,
+    ParameterError,
+)
 
-import os
-from contextlib import suppress
-from pathlib import Path
-from typing import Final
-
-from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown
-
-PACKAGE_FOLDER: Final = f"{Path(__file__).parent}{os.sep}"
-"""Folder of the package, by which a line of a traceback is known as its own."""
-
-
-class LieRigidBodyError(Exception):
-    """Anything this package refuses or cannot do. The message is one line: value, limit, remedy.
-
-    Parameters
-    ----------
-    message : str
-        Its middle is left out where it is longer than 200 characters.
-    """
-
-    def __init__(self, message: str) -> None:
-        super().__init__(shortened(message))
-
-
-def said(error: BaseException) -> str:
-    """The message of an error, with its class where the error is none of the package: alone where it has no words."""
-    if isinstance(error, LieRigidBodyError):
-        return str(error)
-    words = ""
-    with suppress(Exception):  # of a class whose own words fail
-        words = str(error).encode("utf-8", "backslashreplace").decode()  # half a character goes into no file
-    return ": ".join(filter(None, (type(error).__name__, words)))
-
-
-class InputError(LieRigidBodyError, ValueError):
-    """An argument, a parameter or a command line is at fault."""
-
-
-class FilterError(InputError):
-    """The filter raised an exception, did not return, or returned what is no estimate."""
-
-
-class ParameterError(InputError):
-    """A parameter of a scenario, or another argument that has a name, is at fault.
-
-    Parameters
-    ----------
-    name : str
-        Public name of the parameter, as in parameter files, or of the argument.
-    message : str
-        What was given, what is allowed, what to do.
-    """
-
-    def __init__(self, name: str, message: str) -> None:
-        self.name = name if isinstance(name, str) else shown(name)
-        super().__init__(f"{shortened(self.name, LONGEST_VALUE)}: {message}")
-
-    def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
-        """The call that makes it anew, with name and message: without the name a pool of processes waits for ever."""
-        return type(self), (self.name, str(self).removeprefix(f"{shortened(self.name, LONGEST_VALUE)}: "))
-
-
-class BagError(LieRigidBodyError):
-    """A recording cannot be written or read."""
-
-
-class ExistsError(BagError):
-    """A file of that name exists, and is kept."""
+__all__ = ["BagError", "ExistsError", "FilterError", "InputError", "LieRigidBodyError", "ParameterError"]

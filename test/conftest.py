@@ -17,7 +17,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from lie_rigid_body.interruption import END_SIGNALS
+from lie_rigid_body.system.interruption import END_SIGNALS
 
 # By itself each process has as many threads of linear algebra as there are cores, for small matrices. They wait for
 # one another in busy loops, which beside other processes takes many times as long as the work. NumPy is not loaded yet.

@@ -131,7 +131,7 @@ def _child(case: Case, work: Path, told: Path, writer: int) -> None:
         sys.argv = ["lie-rigid-body", *case.command]
         sys.warnoptions.append("default")  # a verb then shows the warnings of numpy
         from lie_rigid_body.__main__ import main
-        from lie_rigid_body.errors import LieRigidBodyError
+        from lie_rigid_body.foundation.errors import LieRigidBodyError
         from lie_rigid_body.runs import Run
 
         os.write(writer, b"\0")

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.errors import FilterError, InputError
-from lie_rigid_body.interpreters import Interpreter, told
+from lie_rigid_body.foundation.errors import FilterError, InputError
+from lie_rigid_body.system.interpreters import Interpreter, told
 
 
 @contextmanager

@@ -23,9 +23,9 @@ from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.__main__ import main
-from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli import explain, plot, record
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import SENSOR_TOPICS

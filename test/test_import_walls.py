@@ -13,60 +13,42 @@ from rooms import MODULES, PACKAGE, imports, room
 
 # What each room may import of the package besides itself and what is for all. A room is a folder or a module of the
 # package, and its own __init__ is the room "".
-SCENARIO = {
-    "arithmetic",
-    "bounded_input",
-    "compilation",
-    "lie",
-    "mechanics",
-    "motion",
-    "parameters",
-    "sensors",
-    "scenario",
-}
-BAG = SCENARIO | {"simulation", "messages", "output_file", "recording"}
-EDGE = BAG | {"certificate", "evaluation", "runs", "estimates", "report", "console", "command_line", "interruption"}
+SCENARIO = {"arithmetic", "compilation", "lie", "mechanics", "motion", "sensors", "scenario", "system"}
+BAG = SCENARIO | {"simulation", "messages", "recording"}
+EDGE = BAG | {"certificate", "evaluation", "runs", "estimates", "report", "command_line"}
 MAY_IMPORT: dict[str, set[str]] = {
-    "wording": set(),
-    "short_dataclass": set(),
+    "foundation": set(),
     "errors": set(),
-    "arrays": set(),
-    "bounded_input": set(),
-    "showing": set(),
     "system": set(),
-    "output_file": {"bounded_input", "system"},
-    "interpreters": {"console"},
     "compilation": {"system"},
     "arithmetic": {"compilation"},
     "lie": set(),
     "mechanics": {"lie"},
     "motion": {"arithmetic", "compilation", "lie", "mechanics"},
     "groups": {"lie", "mechanics", "motion"},
-    "parameters": set(),
-    "sensors": {"lie", "mechanics", "parameters"},
+    "sensors": {"lie", "mechanics"},
     "scenario": SCENARIO - {"scenario", "arithmetic", "compilation"},
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},
-    "recording": SCENARIO | {"simulation", "messages", "output_file", "system"},
+    "recording": SCENARIO | {"simulation", "messages"},
     "proof": set(),
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},
-    "estimates": BAG | {"evaluation", "interpreters", "runs"},
-    "diagnosis": SCENARIO | {"estimates", "evaluation", "runs", "system"},
-    "campaign": BAG | {"certificate", "estimates", "evaluation", "interpreters", "interruption", "runs", "system"},
+    "estimates": BAG | {"evaluation", "runs"},
+    "diagnosis": SCENARIO | {"estimates", "evaluation", "runs"},
+    "campaign": BAG | {"certificate", "estimates", "evaluation", "runs"},
     "league": SCENARIO | {"estimates", "evaluation", "runs", "diagnosis"},
     "testing": SCENARIO | {"estimates", "evaluation", "runs", "report"},
-    "interruption": set(),
-    "console": {"parameters", "interruption", "system"},
-    "command_line": {"console", "scenario", "system"},
-    "report": EDGE - {"report", "interruption"} | {"diagnosis", "campaign", "league"},
-    "cli": EDGE | {"campaign", "diagnosis", "interpreters", "league", "system"},
-    "ros": EDGE | {"system"},
+    "command_line": {"scenario", "system"},
+    "report": EDGE - {"report"} | {"diagnosis", "campaign", "league"},
+    "cli": EDGE | {"campaign", "diagnosis", "league"},
+    "ros": EDGE,
     "": SCENARIO | {"simulation", "evaluation", "runs", "diagnosis", "certificate", "campaign"},
-    "__main__": {"console", "report"},
+    "__main__": {"report", "system"},
 }
-FOR_ALL = {"wording", "short_dataclass", "errors", "arrays", "showing"}
+FOR_ALL = {"foundation"}
+AT_THE_TERMINAL = {"cli", "command_line", "report", "ros", "system", "__main__"}
 PURE = {"arithmetic", "evaluation", "groups", "lie", "mechanics", "motion", "proof"}
 WITHOUT_FILES_AND_CLOCKS = PURE | {"sensors"}
 IMPURE = {"datetime", "io", "os", "pathlib", "random", "secrets", "shutil", "tempfile", "time"}
@@ -81,6 +63,10 @@ def head(module: str) -> str:
 
 def wall_between_rooms(module: str, target: str) -> bool:
     return head(target) == PACKAGE and room(target) not in {room(module), *FOR_ALL, *MAY_IMPORT.get(room(module), ())}
+
+
+def wall_around_terminal(module: str, target: str) -> bool:
+    return target == f"{PACKAGE}.system.console" and room(module) not in AT_THE_TERMINAL
 
 
 def wall_around_ros(module: str, target: str) -> bool:
@@ -115,7 +101,7 @@ def side(module: str) -> str:
     }.get(name, "moving chart")
 
 
-WALLS = (wall_between_rooms, wall_around_ros, wall_around_mathematics, wall_around_referee)
+WALLS = (wall_between_rooms, wall_around_terminal, wall_around_ros, wall_around_mathematics, wall_around_referee)
 
 
 @cache
@@ -146,14 +132,14 @@ def test_every_module_keeps_to_its_room() -> None:
 
 def test_progress_bars_are_made_in_one_place() -> None:
     """`console.progress`, in which no signal leaves half a bar."""
-    assert {module for module in MODULES if "tqdm" in imported(module)} == {f"{PACKAGE}.console"}
+    assert {module for module in MODULES if "tqdm" in imported(module)} == {f"{PACKAGE}.system.console"}
 
 
 def test_one_door_leads_upwards() -> None:
     """Imports of names that are made as the program runs: of the verbs, and of what `report` shows of results."""
-    made = re.compile(r'import_module\(f"(lie_rigid_body|\{__package__\})')
+    made = re.compile(r'import_module\(f"(lie_rigid_body|\{PACKAGE\})')
     found = {module for module, path in MODULES.items() if made.search(path.read_text("utf-8"))}
-    assert found == {f"{PACKAGE}.__main__", f"{PACKAGE}.showing"}
+    assert found == {f"{PACKAGE}.__main__", f"{PACKAGE}.foundation.showing"}
 
 
 def circle(graph: Mapping[str, Set[str]]) -> list[str]:
@@ -194,7 +180,7 @@ def test_a_circle_is_found() -> None:
         ("cli.record", "from lie_rigid_body.ros import node", "rooms"),
         ("cli.record", "import importlib\nimportlib.import_module('lie_rigid_body.ros.sim')", "rooms"),
         ("ros.sim", "if True:\n    from lie_rigid_body.cli.record import main", "rooms"),
-        ("errors", "from lie_rigid_body.lie import so3", "rooms"),
+        ("foundation.errors", "from lie_rigid_body.lie import so3", "rooms"),
         ("sensors.imu", "from lie_rigid_body.scenario import Scenario", "rooms"),
         ("recording.writer", "from lie_rigid_body import certificate", "rooms"),
         ("__main__", "from lie_rigid_body.cli.record import main", "rooms"),
@@ -202,6 +188,7 @@ def test_a_circle_is_found() -> None:
         ("proof.balls", "from lie_rigid_body.arithmetic import double_double", "rooms"),
         ("proof.start", "from lie_rigid_body.mechanics import State", "rooms"),
         ("motion.closed_form.theta", "from lie_rigid_body.proof import enclose", "rooms"),
+        ("recording.writer", "from lie_rigid_body.system import console", "terminal"),
         ("cli.record", "import rclpy", "ros"),
         ("messages.layout", "from geometry_msgs.msg import PoseStamped", "ros"),
         ("messages.layout", "try:\n    import std_srvs.srv\nexcept ImportError:\n    pass", "ros"),
@@ -242,16 +229,19 @@ def test_breach_is_found(module: str, source: str, wall: str) -> None:
     [
         (
             "lie.so3",
-            "from lie_rigid_body.errors import InputError\nfrom lie_rigid_body.lie import series\nimport numpy",
+            "from ..foundation.errors import InputError\nfrom lie_rigid_body.lie import series\nimport numpy",
         ),
         ("mechanics.state", "from ..lie import quaternion"),
-        ("lie.series", "from lie_rigid_body.arrays import Array"),
+        ("lie.series", "from lie_rigid_body.foundation.arrays import Array"),
         ("motion.closed_form.solution", "from lie_rigid_body.motion.motion import nanoseconds\nfrom . import elliptic"),
         ("motion.description", "from lie_rigid_body.motion.closed_form.decimal_constants import Polhode"),
         ("motion.moving_chart", "from lie_rigid_body.motion.tableau import EULER"),
         ("motion.step_error", "from .moving_chart import MovingChart\nfrom .taylor_flow import flow"),
-        ("sensors.noise", "from numpy.random import Philox\nfrom lie_rigid_body.parameters import Parameter"),
-        ("scenario", "from lie_rigid_body import parameters\nfrom lie_rigid_body.motion import ClosedForm"),
+        (
+            "sensors.noise",
+            "from numpy.random import Philox\nfrom lie_rigid_body.foundation.parameters import Parameter",
+        ),
+        ("scenario", "from lie_rigid_body.foundation import parameters\nfrom lie_rigid_body.motion import ClosedForm"),
         ("simulation", "from lie_rigid_body.scenario import Scenario\nimport time"),
         ("recording.writer", "from lie_rigid_body.simulation import simulate\nimport mcap.writer\nimport os"),
         ("cli.record", "from lie_rigid_body import __version__\nfrom lie_rigid_body.recording.writer import Writer"),

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.closed_form import solution
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop

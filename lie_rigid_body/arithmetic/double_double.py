@@ -21,8 +21,8 @@ from typing import Any, Final, TypeAlias, TypeVar, cast
 import numpy as np
 
 from lie_rigid_body.arithmetic.numbers import Number, nearest, sqrt
-from lie_rigid_body.arrays import Integers
 from lie_rigid_body.compilation import kernel
+from lie_rigid_body.foundation.arrays import Integers
 
 DoubleDouble: TypeAlias = tuple[Number, Number]
 Numbers = TypeVar("Numbers", bound=tuple[Number, ...])

@@ -11,8 +11,8 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import kernel, kernel_of
+from lie_rigid_body.foundation.arrays import Array
 
 Number: TypeAlias = float | Array
 """A float of one motion, or an array with an element for each of many.

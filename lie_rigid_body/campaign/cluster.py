@@ -23,12 +23,12 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import BagFolder, Row, carry_out
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.interpreters import safe_path, variable
-from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.output_file import write_file
-from lie_rigid_body.system import cores, limit
-from lie_rigid_body.wording import shortened, shown
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.wording import shortened, shown
+from lie_rigid_body.system.interpreters import safe_path, variable
+from lie_rigid_body.system.interruption import Interruption
+from lie_rigid_body.system.output_file import write_file
+from lie_rigid_body.system.portable import cores, limit
 
 if TYPE_CHECKING:
     from distributed import Client, LocalCluster, as_completed

@@ -8,16 +8,16 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.short_dataclass import short_dataclass
 
 MOST_SERIES: Final = 1000
 """Largest number of runs, the first ones, whose errors over time and covariances are judged."""

@@ -16,19 +16,19 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import plain
-from lie_rigid_body.bounded_input import open_file
 from lie_rigid_body.campaign.distributions import Draw, Uniforms, distribution
-from lie_rigid_body.errors import InputError, ParameterError
 from lie_rigid_body.estimates.estimators import Estimator, NamedFunction
 from lie_rigid_body.estimates.programs import CommandEstimator, words
-from lie_rigid_body.parameters import Parameter, Value, exact_duration
+from lie_rigid_body.foundation.arrays import plain
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import Parameter, Value, exact_duration
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import printable, shown, suggestion
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import printable, shown, suggestion
+from lie_rigid_body.system.bounded_input import open_file
 
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""

@@ -15,10 +15,10 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import as_double
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import as_double
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shortened, shown, suggestion
 from lie_rigid_body.sensors.noise import uniform
-from lie_rigid_body.wording import shortened, shown, suggestion
 
 
 class Uniforms:

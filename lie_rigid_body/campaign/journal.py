@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from lie_rigid_body import __version__
-from lie_rigid_body.arrays import NOT_NUMBERS
-from lie_rigid_body.bounded_input import LONGEST_ROW, load_json, open_file
 from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Campaign
 from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, BagFolder, Judgement, Row, bag_name
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.output_file import NO_ROOM, remedy, written
+from lie_rigid_body.foundation.arrays import NOT_NUMBERS
+from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.system import is_others, lock, open_itself
+from lie_rigid_body.system.bounded_input import LONGEST_ROW, load_json, open_file
+from lie_rigid_body.system.output_file import NO_ROOM, remedy, written
+from lie_rigid_body.system.portable import is_others, lock, open_itself
 
 JOURNAL: Final = "runs.jsonl"
 """File of the rows in the folder of a campaign: JSON, the campaign in the first line, a finished run in each other."""

@@ -20,20 +20,20 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.campaign.definition import Campaign, Contender
-from lie_rigid_body.errors import BagError, InputError, said
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import OTHER_AXES, factor_of
-from lie_rigid_body.interpreters import STARTING_S, Interpreter
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import BagError, InputError, said
+from lie_rigid_body.foundation.parameters import Value
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shortened
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.wording import shortened
+from lie_rigid_body.system.interpreters import STARTING_S, Interpreter
 
 BAGS: Final = "bags"
 """Name of the folder of the bags in the folder of a campaign."""

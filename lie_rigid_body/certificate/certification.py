@@ -18,14 +18,14 @@ from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor, survey
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, ENERGY_CAP
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.showing import Shown
+from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.showing import Shown
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import counted, listed
 
 _BETTER: Final = "record with motion closed_form, a higher order or a smaller max_step"
 Blocks: TypeAlias = Iterator[tuple[int, Block]]

@@ -7,8 +7,8 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 SHOWN: Final = 4
 """Number of samples of a broken law, or of faults of a kind, that are listed."""

@@ -7,11 +7,11 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, same_bits
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.residuals import WORK, Residuals
 from lie_rigid_body.certificate.survey import SurveyedSegment
 from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance, tolerance
+from lie_rigid_body.foundation.arrays import Array, Booleans, same_bits
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN

@@ -10,10 +10,10 @@ import numpy as np
 from lie_rigid_body.certificate.certification import Certificate
 from lie_rigid_body.certificate.survey import survey
 from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 
 MOST_PROVED: Final = 10_000

@@ -20,8 +20,8 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.motion.drift import U
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.simulation import Segment

@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude, quadruple, sqrt, triple
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import Work, kernel
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.taylor_flow import (
     ABREAST,

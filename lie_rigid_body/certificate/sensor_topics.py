@@ -9,13 +9,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers, same_bits
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.readings import Piece, Replays, limits_of
 from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
 from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, same_bits
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.messages import ReadingEncoder
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.segments import PlacedMessages
 from lie_rigid_body.recording.topic_messages import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario

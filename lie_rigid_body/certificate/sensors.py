@@ -24,14 +24,14 @@ from lie_rigid_body.certificate.sensor_topics import MOST_LOST, SegmentSensor, v
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
 from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, SENSOR_TOPICS, sensor_topics
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.segments import PlacedMessages, SensorClocks
 from lie_rigid_body.recording.topic_messages import OfSensor, TopicMessages
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 
 

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers, runs_of
 from lie_rigid_body.certificate.law_result import SHOWN, LawResult
+from lie_rigid_body.foundation.arrays import Booleans, Integers, runs_of
 from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 

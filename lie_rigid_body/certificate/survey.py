@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
+from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (

@@ -16,9 +16,9 @@ import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.readings import REPLAY_BLOCK, ROUNDINGS
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.motion.drift import U
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.loop import FaultLog

@@ -21,7 +21,8 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.parameters import Vector
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm
@@ -31,7 +32,6 @@ from lie_rigid_body.motion.error_growth import ErrorGrowth
 from lie_rigid_body.motion.step_error import step_error
 from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, TURN_PER_SUBSTEP
 from lie_rigid_body.motion.time_steps import steps_between
-from lie_rigid_body.parameters import Vector
 from lie_rigid_body.scenario import Scenario
 
 ATTITUDE_CAP: Final = 1e-7

@@ -6,7 +6,7 @@ import argparse
 from importlib.util import find_spec
 
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 
 
 @verb(

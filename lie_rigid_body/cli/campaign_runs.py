@@ -11,7 +11,6 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Final
 
-from lie_rigid_body import console
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.cluster import (
     MOST_FAILURES,
@@ -25,17 +24,18 @@ from lie_rigid_body.campaign.comparison import compare
 from lie_rigid_body.campaign.definition import SCORES_TABLE, Contender
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
-from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, said
 from lie_rigid_body.estimates.estimators import MEND_IT
 from lie_rigid_body.estimates.programs import words
-from lie_rigid_body.interpreters import Interpreter
-from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.output_file import write_file
-from lie_rigid_body.parameters import Value
+from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, said
+from lie_rigid_body.foundation.parameters import Value
+from lie_rigid_body.foundation.wording import MOST_NAMES, counted, listed, printable, shortened, shown
 from lie_rigid_body.report import campaign_scores, html_page
 from lie_rigid_body.report.drawing import require_outputs
 from lie_rigid_body.report.overview import Line, page
-from lie_rigid_body.wording import MOST_NAMES, counted, listed, printable, shortened, shown
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interpreters import Interpreter
+from lie_rigid_body.system.interruption import Interruption
+from lie_rigid_body.system.output_file import write_file
 
 MOST_TRIED: Final = 1000
 """Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""

@@ -12,13 +12,11 @@ from pathlib import Path
 from threading import TIMEOUT_MAX
 from typing import Final
 
-from lie_rigid_body import console
-from lie_rigid_body.bounded_input import real
 from lie_rigid_body.certificate.certification import certify, passes
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.command_line import topic_names
-from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.interpreters import Interpreter, Interpreters
+from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
@@ -27,8 +25,10 @@ from lie_rigid_body.report import certificates
 from lie_rigid_body.report.drawing import answer, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import ResidualsOverTime, thinned_segments
-from lie_rigid_body.system import cores, real_path
-from lie_rigid_body.wording import listed
+from lie_rigid_body.system import console
+from lie_rigid_body.system.bounded_input import real
+from lie_rigid_body.system.interpreters import Interpreter, Interpreters
+from lie_rigid_body.system.portable import cores, real_path
 
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 import argparse
 from typing import Any, Final
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, words
-from lie_rigid_body.wording import printable
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import printable
+from lie_rigid_body.system import console
 
 ESTIMATOR: Final = (
     argument(

@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import topic_names
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.report.request import answer, parse, require_room
+from lie_rigid_body.system import console
 
 
 @console.run

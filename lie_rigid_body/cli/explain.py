@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from lie_rigid_body.cli.scenarios import describe as describe_file
 from lie_rigid_body.command_line import argument, scenario_of, verb
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.parameters import Value, Vector
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import Value, Vector
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion.description import Description

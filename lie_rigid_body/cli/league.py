@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from lie_rigid_body import console
 from lie_rigid_body.cli.diagnose import ESTIMATOR, given_estimator, named_by
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import TIMEOUT_S
+from lie_rigid_body.system import console
 
 
 @verb(
@@ -43,7 +43,7 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league.table import rows_of
     from lie_rigid_body.report.drawing import answer, require_outputs
     from lie_rigid_body.report.filters import lines_of_league, page_of_league
-    from lie_rigid_body.system import cores
+    from lie_rigid_body.system.portable import cores
 
     require_outputs(given, [*given.others, *named_by(given)])
     own = [row for path in given.others for row in rows_of(path)]

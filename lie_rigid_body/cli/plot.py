@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC_OPTION, argument, file_name, require_suffix, topic_names, verb
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.output_file import require_room
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.system import console
+from lie_rigid_body.system.output_file import require_room
 
 
 @verb(

@@ -8,12 +8,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import argument, file_name, scenario_of, verb
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.parameters import exact_duration
-from lie_rigid_body.wording import counted, printable
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.parameters import exact_duration
+from lie_rigid_body.foundation.wording import counted, printable
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 _COMPRESSIONS: Final = {"zstd": ("zstd", 105, 145), "lz4": ("lz4", 130, 160), "none": ("", 260, 750)}
 """Compressions by their names for users: the name in MCAP files, and how many bytes a sample and a reading take.
@@ -47,10 +47,10 @@ def main(given: argparse.Namespace) -> int:
     chunk_size = _chunk_size(given.chunk_size)
 
     # only now: numpy takes longer to load than a usage error to find
-    from lie_rigid_body.output_file import require_other
     from lie_rigid_body.recording.bag_writer import BagWriter, write_run
     from lie_rigid_body.scenario.parameter_file import files_read
     from lie_rigid_body.simulation import SampleClock, Simulation
+    from lie_rigid_body.system.output_file import require_other
 
     require_other(given.out, files_read(given.scenario, given.params_file))
     scenario = scenario_of(given)

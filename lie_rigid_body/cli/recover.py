@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import argument, file_name, verb
-from lie_rigid_body.wording import counted, printable
+from lie_rigid_body.foundation.wording import counted, printable
+from lie_rigid_body.system import console
 
 if TYPE_CHECKING:
     from lie_rigid_body.recording.recovery import Recovery

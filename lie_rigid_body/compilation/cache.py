@@ -14,8 +14,8 @@ from importlib.util import resolve_name
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body.system import is_private, user
-from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
+from lie_rigid_body.foundation.wording import LONGEST_LINE, printable, shortened
+from lie_rigid_body.system.portable import is_private, user
 
 _HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
 """Variables of the environment that may name the folder of caches."""

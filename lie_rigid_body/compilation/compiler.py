@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from typing import Any, Final, TypeVar
 
 from lie_rigid_body.compilation.cache import cache_folder, is_kept, mark
-from lie_rigid_body.system import lock
+from lie_rigid_body.system.portable import lock
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

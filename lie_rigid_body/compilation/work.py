@@ -9,9 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.compilation.cache import is_kept
 from lie_rigid_body.compilation.compiler import loaded, started
+from lie_rigid_body.foundation.arrays import Array, Integers
 
 LONG_CALL: Final = 1_000
 """Smallest number of units of work in a call that counts: those of a live node are shorter and start no compiler."""

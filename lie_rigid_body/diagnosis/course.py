@@ -14,9 +14,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.attitudes import Truth, sizes, turns
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario

@@ -11,7 +11,6 @@ from typing import Any, Final, cast
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, whole_number
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
@@ -19,13 +18,14 @@ from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.track import error_of
+from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.showing import Shown
+from lie_rigid_body.foundation.wording import counted, shortened
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import recording
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.showing import Shown
-from lie_rigid_body.system import MOST_PROCESSES, cores
-from lie_rigid_body.wording import counted, shortened
+from lie_rigid_body.system.portable import MOST_PROCESSES, cores
 
 MOST_RUNS: Final = 2000
 """Default number of runs of the filter after which no more repairs are tried."""

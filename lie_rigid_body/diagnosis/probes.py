@@ -9,20 +9,20 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.search import NEAR, Search
-from lie_rigid_body.errors import FilterError, InputError
 from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
 from lie_rigid_body.evaluation.track import Track, error_of
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import FilterError, InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.sensors import GRADES
-from lie_rigid_body.short_dataclass import short_dataclass
 
 GYRO_BIAS: Final = float(np.radians(1.0))
 """Constant error of the gyro, rad/s."""

@@ -28,10 +28,10 @@ from lie_rigid_body.diagnosis.repairs import (
     first_attitude,
     without,
 )
-from lie_rigid_body.errors import FilterError
 from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, Cause
 from lie_rigid_body.evaluation.track import Track, error_of
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.errors import FilterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 FLOOR: Final = 0.1
 """Share of the turn between two readings below which errors count as equal, and nothing is looked for."""

@@ -14,13 +14,13 @@ from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.errors import FilterError, InputError, said
 from lie_rigid_body.estimates.programs import CommandEstimator, time_limit
-from lie_rigid_body.interpreters import STARTING_S, Interpreter, Interpreters, told
+from lie_rigid_body.foundation.errors import FilterError, InputError, said
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shortened, shown
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shortened, shown
+from lie_rigid_body.system.interpreters import STARTING_S, Interpreter, Interpreters, told
 
 T = TypeVar("T")
 Estimator: TypeAlias = Callable[[Run], Any]

@@ -8,13 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import in_order, period_ns
 from lie_rigid_body.evaluation.score import BiasEstimate
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.parameters import NS, exact_duration
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.decoding import Frames
-from lie_rigid_body.parameters import NS, exact_duration
 from lie_rigid_body.recording.topic_messages import AttitudeTrack, vectors_of
 from lie_rigid_body.runs.readings import linear
 

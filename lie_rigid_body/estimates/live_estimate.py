@@ -8,8 +8,6 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.estimates.kept import (
     DISORDERED,
     LENIENCE_NS,
@@ -24,15 +22,17 @@ from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attit
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS, period_ns
 from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.evaluation.track import spread
+from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.decoding import Frames
 from lie_rigid_body.messages.definitions import TF_MESSAGE
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.truth import TrueMotion
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed
 
 RECENT: Final = 40
 """Number of batches of poses by which the latest estimates are judged."""

@@ -19,22 +19,22 @@ from typing import Any, BinaryIO, Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.bounded_input import real
-from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation.arguments import quantity
-from lie_rigid_body.interpreters import Interpreter, guarded
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed, printable, shown
 from lie_rigid_body.messages.batch import ReadingEncoder
 from lie_rigid_body.messages.decoding import Frames
-from lie_rigid_body.output_file import reason
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run, require_run
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SensorSamples
-from lie_rigid_body.wording import listed, printable, shown
+from lie_rigid_body.system.bounded_input import real
+from lie_rigid_body.system.interpreters import Interpreter, guarded
+from lie_rigid_body.system.output_file import reason
 
 HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,mag_z"
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""

@@ -10,13 +10,15 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.estimates.kept import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE_ATTITUDES, KeptAttitudes, KeptBiases
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
 from lie_rigid_body.evaluation.score import BiasEstimate
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -35,9 +37,7 @@ from lie_rigid_body.runs.bag_of_run import OWN_TOPICS
 from lie_rigid_body.runs.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import listed
 
 TRUE_TOPICS: Final = (POSE, SCENARIO)
 """Relative names of the topics that tell the truth."""

@@ -8,10 +8,18 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import NOT_NUMBERS, TO_NANOSECONDS, TRANSPOSED, Array, Integers, as_double, require_unmasked
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import (
+    NOT_NUMBERS,
+    TO_NANOSECONDS,
+    TRANSPOSED,
+    Array,
+    Integers,
+    as_double,
+    require_unmasked,
+)
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import shown
 
 FARTHEST_NS: Final = 2**31 * 10**9
 """Largest stamp that a message can have, ns; differences of such stamps do not overflow."""

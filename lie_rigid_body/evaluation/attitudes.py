@@ -23,12 +23,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import FARTHEST_NS, as_stamps, integer_stamps, numbers, read_series, unit
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_repr
+from lie_rigid_body.foundation.wording import components, shown
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.short_dataclass import short_repr
-from lie_rigid_body.wording import components, shown
 
 QUATERNION_ROUND_OFF: Final = 2e-15
 """Round-off of the components of a product of unit quaternions: smaller z and w tell no heading, as their ratio is

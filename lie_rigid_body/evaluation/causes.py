@@ -22,11 +22,11 @@ from typing import Final, Literal, get_args
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, sizes, times, turns
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of, products
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import components
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""

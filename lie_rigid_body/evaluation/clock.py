@@ -11,7 +11,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, late, undone, weights
 from lie_rigid_body.evaluation.explanations import (
@@ -26,6 +25,7 @@ from lie_rigid_body.evaluation.explanations import (
 )
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.evaluation.track import FEWEST, NEGLIGIBLE, SPIN, Track, counted, quarters, spins, still
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 
 SIGNIFICANT: Final = 3.0

@@ -14,12 +14,12 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, real_numbers
 from lie_rigid_body.evaluation.attitudes import error_vectors, pairs
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.arrays import Array, Booleans
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shown
 
 OTHER_AXES: Final = {"world": "body", "body": "world"}
 """Names of the axes that a covariance may be about, each with the name of the others."""

@@ -13,11 +13,11 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, whole_number
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, real_numbers
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 PROBABILITY: Final = 0.95
 """Probability of the intervals."""

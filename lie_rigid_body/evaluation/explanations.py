@@ -19,10 +19,10 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, vector
 from lie_rigid_body.evaluation.track import NEGLIGIBLE, SAMPLES, Track, counted, products, spins, still
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}

@@ -19,13 +19,13 @@ import numpy as np
 import scipy  # whose parts are loaded where they are first called
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, whole_number
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers
 from lie_rigid_body.evaluation.consistency import errors_and_covariances, nees_and_logarithm, require_axes
+from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import listed
 
 LEVEL: Final = 0.05
 """Probability that an honest covariance is called something else."""

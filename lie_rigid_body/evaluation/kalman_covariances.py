@@ -35,7 +35,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 
 Pair: TypeAlias = tuple[Array, Array]
 """Roots of covariances of states, and the sensitivities of their estimates to the constants."""

@@ -13,7 +13,6 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.evaluation.attitudes import (
     GAP_PERIODS,
     SIGNED_PERMUTATIONS,
@@ -30,6 +29,7 @@ from lie_rigid_body.evaluation.clock import CLOCK_RATIO
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
 from lie_rigid_body.evaluation.track import FEWEST, SAMPLES, Track, spread
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.lie import quaternion
 
 GAP_OF_EVEN: Final = 1.5

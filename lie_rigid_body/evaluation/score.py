@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Final, NoReturn
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics, Tally, bias_error
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.showing import Shown, data_frame, report
-from lie_rigid_body.wording import counted, listed
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.showing import Shown, data_frame, report
+from lie_rigid_body.foundation.wording import counted, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,8 +12,6 @@ from typing import Any, Final, Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans, Integers, as_double, whole_number
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, period_ns
@@ -25,7 +23,9 @@ from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, F
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.track import FEWEST, Track
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, as_double, whole_number
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shown
 
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""

@@ -13,13 +13,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, quantity, real_numbers
 from lie_rigid_body.evaluation.attitudes import AttitudeError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import vectors
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown
 
 SMALLEST_LIMIT: Final = 1e-3
 """Least default limit of convergence, degrees."""

@@ -8,11 +8,11 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.evaluation.attitudes import AttitudeError, Truth, angles, angles_between, sizes, turns
 from lie_rigid_body.evaluation.statistics import rms
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.short_dataclass import short_dataclass
 
 SPIN: Final = 0.9
 """Squared length of the mean axis of rotation above which a body turns about one axis."""

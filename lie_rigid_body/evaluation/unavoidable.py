@@ -30,15 +30,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import numbers, quantity, read_series, read_stamps, real_numbers
 from lie_rigid_body.evaluation.attitudes import turns
 from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.kalman_covariances import Steps, covariances
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import components, shown
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import components, shown
 
 LARGEST_DEVIATION: Final = 1e50
 """Largest standard deviation, and largest vector: squares and their ratios stay finite."""

@@ -12,13 +12,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, as_numbers
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.arguments import within_doubles
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.mechanics.array_input import real_array, require_finite
-from lie_rigid_body.short_dataclass import short_dataclass
 
 SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""

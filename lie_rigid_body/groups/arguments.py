@@ -9,8 +9,8 @@ from typing import Final, ParamSpec, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.wording import shown
 
 Kind = TypeVar("Kind")
 Given = ParamSpec("Given")

@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from scipy.linalg import schur
 
-from lie_rigid_body.arrays import Array, whole_number
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, frobenius
 from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log

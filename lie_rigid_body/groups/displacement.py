@@ -17,10 +17,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics.array_input import real_array, require_share
-from lie_rigid_body.short_dataclass import short_dataclass
 
 _ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of a coordinate, relative to the largest."""

@@ -19,8 +19,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups.classical_groups import SO, SU
 from lie_rigid_body.groups.matrix_lie_group import ELEMENT_TOLERANCE
 from lie_rigid_body.lie import quaternion

@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import SPAN_TOLERANCE, MatrixLieAlgebra, flattened, frobenius
 from lie_rigid_body.groups.arguments import within_doubles

@@ -35,7 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import logm
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 
 Matrix: TypeAlias = NDArray[Any]
 """Real or complex matrices, shape (..., n, n)."""

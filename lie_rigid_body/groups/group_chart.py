@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.elements import multiple_until
 from lie_rigid_body.groups.lagrangian import Lagrangian

@@ -13,8 +13,10 @@ from typing import Any, Final, NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.groups.arguments import of_kind
 from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
@@ -24,8 +26,6 @@ from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
 from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 from lie_rigid_body.motion.time_steps import require_order, steps_through
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import call_repr, shown
 
 GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The Runge–Kutta methods of every group, by the public names of their steppers."""

@@ -12,15 +12,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.short_dataclass import short_repr
+from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 from lie_rigid_body.mechanics.array_input import Immutable, symmetrised
-from lie_rigid_body.short_dataclass import short_repr
-from lie_rigid_body.wording import call_repr
 
 
 class HamiltonsEquations(NamedTuple):

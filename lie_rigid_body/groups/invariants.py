@@ -14,8 +14,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array, as_numbers
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form

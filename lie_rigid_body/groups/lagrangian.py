@@ -28,14 +28,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 from lie_rigid_body.mechanics.array_input import Immutable, positive, symmetrised
-from lie_rigid_body.wording import call_repr
 
 
 class Lagrangian(Immutable):

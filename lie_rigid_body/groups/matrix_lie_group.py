@@ -15,15 +15,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array, as_numbers, whole_number
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, as_numbers, whole_number
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.wording import shortened, shown
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
 from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
 from lie_rigid_body.groups.elements import Elements, GeneratedElements, measured
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.mechanics.array_input import real_array, require_finite
-from lie_rigid_body.wording import shortened, shown
 
 ELEMENT_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from fulfilling a group's equations that counts as round-off."""

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, as_numbers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.groups.arguments import of_kind, refuse_whole, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array, symmetric_matrix, symmetrised

@@ -8,13 +8,13 @@ from itertools import accumulate, pairwise, starmap
 import numpy as np
 from scipy.linalg import block_diag
 
-from lie_rigid_body.arrays import Array, whole_number
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.groups.algebra import MOST_GENERATORS, frobenius
 from lie_rigid_body.groups.elements import Elements
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.wording import shown
 
 
 def product(*groups: MatrixLieGroup) -> MatrixLieGroup:

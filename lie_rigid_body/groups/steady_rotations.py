@@ -8,13 +8,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
-from lie_rigid_body.short_dataclass import short_dataclass
 
 STEADY_TOLERANCE: Final = 1e-9
 """Largest |ad*_ω Mω| of a steady rotation, relative to |ω|, |Mω| and the structure constants.

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric

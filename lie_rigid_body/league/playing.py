@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import attitude_error, bias_error
 from lie_rigid_body.evaluation.statistics import rms, settling_limit, time_to_converge
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
 from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
 from lie_rigid_body.runs.ensemble import BlindRun

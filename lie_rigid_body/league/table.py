@@ -12,11 +12,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.bounded_input import load_json, read_text
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import call_repr, counted, listed, shown
 from lie_rigid_body.league.cases import CASES, REAL, Case
 from lie_rigid_body.scenario.parameter_file import CONFIG
-from lie_rigid_body.wording import call_repr, counted, listed, shown
+from lie_rigid_body.system.bounded_input import load_json, read_text
 
 EDITION: Final = "2026.1"
 """Edition of the cases and of the reference rows: rows of one edition can be compared."""

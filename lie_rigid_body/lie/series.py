@@ -15,7 +15,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 
 SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""

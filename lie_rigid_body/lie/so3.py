@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion, series
 from lie_rigid_body.lie.vectors import as_matrices, as_vectors
 from lie_rigid_body.lie.vectors import norm as norm

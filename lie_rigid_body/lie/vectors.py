@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import NOT_NUMBERS, Array
-from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.arrays import NOT_NUMBERS, Array
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import shown
 
 
 def shaped(name: str, value: ArrayLike, own: tuple[int, ...], remedy: str) -> Array:

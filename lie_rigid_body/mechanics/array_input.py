@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.arrays import TRANSPOSED, Array, Booleans, Integers, as_numbers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import TRANSPOSED, Array, Booleans, Integers, as_numbers
+from lie_rigid_body.foundation.errors import ParameterError
 
 if TYPE_CHECKING:
     from typing_extensions import Self

@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics.array_input import real_array
-from lie_rigid_body.wording import shown
 
 _NAME: Final = "inertia"
 MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)

@@ -12,11 +12,11 @@ from typing import Final, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, whole_number
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, whole_number
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics.array_input import real_array, require_share, symmetrised
 from lie_rigid_body.mechanics.mass_moments import MassMoments
-from lie_rigid_body.wording import shown
 
 Limits: TypeAlias = "tuple[float, float] | Callable[[Array], tuple[ArrayLike, ArrayLike]]"
 """Lower and upper end of one coordinate: numbers, or a function of the coordinates before it, (N, k) ↦ (N,), (N,)."""

@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics.array_input import orthogonal_matrix, positive, real_array, symmetrised
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
-from lie_rigid_body.short_dataclass import short_dataclass
 
 
 @short_dataclass(frozen=True, eq=False)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import LONGEST_LINE, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.array_input import ArraysOnly
 from lie_rigid_body.mechanics.inertia import (
@@ -21,7 +22,6 @@ from lie_rigid_body.mechanics.inertia import (
 )
 from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, second_moment_from_inertia
 from lie_rigid_body.mechanics.state import State
-from lie_rigid_body.wording import LONGEST_LINE, shown
 
 
 class RigidBody(ArraysOnly):

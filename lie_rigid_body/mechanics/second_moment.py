@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.mechanics.array_input import (
     ROUND_OFF,
     orthogonal_matrix,

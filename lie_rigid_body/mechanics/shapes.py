@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, whole_number
+from lie_rigid_body.foundation.arrays import Array, whole_number
 from lie_rigid_body.mechanics.array_input import positive
 from lie_rigid_body.mechanics.mass_moments import MassMoments
 

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.array_input import ArraysOnly, real_array
-from lie_rigid_body.wording import call_repr
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""

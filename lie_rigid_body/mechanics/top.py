@@ -15,11 +15,11 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics.inertia import MOMENT_ROUND_OFF
 from lie_rigid_body.mechanics.rigid_body import RigidBody
 from lie_rigid_body.mechanics.state import State
-from lie_rigid_body.short_dataclass import short_dataclass
 
 KindOfTop: TypeAlias = Literal["asymmetric", "oblate", "prolate", "spherical"]
 Verdict: TypeAlias = Literal["stable", "unstable", "neutral"]

@@ -12,7 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages import definitions
 from lie_rigid_body.messages.layout import (
     ENCAPSULATION,
@@ -27,7 +28,6 @@ from lie_rigid_body.messages.layout import (
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Field, SensorModel, Sensors, Topic
 from lie_rigid_body.sensors.fault import LONGEST_FAULT_TEXT
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Samples, SensorSamples, Taken
 
 POSE: Final = "pose"

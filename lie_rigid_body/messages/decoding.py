@@ -13,12 +13,12 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Integers, windows
-from lie_rigid_body.bounded_input import LONGEST_NAME, LONGEST_STRING
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.arrays import Array, Integers, windows
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
-from lie_rigid_body.parameters import NS
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.system.bounded_input import LONGEST_NAME, LONGEST_STRING
 
 Bytes: TypeAlias = NDArray[np.uint8]
 """Rows of bytes, one payload in each, shape (N, size)."""

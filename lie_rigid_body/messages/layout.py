@@ -10,9 +10,9 @@ from typing import Final, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.parameters import NS
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 ENCAPSULATION: Final = b"\x00\x01\x00\x00"
 """First bytes of a payload: plain CDR, little-endian, no options."""

@@ -13,7 +13,8 @@ from typing import Final, Literal, TypeAlias, cast
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.top import (
     KindOfTop,
@@ -26,7 +27,6 @@ from lie_rigid_body.mechanics.top import (
 )
 from lie_rigid_body.motion.closed_form.decimal_constants import Periods, Polhode, frame_and_polhode, precession_rate
 from lie_rigid_body.motion.closed_form.decimal_frames import PrincipalFrame, digits_for, is_steady, principal_axes
-from lie_rigid_body.short_dataclass import short_dataclass
 
 Vector: TypeAlias = tuple[float, float, float]
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]

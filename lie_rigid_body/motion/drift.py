@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor

@@ -9,11 +9,11 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import TO_NANOSECONDS, Array, Integers, as_numbers, plain
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import TO_NANOSECONDS, Array, Integers, as_numbers, plain
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown
 
 
 class Motion(Protocol):

@@ -24,15 +24,15 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers, as_double
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers, as_double
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, InitialConditions, WorkingMemory, states_at
 from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, munthe_kaas_integrators
 from lie_rigid_body.motion.time_steps import require_order, steps_through, steps_to
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import call_repr, shown
 
 
 class Integrator(Protocol):

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.error_growth import PathFrame

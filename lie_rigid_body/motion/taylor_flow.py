@@ -18,8 +18,8 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, quadruple, sqrt, triple
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.compilation import kernel
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.mechanics import RigidBody, State
 
 LONGEST_TURN: Final = 32.0

@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
 
 MOST_STEPS: Final = 1e15
 """Largest number of steps in one call: a year's work."""

@@ -11,7 +11,7 @@ The room needs python-flint, and shares no code with the motions that it judges.
 
 import importlib
 
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 
 
 class FlintMissingError(LieRigidBodyError, ImportError):

@@ -11,8 +11,10 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import as_double, as_numbers, whole_number
-from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.arrays import as_double, as_numbers, whole_number
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.proof.balls import (
     Balls,
     Integers,
@@ -28,8 +30,6 @@ from lie_rigid_body.proof.balls import (
 from lie_rigid_body.proof.exact_solution import exact_state
 from lie_rigid_body.proof.start import Start
 from lie_rigid_body.proof.taylor import taylor_state
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown
 
 WIDTH: Final = 2.0**-80
 """Default of the largest width of an `Enclosure`, 8e-25."""

@@ -23,8 +23,8 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import as_numbers
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import as_numbers
+from lie_rigid_body.foundation.errors import InputError
 
 Rationals = tuple[fmpq, ...]
 

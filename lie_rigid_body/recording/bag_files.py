@@ -11,15 +11,15 @@ from typing import Any, Final
 
 import yaml
 
-from lie_rigid_body.bounded_input import LARGEST_METADATA, NUMBERS, BoundedLoader, as_path, load_yaml, read_text
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.output_file import reason
-from lie_rigid_body.parameters import NS
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
 from lie_rigid_body.recording.mcap_contents import FileSpan, McapContents, Progress, RawTrack, Wanted, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
-from lie_rigid_body.system import real_path
-from lie_rigid_body.wording import shown
+from lie_rigid_body.system.bounded_input import LARGEST_METADATA, NUMBERS, BoundedLoader, as_path, load_yaml, read_text
+from lie_rigid_body.system.output_file import reason
+from lie_rigid_body.system.portable import real_path
 
 METADATA_FILE: Final = "metadata.yaml"
 """The file that makes a folder a rosbag2 bag."""

@@ -13,7 +13,9 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TWIST
 from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of, redefined
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -39,9 +41,7 @@ from lie_rigid_body.recording.topic_messages import (
     topic_messages,
 )
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SOFTWARE, Segment
-from lie_rigid_body.wording import listed
 
 _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""

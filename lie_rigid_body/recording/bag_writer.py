@@ -14,7 +14,7 @@ import numpy as np
 from mcap.records import Channel, Header, Metadata, Schema
 
 from lie_rigid_body import __version__
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages import definitions, encode_strings
 from lie_rigid_body.messages.batch import (
     FAULTS_TOPIC,
@@ -26,10 +26,10 @@ from lie_rigid_body.messages.batch import (
     Gathering,
     Messages,
 )
-from lie_rigid_body.output_file import DiskQueue, OutputFile, reason, remedy
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
 from lie_rigid_body.recording.records import RESCUE, record_bytes
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
+from lie_rigid_body.system.output_file import DiskQueue, OutputFile, reason, remedy
 
 POSE_TOPIC: Final = "/pose"
 TWIST_TOPIC: Final = "/twist"

@@ -8,14 +8,14 @@ from itertools import islice
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed, shortened, shown, suggestion
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import missing_beside, whole_of
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, TrackKey
 from lie_rigid_body.recording.topic_messages import texts
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import listed, shortened, shown, suggestion
 
 SCENARIO: Final = "scenario"
 BODY_TOPICS: Final = (POSE, TWIST, SCENARIO)

@@ -10,8 +10,8 @@ from typing import Final
 
 from mcap.records import Chunk
 
-from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.recording.records import ContradictionError, ExcessError, UnknownCompressionError, require
+from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
 
 _MOST_RECORDS: Final = 65_536
 _PIECE: Final = 64

@@ -9,8 +9,8 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Integers, windows
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.arrays import Integers, windows
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 _NONE: Final = np.empty(0, dtype=np.int64)
 TrackKey: TypeAlias = tuple[str, str]

@@ -26,7 +26,7 @@ from mcap.records import (
 )
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.messages.batch import Messages
 from lie_rigid_body.messages.layout import Template
 from lie_rigid_body.recording.records import HEAD, MAGIC, RECORD_HEAD, MessageTable, record_bytes

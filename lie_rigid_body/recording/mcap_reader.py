@@ -18,9 +18,9 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Footer, Header, Metadata, Schema
 
-from lie_rigid_body.arrays import windows
-from lie_rigid_body.bounded_input import LARGEST_CHUNK
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.arrays import windows
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.recording.inflation import inflated, most_records, other_format
 from lie_rigid_body.recording.mcap_contents import (
     FileSpan,
@@ -53,7 +53,7 @@ from lie_rigid_body.recording.records import (
 )
 from lie_rigid_body.recording.sound_records import DAMAGE
 from lie_rigid_body.recording.summary import Summary, SummaryCheck
-from lie_rigid_body.wording import counted
+from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
 
 _TOGETHER: Final[Mapping[tuple[int, int], int]] = {
     (Opcode.CHUNK, Opcode.MESSAGE_INDEX): 2 * LARGEST_RECORD,

@@ -32,8 +32,9 @@ from mcap.records import (
 )
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Integers, windows
-from lie_rigid_body.bounded_input import (
+from lie_rigid_body.foundation.arrays import Integers, windows
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.system.bounded_input import (
     LARGEST_ATTACHMENT,
     LARGEST_CHUNK,
     LARGEST_DEFINITION,
@@ -41,8 +42,7 @@ from lie_rigid_body.bounded_input import (
     LONGEST_NAME,
     open_file,
 )
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.output_file import reason
+from lie_rigid_body.system.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
 """The first and the last bytes of an MCAP file, as mcap.writer has them, which takes long to load."""

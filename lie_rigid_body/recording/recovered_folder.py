@@ -5,11 +5,11 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from lie_rigid_body.errors import BagError
-from lie_rigid_body.output_file import reason
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import BagFiles, left_out
 from lie_rigid_body.recording.recovery import NothingWholeError, Recovery, recover
-from lie_rigid_body.system import real_path
+from lie_rigid_body.system.output_file import reason
+from lie_rigid_body.system.portable import real_path
 
 
 def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWholeError]:

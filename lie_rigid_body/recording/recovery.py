@@ -13,9 +13,8 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
 
-from lie_rigid_body.bounded_input import LONGEST_NAME
-from lie_rigid_body.errors import BagError
-from lie_rigid_body.output_file import require_other, written
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_writer import CUT_OFF
 from lie_rigid_body.recording.damaged_file import DamagedFile
 from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, other_format, salvaged
@@ -38,7 +37,8 @@ from lie_rigid_body.recording.records import (
     require,
 )
 from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, begins, sound
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.system.bounded_input import LONGEST_NAME
+from lie_rigid_body.system.output_file import require_other, written
 
 _LOOSE_BYTES: Final = 256 * 1024
 """Size of the chunks into which messages are put that are in none."""

@@ -8,13 +8,13 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.arrays import Booleans, Integers
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.segments import number_samples, segment_parts
 from lie_rigid_body.recording.topic_messages import TakeReadings, TopicMessages
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
 
 Batches: TypeAlias = Iterable[tuple[TopicMessages, TopicMessages]]

@@ -14,11 +14,11 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers
-from lie_rigid_body.errors import BagError, InputError, ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.arrays import Booleans, Integers
+from lie_rigid_body.foundation.errors import BagError, InputError, ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.topic_messages import TopicMessages
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.simulation.segment import Arrivals
 

@@ -26,7 +26,6 @@ from mcap.records import (
     Statistics,
 )
 
-from lie_rigid_body.bounded_input import LARGEST_DECLARATIONS
 from lie_rigid_body.recording.records import (
     LAST_TIME,
     MESSAGE,
@@ -38,6 +37,7 @@ from lie_rigid_body.recording.records import (
     size_of,
 )
 from lie_rigid_body.recording.sound_records import whole_records
+from lie_rigid_body.system.bounded_input import LARGEST_DECLARATIONS
 
 _IN_DATA: Final = frozenset(
     {

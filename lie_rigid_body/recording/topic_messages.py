@@ -16,8 +16,10 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages import NOT_GIVEN, Decoded, decode_places, decode_string, numbers_of
 from lie_rigid_body.messages.decoding import FramedNumbers, Frames, decode_odometry, decode_transforms
 from lie_rigid_body.messages.definitions import (
@@ -34,8 +36,6 @@ from lie_rigid_body.messages.definitions import (
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
 from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, TrackKey
 from lie_rigid_body.sensors import SENSORS, Field, Topic
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import listed
 
 TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, BARE_TWIST)
 """Types of the poses and twists of a body: three numbers of its translation, and then those of its rotation."""

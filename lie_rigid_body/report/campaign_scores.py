@@ -9,11 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.evaluation.score import wrapped
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.wording import counted, listed, printable, shortened
 from lie_rigid_body.report.drawing import DISTINCT
 from lie_rigid_body.report.html_page import (
     axis,
@@ -28,7 +29,6 @@ from lie_rigid_body.report.html_page import (
     table,
 )
 from lie_rigid_body.scenario.parameter_file import recording
-from lie_rigid_body.wording import counted, listed, printable, shortened
 
 _COLUMNS: Final = (
     "estimator",

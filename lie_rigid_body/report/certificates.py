@@ -11,10 +11,10 @@ import numpy as np
 
 from lie_rigid_body.certificate import Certificate, LawResult, SegmentCertificate
 from lie_rigid_body.certificate.proved import Proof
+from lie_rigid_body.foundation.wording import counted, numerals, printable
 from lie_rigid_body.report import figures, html_page
 from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.recorded_motion import RecordedSegment, ResidualsOverTime
-from lie_rigid_body.wording import counted, numerals, printable
 
 LAW_HEADINGS: Final = ("law", "worst", "limit", "", "sample", "time, s", "")
 """Headings of the columns of `law_cells`."""

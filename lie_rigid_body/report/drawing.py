@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import require_suffix
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.output_file import require_other, require_room, write_file
-from lie_rigid_body.wording import printable
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import printable
+from lie_rigid_body.system import console
+from lie_rigid_body.system.output_file import require_other, require_room, write_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.certificate import Certificate, LawResult
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides

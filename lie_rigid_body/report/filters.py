@@ -11,12 +11,12 @@ import numpy as np
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.diagnosis.examination import degrees
 from lie_rigid_body.evaluation.score import wrapped
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.league import CASES, EDITION, GRADES, FilterRow, LeagueTable, standing
 from lie_rigid_body.league.table import angle
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.drawing import BLACK, BLUE, GREEN, ORANGE
 from lie_rigid_body.report.html_page import escaped
-from lie_rigid_body.wording import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from lie_rigid_body import __version__
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.report.drawing import FRAME, svg
 from lie_rigid_body.simulation import Segment
-from lie_rigid_body.wording import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as MatplotlibFigure

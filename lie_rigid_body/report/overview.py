@@ -8,12 +8,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from lie_rigid_body import console
 from lie_rigid_body.certificate import Certificate, LawResult
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import counted, printable, shortened
 from lie_rigid_body.report import certificates, figures, html_page
 from lie_rigid_body.report.html_page import escaped
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import counted, printable, shortened
+from lie_rigid_body.system import console
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
 _COLUMNS: Final = "{:<9} {:>9} {:>8} {:<34} {:>7}  {}"

@@ -10,14 +10,14 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
 from lie_rigid_body.certificate.certification import Certificate
 from lie_rigid_body.certificate.law_result import Watch
 from lie_rigid_body.certificate.survey import survey
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import Segment
 
 FEW_SAMPLES: Final = 3

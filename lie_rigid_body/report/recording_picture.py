@@ -11,8 +11,9 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.lie import so3
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
@@ -26,7 +27,6 @@ from lie_rigid_body.report.recorded_motion import (
     reset_times,
     times,
 )
-from lie_rigid_body.wording import counted, numerals
 
 ENVELOPE_INTERVALS: Final = 60
 """Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""

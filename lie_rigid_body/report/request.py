@@ -8,11 +8,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import TOPIC_OPTION, Parser, argument, file_name, require_suffix, split_ros_arguments
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.output_file import write_file
-from lie_rigid_body.wording import listed, shown
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.system import console
+from lie_rigid_body.system.output_file import write_file
 
 if TYPE_CHECKING:
     from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.consistency import Consistency
@@ -26,11 +25,12 @@ from lie_rigid_body.evaluation.score import (
     verdict,
     wrapped,
 )
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.wording import counted, printable, shortened
 from lie_rigid_body.report import html_page
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
 from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.recorded_motion import curve_style, extremes
-from lie_rigid_body.wording import counted, printable, shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

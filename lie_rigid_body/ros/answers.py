@@ -15,17 +15,17 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy
 from rclpy.subscription import Subscription
 
-from lie_rigid_body.errors import BagError, ParameterError
+from lie_rigid_body.foundation.errors import BagError, ParameterError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages.decoding import byte_order
 from lie_rigid_body.messages.definitions import TF_MESSAGE
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.following import subscribe, taken
 from lie_rigid_body.ros.publishing.publisher import IMU_TOPIC
 from lie_rigid_body.ros.session import translated_errors
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.wording import listed
 
 QUIET_S: Final = 1.0
 """Time in which nothing may have changed before lock-step begins, s: what a node hears becomes known by and by."""

@@ -18,13 +18,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from lie_rigid_body import console
-from lie_rigid_body.errors import InputError, LieRigidBodyError
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.wording import LONGEST_VALUE, shortened, shown, suggestion
 from lie_rigid_body.ros.session import own_node, translated_errors
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
-from lie_rigid_body.wording import LONGEST_VALUE, shortened, shown, suggestion
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 SHOWN_EVERY: Final = 0.2
 """Shortest time between two printed poses, s."""

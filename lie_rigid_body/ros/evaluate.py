@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from lie_rigid_body import console
-from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.report.request import parse, require_room
 from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 
 @console.run

@@ -22,22 +22,22 @@ from rclpy.clock import Clock
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from lie_rigid_body import console
-from lie_rigid_body.arrays import Integers
-from lie_rigid_body.errors import InputError, LieRigidBodyError
 from lie_rigid_body.estimates.kept import UNUSABLE_ATTITUDES
 from lie_rigid_body.estimates.live_estimate import INTERIM, LiveEstimate
 from lie_rigid_body.evaluation import AttitudeError, Finding, Limits, Score
 from lie_rigid_body.evaluation.consistency import require_axes
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.parameters import exact_duration
+from lie_rigid_body.foundation.wording import suggestion
 from lie_rigid_body.messages.layout import Layout, header
-from lie_rigid_body.parameters import exact_duration
 from lie_rigid_body.report.request import answer
 from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report
 from lie_rigid_body.ros.session import OF_EVERY_NODE, own_node, require_distinct
-from lie_rigid_body.wording import suggestion
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 EVALUATOR_NAME: Final = "evaluator"
 NODE_PARAMETERS: Final = ("max_rms", "max_after", "duration", "wait", "covariance_axes")

@@ -7,9 +7,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.system import limit
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shown
+from lie_rigid_body.system.portable import limit
 
 REQUIRED_PACKAGES: Final = (
     *("rclpy", "rcl_interfaces", "rosgraph_msgs", "std_msgs", "std_srvs"),

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather

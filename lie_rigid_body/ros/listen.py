@@ -6,10 +6,10 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import Parser, argument
-from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 PROGRAM: Final = "python -m lie_rigid_body.ros.listen"
 NODE: Final = "/lie_rigid_body"

@@ -13,11 +13,10 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from lie_rigid_body import console
-from lie_rigid_body.errors import BagError, ExistsError, InputError, ParameterError
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.foundation.errors import BagError, ExistsError, InputError, ParameterError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.control.parameters import NodeParameters
 from lie_rigid_body.ros.control.services import SIMULATION_INTERFACES, StandardServices, offer_triggers
 from lie_rigid_body.ros.installation import is_installed
@@ -41,7 +40,8 @@ from lie_rigid_body.ros.timing.sink import Sink
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import NODE_NAME, gather
 from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.wording import counted
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 TOPICS: Final = (POSE, TWIST, PRIVATE_SCENARIO, CLOCK, TF, DIAGNOSTICS_TOPIC, MARKERS_TOPIC, *OF_EVERY_NODE)
 """The topics of the node beside its sensors', wanted or not: each has a type of its own, or means something else."""

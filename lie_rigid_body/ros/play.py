@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import BinaryIO, Final
 
-from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.estimates.programs import Answered, NodeEstimator, Reading, last_words, words
-from lie_rigid_body.output_file import reason
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.system.output_file import reason
 
 DOMAINS: Final = range(1, 102)
 """Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""

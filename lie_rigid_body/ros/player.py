@@ -14,9 +14,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 
-from lie_rigid_body.errors import LieRigidBodyError
 from lie_rigid_body.estimates.programs import Answered, NodeEstimator, Reading
-from lie_rigid_body.parameters import NS
+from lie_rigid_body.foundation.errors import LieRigidBodyError
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.ros.answers import Answers
 from lie_rigid_body.ros.publishing.publisher import CLOCK, DEPTH, clock_bytes
 from lie_rigid_body.ros.session import message_class, own_node

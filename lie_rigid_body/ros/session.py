@@ -25,7 +25,7 @@ from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 
 _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")

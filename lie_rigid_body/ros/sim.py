@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
 
-from lie_rigid_body import console
 from lie_rigid_body.command_line import Parser, split_ros_arguments
-from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.installation import require_ros
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import Interruption
 
 EPILOG: Final = """
 ROS arguments follow --ros-args: remapping (-r pose:=truth, -r __ns:=/a), parameters (-p rate:=200.0, or

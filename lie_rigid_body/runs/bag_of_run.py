@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body import __version__
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.consistency import factor_of
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages.batch import SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED, places
@@ -35,7 +36,6 @@ from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.runs.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Taken
-from lie_rigid_body.wording import listed, shown
 
 OWN_TOPICS: Final = frozenset(
     {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}

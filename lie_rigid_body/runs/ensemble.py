@@ -14,12 +14,13 @@ from typing import Any, Final, NoReturn, overload
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers, plain
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array, Integers, plain
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import Value, exact_duration
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
 from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, require_memory
-from lie_rigid_body.parameters import Value, exact_duration
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
@@ -27,7 +28,6 @@ from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation, motions_of
 from lie_rigid_body.simulation.loop import Latest
-from lie_rigid_body.wording import shown
 
 _TRUTH_BYTES: Final = 300
 """Largest memory for a sample of the truth while it is computed, bytes."""

@@ -7,11 +7,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import read_stamps, real_numbers, shape_remedy
 from lie_rigid_body.evaluation.consistency import require_axes, rotation_block
-from lie_rigid_body.wording import call_repr
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import call_repr
 
 BIAS_SUFFIX: Final = "/gyro_bias"
 """End of the name of the topic of estimated biases, behind that of the attitudes."""

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.showing import data_frame
+from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.messages.batch import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.segments import measured_ns
 from lie_rigid_body.recording.topic_messages import TopicMessages, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
-from lie_rigid_body.showing import data_frame
 from lie_rigid_body.simulation import Segment, SensorSamples
-from lie_rigid_body.wording import call_repr
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import BagError, InputError
 from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
 from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantity
 from lie_rigid_body.evaluation.score import BiasEstimate
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.showing import Shown, data_frame
+from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS_TOPIC
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
@@ -28,9 +30,7 @@ from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth, at_limit, bound_of, left_by_errors_of, unavoidable_error_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
-from lie_rigid_body.showing import Shown, data_frame
 from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
-from lie_rigid_body.wording import call_repr, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame

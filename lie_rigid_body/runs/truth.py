@@ -9,8 +9,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import (
     AttitudeReadings,
     BiasNoise,
@@ -22,16 +20,18 @@ from lie_rigid_body.evaluation import (
 )
 from lie_rigid_body.evaluation.arguments import as_stamps, integer_stamps, read_stamps, unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import counted, shown
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.messages.definitions import IMU
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.wording import counted, shown
 
 THINNED: Final = 40_000
 """Number of IMU readings at which the bound of a score is computed, in a few seconds at most.

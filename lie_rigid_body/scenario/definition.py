@@ -12,16 +12,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, plain, whole_number
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, plain, whole_number
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import Value, require_frame_name
+from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
-from lie_rigid_body.parameters import Value, require_frame_name
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
-from lie_rigid_body.wording import call_repr, numerals, shown, suggestion
 
 LARGEST_TURN_PER_STEP: Final = 1.0
 """Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The

@@ -15,9 +15,9 @@ from typing import Any, Final, TypeAlias
 
 import yaml
 
-from lie_rigid_body.bounded_input import BoundedLoader, load_yaml, read_text
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import shown, suggestion
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shown, suggestion
+from lie_rigid_body.system.bounded_input import BoundedLoader, load_yaml, read_text
 
 CONFIG: Final = Path(__file__).parent.parent / "config"
 """The folder of the named scenarios."""

@@ -6,9 +6,9 @@ from collections import ChainMap
 from collections.abc import Mapping
 from typing import Final
 
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
-from lie_rigid_body.parameters import MAX_EPOCH_NS, Parameter, Value, read_table
 from lie_rigid_body.sensors import SENSORS, graded
 
 OWN: Final = (

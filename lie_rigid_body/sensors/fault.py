@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.sensors.noise import Draws
 from lie_rigid_body.sensors.parameters import Values, values_of
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown
 
 if TYPE_CHECKING:
     from typing_extensions import Self

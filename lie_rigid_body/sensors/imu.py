@@ -10,12 +10,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import Parameter, Vector, require_at_most
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.parameters import Parameter, Vector, require_at_most
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import (
     Values,

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Vector, require_at_most
 from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import (

@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.sensors.signal import Conditioning, Signal
 
 _FEW: Final = 256

@@ -14,7 +14,7 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
-from lie_rigid_body.parameters import Parameter, Value, Vector
+from lie_rigid_body.foundation.parameters import Parameter, Value, Vector
 
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""

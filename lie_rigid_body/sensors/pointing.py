@@ -6,16 +6,16 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import Vector
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Vector
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
 from lie_rigid_body.sensors.signal import Conditioning, Signal
-from lie_rigid_body.short_dataclass import short_dataclass
 
 
 @short_dataclass(frozen=True)

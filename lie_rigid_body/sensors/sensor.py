@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import Parameter, Vector
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import Parameter, Vector
 from lie_rigid_body.sensors.fault import Delivery, Faulty
 from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signal
-from lie_rigid_body.short_dataclass import short_dataclass
 
 if TYPE_CHECKING:
     from typing_extensions import Self

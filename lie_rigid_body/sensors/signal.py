@@ -8,12 +8,12 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import so3
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.parameters import Values, values_of
-from lie_rigid_body.short_dataclass import short_dataclass
 
 FINEST_RESOLUTION: Final = 1e-18
 """Finest step of a converter, in the sensor's unit: far finer than any instrument, and no count of steps overflows."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final, cast
 
-from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.parameters import Parameter, Value, require_frame_name
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import Parameter, Value, require_frame_name
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.fault import PARTS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
 from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
-from lie_rigid_body.short_dataclass import short_dataclass
 
 SLOWEST_RATE: Final = 1e-6
 """Smallest sampling rate of a sensor, Hz."""

@@ -9,15 +9,15 @@ from functools import cached_property
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import Vector, require_at_most
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import so3
-from lie_rigid_body.parameters import Vector, require_at_most
 from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty, nanoseconds, stream
 from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.sensors.signal import Converter, Signal
-from lie_rigid_body.short_dataclass import short_dataclass
 
 
 @dataclass(frozen=True)

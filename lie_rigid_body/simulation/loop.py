@@ -13,16 +13,16 @@ from typing import Any, Final, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.arrays import Integers, whole_number
+from lie_rigid_body.foundation.arrays import Integers, whole_number
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault, SensorModel
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation.samples import Measurement, SampleQueue, Samples, SensorSamples
 from lie_rigid_body.simulation.segment import SampleClock, Segment
-from lie_rigid_body.wording import call_repr
 
 Motions: TypeAlias = Callable[[Scenario], Callable[[], Motion]]
 """A function that makes the motions of a scenario; see `motions_of`."""

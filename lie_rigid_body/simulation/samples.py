@@ -7,12 +7,12 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Booleans, Integers
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.sensors import SENSORS, Signal
-from lie_rigid_body.short_dataclass import short_dataclass
 from lie_rigid_body.simulation.segment import Arrivals, SampleClock, Segment
 
 

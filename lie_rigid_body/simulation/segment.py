@@ -10,13 +10,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Booleans, Integers
-from lie_rigid_body.bounded_input import LONGEST_NUMBER
-from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.arrays import Booleans, Integers
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors.fault import Delivery, nanoseconds
-from lie_rigid_body.short_dataclass import short_dataclass
+from lie_rigid_body.system.bounded_input import LONGEST_NUMBER
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""

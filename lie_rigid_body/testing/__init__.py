@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
-from lie_rigid_body.errors import InputError, said
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.errors import InputError, said
+from lie_rigid_body.foundation.wording import shown
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -196,7 +196,7 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
 
 def _key(scenario: str | Path | Scenario, settings: dict[str, Any]) -> tuple[Scenario, str]:
     """Key of a run: its scenario with all parameters, and the other arguments of `simulate`."""
-    from lie_rigid_body.arrays import plain
+    from lie_rigid_body.foundation.arrays import plain
     from lie_rigid_body.runs.ensemble import scenario_of
 
     others = {name: plain(value) for name, value in settings.items() if name in _OF_SIMULATE}

@@ -13,13 +13,13 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import quantity
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import GRADES
-from lie_rigid_body.wording import listed, shown
 
 __all__ = ["attitudes", "bodies", "scenarios", "sensor_grades", "starts"]
 

@@ -13,7 +13,7 @@ import pytest
 from campaigns import ESTIMATOR, written
 
 from lie_rigid_body.cli.campaign import main
-from lie_rigid_body.system import lock
+from lie_rigid_body.system.portable import lock
 
 
 @pytest.fixture(autouse=True)

@@ -16,7 +16,7 @@ from lie_rigid_body.campaign.definition import OF_TABLE
 from lie_rigid_body.campaign.run import carry_out
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.cli.record import main as record
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.recording import bag_reader
 from lie_rigid_body.runs import simulate
 

@@ -13,7 +13,7 @@ from test_what_campaigns_say import DRAWN, NO_DISTRIBUTIONS, refused
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
 
 COUNT = 2000

@@ -16,8 +16,8 @@ import pytest
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.run import LONGEST_S, SCORES, judged, judgements
-from lie_rigid_body.interpreters import STARTING_S, Interpreter
 from lie_rigid_body.runs import simulate
+from lie_rigid_body.system.interpreters import STARTING_S, Interpreter
 from said import numbers
 
 MODULE = """

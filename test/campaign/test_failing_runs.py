@@ -23,9 +23,9 @@ from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import MORE_SCORES, BagFolder, Judgement, Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.cli.campaign import main
-from lie_rigid_body.errors import BagError, said
-from lie_rigid_body.interpreters import told
-from lie_rigid_body.wording import LONGEST_LINE
+from lie_rigid_body.foundation.errors import BagError, said
+from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.system.interpreters import told
 
 pytestmark = NEEDS_DASK
 

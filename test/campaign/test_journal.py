@@ -18,7 +18,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.campaign.run import Row
 from lie_rigid_body.cli.campaign import main
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 
 pytestmark = NEEDS_DASK
 

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 from campaigns import NEEDS_DASK
 
-from lie_rigid_body import console
 from lie_rigid_body.campaign.cluster import client_of
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.system import console
 
 if TYPE_CHECKING:
     from distributed import Client

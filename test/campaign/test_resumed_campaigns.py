@@ -15,7 +15,7 @@ from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.journal import Journal
 from lie_rigid_body.cli.campaign import main
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 
 pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]
 

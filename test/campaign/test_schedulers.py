@@ -17,9 +17,9 @@ import pytest
 from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table_of, written
 from test_what_campaigns_say import WITHOUT_A_WORKER
 
-from lie_rigid_body import console
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.cli.campaign import main
+from lie_rigid_body.system import console
 
 pytestmark = [NEEDS_DASK, pytest.mark.slow]
 DEADLINE = 120.0

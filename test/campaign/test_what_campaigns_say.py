@@ -21,9 +21,9 @@ from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign, campaign_runs
-from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.report import campaign_scores
-from lie_rigid_body.wording import LONGEST_LINE
 from said import refusals
 
 pytestmark = [NEEDS_DASK, pytest.mark.usefixtures("asked_here")]

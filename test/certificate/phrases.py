@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lie_rigid_body.certificate import Certificate
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from said import refusals
 
 PHRASES = {

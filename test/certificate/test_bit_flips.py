@@ -21,7 +21,7 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter

@@ -11,7 +11,7 @@ from phrases import telling
 from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper, with_numbers
 
 from lie_rigid_body.certificate import Certificate, certify
-from lie_rigid_body.errors import BagError, ParameterError
+from lie_rigid_body.foundation.errors import BagError, ParameterError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag

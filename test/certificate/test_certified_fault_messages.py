@@ -14,10 +14,10 @@ from tampering import Change, Message, at, declared, messages_of, on, tamper
 from test_certified_faults import EVERY, LATE, LATER, LOST, START
 
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario

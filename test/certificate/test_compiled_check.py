@@ -11,8 +11,8 @@ from test_streaming import honest  # noqa: F401
 
 from lie_rigid_body.certificate import certify, residuals
 from lie_rigid_body.certificate.residuals import Residuals
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.recording.topic_messages import TopicMessages

@@ -28,7 +28,7 @@ from mcap.writer import CompressionType
 from phrases import telling
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag

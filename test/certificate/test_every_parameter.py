@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from lie_rigid_body.arrays import Array, Integers
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.certificate.law_result import Watch
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter

@@ -16,10 +16,10 @@ from test_certified_faults import EVERY, LATE, LATER, LOST
 
 from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.report.certificates import as_json, as_table
 from lie_rigid_body.scenario import Scenario

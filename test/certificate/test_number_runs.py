@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phrases import PHRASES
 
-from lie_rigid_body.arrays import runs_of
 from lie_rigid_body.certificate.stamps import DUPLICATE, GAP, PAGE, Lost, NumberRuns, RunList, StampTally
+from lie_rigid_body.foundation.arrays import runs_of
 from lie_rigid_body.simulation import SampleClock
 
 NUMBERS = st.one_of(

@@ -10,7 +10,7 @@ import pytest
 from tampering import Change, Message, at, on, tamper, with_numbers
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter

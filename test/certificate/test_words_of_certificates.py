@@ -12,7 +12,7 @@ from sensor_bags import AT, BIAS, IMU, MAG, certificate, recorded
 from tampering import Change, Message, at, declared, flipped, on, with_numbers
 from test_certified_clocks import moved
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 
 
 def scaled(message: Message) -> Message:

@@ -13,11 +13,11 @@ from estimate_messages import beside
 from evaluating import HOW, IMU, ODOMETRY, POSE, refused, scored
 
 from lie_rigid_body.cli.evaluate import main
-from lie_rigid_body.console import progress_of_bags
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.report.drawing import svg
 from lie_rigid_body.report.scores import draw
+from lie_rigid_body.system.console import progress_of_bags
 
 
 @pytest.mark.parametrize("kind", list(HOW))

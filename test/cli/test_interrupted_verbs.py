@@ -52,10 +52,10 @@ for told in sys.argv[1:]:
 """
 CHUNK = "lie_rigid_body.recording.mcap_file:McapFile.add_chunk"
 READ = "lie_rigid_body.recording.bag_files:BagFiles.contents"
-WRITTEN = "lie_rigid_body.output_file:OutputFile.commit"
+WRITTEN = "lie_rigid_body.system.output_file:OutputFile.commit"
 BAR = "tqdm.std:DisableOnWriteError"
 """The first call by which a progress bar is made."""
-DISCARDED = "lie_rigid_body.output_file:OutputFile.discard"
+DISCARDED = "lie_rigid_body.system.output_file:OutputFile.discard"
 PLOT = "plot bag.mcap -o new.png"
 RECOVER = "recover bag.mcap -o new.mcap"
 VERBS = {
@@ -69,7 +69,7 @@ VERBS = {
     "recover run -o new": CHUNK,
     "record new.mcap --duration 1": "lie_rigid_body.cli.record:scenario_of",
     "explain": "lie_rigid_body.cli.explain:scenario_of",
-    "scenarios": "lie_rigid_body.console:say",
+    "scenarios": "lie_rigid_body.system.console:say",
 }
 WITH_BARS = {
     "check .": "",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body import console
+from lie_rigid_body.system import console
 
 WITHOUT = """
 import sys

@@ -63,7 +63,7 @@ def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, c
         patch.setattr("matplotlib.figure.Figure.savefig", interrupted)
         assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
     with monkeypatch.context() as patch:
-        patch.setattr("lie_rigid_body.output_file.OutputFile.commit", interrupted)
+        patch.setattr("lie_rigid_body.system.output_file.OutputFile.commit", interrupted)
         assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
     assert list(tmp_path.iterdir()) == [bag]
 

@@ -17,7 +17,7 @@ from test_check import write_bag
 from test_check_many import merged
 
 from lie_rigid_body.__main__ import main
-from lie_rigid_body.console import status_of
+from lie_rigid_body.system.console import status_of
 
 PARAMETERS = {
     "inertia:=[1.0, -2.0, 3.0]": "inertia: .*-2",

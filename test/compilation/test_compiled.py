@@ -19,7 +19,7 @@ from lie_rigid_body.compilation.work import LONG_CALL, SIGNATURE, STEPS_FOR_COMP
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
 from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
-from lie_rigid_body.system import lock
+from lie_rigid_body.system.portable import lock
 
 MODULES = (moser_veselov_loop, munthe_kaas_loop)
 BODIES = {

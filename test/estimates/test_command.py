@@ -20,8 +20,8 @@ from refused_runs import refused
 from lie_rigid_body import attitude_error, diagnose, simulate
 from lie_rigid_body.cli import diagnose as verb
 from lie_rigid_body.cli import league
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.estimates.programs import HEADER, CommandEstimator
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league import CASES, playing
 from lie_rigid_body.testing import command_estimator, node_estimator
 

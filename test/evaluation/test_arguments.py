@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import Limits, SampledTruth, attitude_error, simulate
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.remarks import of_series
+from lie_rigid_body.foundation.errors import InputError
 
 Q = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
 

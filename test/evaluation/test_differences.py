@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.differences import MOST_SAMPLES, blocks_of, of_run, of_runs
+from lie_rigid_body.foundation.errors import InputError
 from said import numbers
 from sampled import sampled
 

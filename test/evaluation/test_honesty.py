@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 import covariances
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation.honesty import COVERAGES, honesty, mean_bounds
+from lie_rigid_body.foundation.errors import InputError
 
 
 @pytest.mark.parametrize(

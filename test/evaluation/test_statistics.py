@@ -7,7 +7,6 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import (
     AttitudeError,
     Limits,
@@ -18,6 +17,7 @@ from lie_rigid_body.evaluation import (
     time_to_converge,
 )
 from lie_rigid_body.evaluation.statistics import Tally, settling_limit
+from lie_rigid_body.foundation.errors import InputError
 from said import numbers
 
 

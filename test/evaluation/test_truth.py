@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error, evaluate
 from lie_rigid_body.evaluation.remarks import of_series
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
 
 SPIN = quaternion.exp(np.outer(STAMPS * 1e-9, [0.3, -0.2, 0.9]))

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from motions import STAMPS, attitude, truth_of
 
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.evaluation import (
     AttitudeReadings,
     BiasNoise,
@@ -33,8 +32,9 @@ from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.differences import Difference, of_run, of_runs
 from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.statistics import Tally
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.wording import LONGEST_LINE
 
 WRONG: Any = 3
 ONE, ZERO = [0.0, 0.0, 0.0, 1.0], [0.0] * 4

@@ -16,7 +16,7 @@ from group_bodies import (
 )
 from sample_groups import heisenberg, se3, sl2, so4_split
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import (
     SO,
     SU,

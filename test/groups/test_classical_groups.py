@@ -9,7 +9,7 @@ import pytest
 from sample_groups import COMPACT
 from scipy.optimize import minimize
 
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.groups import SO, SU, U1, product
 from lie_rigid_body.groups.elements import measured
 from lie_rigid_body.lie import so3

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sample_groups import GENERATED, heisenberg, se3, sl2, so4_split, unit
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import SO, SU, MatrixLieGroup
 from lie_rigid_body.groups.algebra import dual_basis
 

@@ -7,7 +7,7 @@ import pytest
 from group_bodies import GROUPS, random_metric
 from sample_groups import ALL, COMPACT, heisenberg, sl2
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import (
     SO,
     SU,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from group_bodies import GROUPS, ROTATIONS, UNITARY, gradient, random_metric
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import (
     SO,
     Hamiltonian,

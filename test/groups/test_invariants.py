@@ -18,7 +18,7 @@ from group_bodies import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import (
     SO,
     SU,

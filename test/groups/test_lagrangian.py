@@ -8,7 +8,7 @@ from group_bodies import COMPACT, GROUPS, diagonal_body, random_metric
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.groups import (
     SO,
     SU,

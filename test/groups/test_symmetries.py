@@ -8,7 +8,7 @@ from group_bodies import COMPACT, GROUPS, ROTATIONS, diagonal_body, random_metri
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import SO, Lagrangian, MatrixLieGroup, conserved_momenta, metric_at
 
 seeds = st.integers(0, 2**32 - 1)

@@ -14,7 +14,7 @@ import pytest
 
 from lie_rigid_body.cli.diagnose import given_estimator
 from lie_rigid_body.cli.league import main
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league import CASES, EDITION, Case, FilterRow, LeagueTable, reference, standing
 from lie_rigid_body.league.cases import readings_hash, run_of
 from lie_rigid_body.league.playing import play_case

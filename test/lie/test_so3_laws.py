@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.wording import shown
 
 components = st.floats(-3.0, 3.0)
 vectors = st.tuples(components, components, components).map(np.array)

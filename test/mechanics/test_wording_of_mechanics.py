@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import LieRigidBodyError, RigidBody, State
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import (
     MassMoments,
     ball,
@@ -17,7 +18,6 @@ from lie_rigid_body.mechanics import (
     rotated_second_moment,
     second_moment_about,
 )
-from lie_rigid_body.wording import shown
 
 UNIT = np.eye(3)
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages import (
     POSE_NUMBERS,

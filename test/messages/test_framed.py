@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from estimate_messages import STORE, messages
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages.decoding import decode_odometry, decode_transforms
 from lie_rigid_body.messages.definitions import ODOMETRY, TF_MESSAGE
 from said import numbers

@@ -12,7 +12,7 @@ import pytest
 
 import lie_rigid_body
 from lie_rigid_body.__main__ import EXTRAS, VERBS, main
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.scenario import parameter_file
 from lie_rigid_body.scenario.parameter_file import scenario_files
 

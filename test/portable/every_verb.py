@@ -45,8 +45,8 @@ VERBS: dict[str, tuple[list[str], int]] = {
 def main(folder: Path, *left_out: str) -> None:
     from lie_rigid_body import simulate
     from lie_rigid_body.__main__ import main as verb
-    from lie_rigid_body.interruption import Interruption
     from lie_rigid_body.motion.closed_form.states import STEADY
+    from lie_rigid_body.system.interruption import Interruption
 
     os.chdir(folder)
     Path("campaign.yaml").write_text(CAMPAIGN, encoding="utf-8")

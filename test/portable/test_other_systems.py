@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body import console
 from lie_rigid_body.cli.record import main as record
-from lie_rigid_body.interruption import END_SIGNALS
+from lie_rigid_body.foundation.wording import shortened
 from lie_rigid_body.scenario.parameter_file import parse_assignment
-from lie_rigid_body.system import cores, lock
-from lie_rigid_body.wording import shortened
+from lie_rigid_body.system import console
+from lie_rigid_body.system.interruption import END_SIGNALS
+from lie_rigid_body.system.portable import cores, lock
 
 FAR = "C:" + 20 * "\\a_folder_of_some_length" + "\\run.mcap"
 
@@ -77,7 +77,7 @@ def test_a_lock_is_held_by_one_until_it_is_given_up(
     ask = (
         "import sys\n"
         + ("" if fcntl else "import filelock\nsys.modules['fcntl'] = None\n")
-        + f"from lie_rigid_body.system import lock\nlock(open({str(path)!r}, 'ab'))"
+        + f"from lie_rigid_body.system.portable import lock\nlock(open({str(path)!r}, 'ab'))"
     )
 
     def is_free() -> bool:

@@ -13,7 +13,7 @@ pytest.importorskip("flint", reason="python-flint is not installed")
 from flint import arb, ctx, fmpq
 from motions_of_each_regime import REGIMES, motion
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.proof import enclose, enclose_by_taylor
 from lie_rigid_body.proof.balls import at_least, at_most
 from lie_rigid_body.proof.start import Kind, Start

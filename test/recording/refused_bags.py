@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lie_rigid_body.errors import BagError, InputError
+from lie_rigid_body.foundation.errors import BagError, InputError
 from said import refusals
 
 NOT_OURS = "is not the JSON that lie_rigid_body writes: "

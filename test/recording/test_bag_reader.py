@@ -16,8 +16,8 @@ from mcap.writer import CompressionType, Writer
 from refused_bags import refused
 
 from lie_rigid_body import Run
-from lie_rigid_body.errors import BagError
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import bags_in
 from lie_rigid_body.recording.bag_reader import read_bag
 

@@ -20,11 +20,11 @@ from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
 from refused_bags import NESTED
 from test_bag_reader import rewrite
 
-from lie_rigid_body import console
-from lie_rigid_body.bounded_input import LARGEST_CHUNK
 from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.wording import LONGEST_LINE
+from lie_rigid_body.system import console
+from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
 
 GIB = 2**30
 MIB = 2**20

@@ -18,7 +18,20 @@ from mcap.opcode import Opcode
 from refused_bags import refused as refused_as
 from test_fuzz import HONEST
 
-from lie_rigid_body.bounded_input import (
+from lie_rigid_body.campaign import Campaign
+from lie_rigid_body.campaign.definition import OF_TABLE
+from lie_rigid_body.cli.check import main as check
+from lie_rigid_body.cli.evaluate import main as evaluate
+from lie_rigid_body.cli.recover import main as recover
+from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.league.table import rows_of
+from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
+from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bag_reader import _MOST_OTHERS
+from lie_rigid_body.recording.mcap_contents import nothing
+from lie_rigid_body.recording.records import records
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.system.bounded_input import (
     LARGEST_DECLARATIONS,
     LARGEST_DEFINITION,
     LARGEST_METADATA,
@@ -28,19 +41,6 @@ from lie_rigid_body.bounded_input import (
     load_json,
     load_yaml,
 )
-from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.definition import OF_TABLE
-from lie_rigid_body.cli.check import main as check
-from lie_rigid_body.cli.evaluate import main as evaluate
-from lie_rigid_body.cli.recover import main as recover
-from lie_rigid_body.errors import BagError, InputError
-from lie_rigid_body.league.table import rows_of
-from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
-from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import _MOST_OTHERS
-from lie_rigid_body.recording.mcap_contents import nothing
-from lie_rigid_body.recording.records import records
-from lie_rigid_body.simulation import Segment
 
 MIB = 2**20
 LENGTHS = {  # by opcode, in the order of the format: bytes, a text S, a map or bytes M whose length has 4, D has 8

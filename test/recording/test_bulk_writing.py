@@ -12,7 +12,7 @@ import zstandard
 from bags import COMPRESSIONS, PlainBag
 from numpy.typing import NDArray
 
-from lie_rigid_body.arrays import Integers
+from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.messages.layout import Template
 from lie_rigid_body.recording.bag_writer import BagWriter

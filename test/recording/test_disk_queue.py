@@ -12,12 +12,12 @@ import pytest
 from bags import write_samples
 from refused_bags import refused
 
-from lie_rigid_body import output_file
-from lie_rigid_body.output_file import LARGEST_BACKLOG, DiskQueue
 from lie_rigid_body.recording import bag_writer
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system import output_file
+from lie_rigid_body.system.output_file import LARGEST_BACKLOG, DiskQueue
 
 
 @pytest.fixture

@@ -16,12 +16,12 @@ from bags import write_bag, write_samples
 from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.errors import BagError
-from lie_rigid_body.output_file import OutputFile
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system.output_file import OutputFile
 
 MOUNT = 'mount -t tmpfs -o "$1" none "$2" && shift 2 && exec "$@"'
 """Of a shell in a mount namespace of its own, where whoever runs it is root."""
@@ -42,7 +42,7 @@ VERBS = """
 """
 FILL = """
     import sys
-    from lie_rigid_body.errors import BagError
+    from lie_rigid_body.foundation.errors import BagError
     from lie_rigid_body.messages.batch import BatchEncoder
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.recording.recovery import recover

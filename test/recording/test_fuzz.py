@@ -24,17 +24,17 @@ from hypothesis import strategies as st
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 
-from lie_rigid_body import console
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.plot import main as plot
 from lie_rigid_body.cli.recover import main as recover
-from lie_rigid_body.console import UNUSABLE
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages import definitions, encode_string
 from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, BatchEncoder
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
-from lie_rigid_body.wording import LONGEST_LINE
+from lie_rigid_body.system import console
+from lie_rigid_body.system.console import UNUSABLE
 from sampled import sampled
 
 SECONDS = 60

@@ -25,7 +25,6 @@ from mcap.writer import CompressionType, IndexType, Writer
 from refused_bags import refused
 from test_bag_reader import folder, rewrite
 
-from lie_rigid_body.bounded_input import LARGEST_CHUNK, LONGEST_NUMBER
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -35,13 +34,14 @@ from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import LONGEST_SCENARIO_TEXT, Segment
+from lie_rigid_body.system.bounded_input import LARGEST_CHUNK, LONGEST_NUMBER
 
 LARGE = 2 * LARGEST_CHUNK
 MEMORY = 200 * 2**20
 """Bytes that a reader may take beside the libraries: much less than a large chunk inflated."""
 READ = f"""
 import resource, sys
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.segments import MOST_SEGMENTS
 pages = int(open("/proc/self/statm").read().split()[0])

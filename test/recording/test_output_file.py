@@ -22,11 +22,11 @@ from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
 from refused_bags import KEPT, refused
 
-from lie_rigid_body.output_file import OutputFile, write_file
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system.output_file import OutputFile, write_file
 
 KILLED = """
     import os, signal, sys

@@ -21,7 +21,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from bags import write_bag
 
-from lie_rigid_body.arrays import Integers
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.arrays import Integers
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Recording, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter

@@ -12,8 +12,8 @@ from refused_bags import refused
 from test_bag_reader import rewrite
 
 from lie_rigid_body import Run, simulate
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages import encode_string
-from lie_rigid_body.wording import LONGEST_LINE
 from said import Error
 
 IMU, BIAS = "/imu/data_raw", "/imu/bias"

@@ -32,7 +32,7 @@ from forged import (
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.mcap_contents import nothing
 

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from test_check import write_bag
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import ClosedForm
 from lie_rigid_body.recording.bag_reader import read_bag

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.requests import Call, Mailbox
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
+from lie_rigid_body.system.interruption import Interruption
 
 NS = 1_000_000_000
 NEVER = 2**63

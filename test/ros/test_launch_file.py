@@ -15,7 +15,7 @@ import pytest
 import yaml
 from test_wording_of_ros import phrase
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.report import request
 from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario import Scenario

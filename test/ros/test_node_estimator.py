@@ -19,8 +19,8 @@ import pytest
 from test_wording_of_ros import phrase
 
 from lie_rigid_body import Run, diagnose, simulate
-from lie_rigid_body.errors import InputError
 from lie_rigid_body.estimates.programs import NodeEstimator, readings_of
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.messages.batch import SENSOR_TOPICS
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.testing import node_estimator

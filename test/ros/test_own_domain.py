@@ -11,7 +11,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 from ros_domains import own_domain
 
 if find_spec("rclpy"):

@@ -13,7 +13,6 @@ from unittest.mock import patch
 import pytest
 
 from lie_rigid_body import LieRigidBodyError
-from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.ros.listen import main as listen
@@ -25,6 +24,7 @@ from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system.interruption import Interruption
 
 if find_spec("rclpy"):
     from lie_rigid_body.ros.control.parameters import NodeParameters, descriptor

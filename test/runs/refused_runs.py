@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lie_rigid_body.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError
 from said import refusals
 
 PHRASES = {

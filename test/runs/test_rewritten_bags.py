@@ -12,13 +12,13 @@ from mcap.writer import Writer
 from refused_runs import refused
 
 from lie_rigid_body import Run, __version__, simulate
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.recovery import recover
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Simulation
-from lie_rigid_body.wording import LONGEST_LINE
 
 NS = 10**9
 SENSORS: dict[str, Any] = {

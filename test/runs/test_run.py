@@ -17,12 +17,12 @@ from test_check_many import merged
 
 from lie_rigid_body import ClosedForm, Run, Scenario, simulate
 from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.wording import LONGEST_LINE
 
 SENSORS: dict[str, Any] = {
     "imu_rate": 200.0,

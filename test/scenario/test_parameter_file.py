@@ -12,7 +12,7 @@ import pytest
 import yaml
 from test_what_scenarios_say import REFUSED
 
-from lie_rigid_body.errors import InputError, ParameterError
+from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import (
     assignments,

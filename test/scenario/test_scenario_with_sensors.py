@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, scenario_files
 from lie_rigid_body.sensors import GRADES, SENSORS

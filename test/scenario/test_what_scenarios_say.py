@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, parse_assignment, read_parameter_file, scenario_file
 

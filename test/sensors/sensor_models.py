@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.parameters import read_table
+from lie_rigid_body.foundation.parameters import read_table
 from lie_rigid_body.sensors import SENSORS, Imu, ImuModel, Magnetometer, MagnetometerModel, Sensors, graded
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sensor_models import MOTION, imu_model, magnetometer, readings_at_rest, sensors_of, times
 
 from lie_rigid_body import Run, simulate
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_FAULT_TEXT, PARTS, Episodes, Window, stream

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from sensor_models import sensors_of
 
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.scenario.parameter_table import read_parameters
 from lie_rigid_body.sensors import GRADES, SENSORS

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from sensor_models import MOTION, STEP_NS, imu, times
 
 from lie_rigid_body import State
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.sensors.imu import IntegratedRate
 
 

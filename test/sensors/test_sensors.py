@@ -9,7 +9,7 @@ import re
 import pytest
 from sensor_models import sensors_of
 
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.sensors import SENSORS, Sensors, frame_parameters
 
 TRIADS = ("gyro", "accelerometer")

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lie_rigid_body import InputError, ParameterError
-from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation
 from lie_rigid_body.simulation.loop import LOOK_AHEAD

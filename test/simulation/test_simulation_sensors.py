@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from lie_rigid_body import ClosedForm
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
-from lie_rigid_body.parameters import MAX_EPOCH_NS
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 

@@ -294,7 +294,7 @@ def test_one(attitude_run, what):
 """
     )
     listed = outcome(run_pytest(tmp_path, "-q"), failed=5)
-    assert listed.count("lie_rigid_body.errors.InputError: ") >= 5
+    assert listed.count("lie_rigid_body.foundation.errors.InputError: ") >= 5
     assert str(ROOT / "lie_rigid_body") not in listed
     assert "../lie_rigid_body" not in listed
 

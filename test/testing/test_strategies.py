@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, find, given, settings
 
 from lie_rigid_body import RigidBody, Scenario, State, simulate
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.testing.strategies import attitudes, bodies, scenarios, sensor_grades, starts
 
 FEW = settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])

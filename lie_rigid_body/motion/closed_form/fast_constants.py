@@ -37,7 +37,7 @@ from lie_rigid_body.arithmetic.double_double import (
     subtract,
 )
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, sqrt, triple
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.motion.closed_form.attitude import GeneralMotion, Members, world_rotation
 from lie_rigid_body.motion.closed_form.clock import PhaseClock
 from lie_rigid_body.motion.closed_form.fast_frames import CoupledBody, DiagonalBody, FastFrame, Vector

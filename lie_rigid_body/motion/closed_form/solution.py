@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.arithmetic.double_double import from_integer, from_integers
 from lie_rigid_body.arithmetic.numbers import Number
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion.closed_form.attitude import BodyMotion, Members
 from lie_rigid_body.motion.closed_form.decimal_constants import decimal_motions
@@ -28,7 +29,6 @@ from lie_rigid_body.motion.motion import (
     WorkingMemory,
     states_at,
 )
-from lie_rigid_body.wording import call_repr
 
 MOST_SAMPLES_IN_FLOATS: Final = 16
 """Largest number of samples computed one by one, in floats, which is faster than on arrays."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from lie_rigid_body.arithmetic import decimals
 from lie_rigid_body.arithmetic.double_double import from_decimal
-from lie_rigid_body.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.motion.moser_veselov.layout import (
     ALPHA,
     ATTITUDE,

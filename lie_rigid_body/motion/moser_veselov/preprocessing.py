@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Generic, TypeAlias, TypeVar
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.motion.moser_veselov.principal_frame import ScaledMotion
 
 Number = TypeVar("Number", Decimal, float, Array)

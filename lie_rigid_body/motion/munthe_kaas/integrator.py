@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.motion.motion import InitialConditions
 from lie_rigid_body.motion.munthe_kaas.loop import ATTITUDE, LOOP, MOMENTUM, STATE_SIZE

@@ -13,12 +13,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 from rclpy.parameter_service import ParameterService
 
-from lie_rigid_body.errors import InputError, LieRigidBodyError
-from lie_rigid_body.parameters import Parameter, Value
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.parameters import Parameter, Value
+from lie_rigid_body.foundation.wording import printable, shortened, suggestion
 from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
-from lie_rigid_body.wording import printable, shortened, suggestion
 
 _NEW_NODE: Final = "start the node anew with it"
 FIXED: Final[Mapping[str, str]] = {

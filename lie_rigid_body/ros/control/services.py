@@ -22,14 +22,14 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from lie_rigid_body.arrays import Array
-from lie_rigid_body.errors import LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.errors import LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import numerals, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.live_run import LiveRun, RunState
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.wording import numerals, shown
 
 SIMULATION_INTERFACES: Final = "simulation_interfaces"
 

@@ -7,12 +7,12 @@ import shutil
 import sys
 from collections.abc import Mapping
 
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.mechanics.top import kind_of_top
 from lie_rigid_body.messages.batch import POSE, TWIST, sensor_topics
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.wording import counted
 
 
 def announcement(scenario: Scenario, names: Mapping[str, str], domain: int, record_path: str) -> str:

@@ -11,8 +11,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from std_msgs.msg import Header
 
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.timing.sink import Punctuality, Sink
 from lie_rigid_body.simulation import Segment
 

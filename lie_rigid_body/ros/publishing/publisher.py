@@ -16,10 +16,10 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.session import message_class, offered
 from lie_rigid_body.ros.timing.sink import FOREVER, LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.simulation import Segment

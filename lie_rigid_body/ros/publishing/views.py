@@ -17,13 +17,13 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from lie_rigid_body.arrays import Array
+from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
 from lie_rigid_body.messages import TransformEncoder
 from lie_rigid_body.messages.batch import Batch
-from lie_rigid_body.parameters import NS
 from lie_rigid_body.ros.session import offered
 from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.simulation import Segment

@@ -11,17 +11,17 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
-from lie_rigid_body.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.pace import BREATH_NS, Pace, UpTo, credit_ns, pace_of
 from lie_rigid_body.ros.timing.requests import ControlError, Mailbox, P, StepRequest, T
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
+from lie_rigid_body.system.interruption import Interruption
 
 STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""

@@ -6,10 +6,10 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterable
 from typing import Final
 
-from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.parameters import NS
+from lie_rigid_body.foundation.errors import LieRigidBodyError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.sensors.imu import IMU_SENSOR
-from lie_rigid_body.wording import counted
 
 LOOK_NS: Final = 100_000_000
 """Longest time between two looks whether samples are still held back, ns."""

@@ -10,7 +10,7 @@ from queue import Empty, SimpleQueue
 from threading import Lock
 from typing import Any, Generic, ParamSpec, TypeVar, cast
 
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 
 P = ParamSpec("P")
 T = TypeVar("T")

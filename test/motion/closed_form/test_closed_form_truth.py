@@ -6,7 +6,7 @@ import pytest
 from closed_form_reference import attitude_error, context, multiply, rate_error
 
 from lie_rigid_body import ClosedForm
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from reference import truth_cases
 
 CASES = truth_cases()

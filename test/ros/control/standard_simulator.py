@@ -11,11 +11,11 @@ from typing import Any
 
 from fake_time import KeepingSink
 
-from lie_rigid_body.interruption import Interruption
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.requests import Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system.interruption import Interruption
 
 if find_spec("rclpy"):
     from standard_messages import RESPONSES, entity_state

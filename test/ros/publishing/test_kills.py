@@ -24,7 +24,7 @@ import pytest
 from simulator_process import SimulatorProcess, assignments
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.errors import BagError
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.recovery import recover
 from ros_domains import own_domain

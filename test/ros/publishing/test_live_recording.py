@@ -137,7 +137,7 @@ def test_a_bag_that_is_deleted_is_told_at_once_while_the_node_goes_on(peer: Peer
 
 SMALL_BACKLOG = """
 import sys
-from lie_rigid_body import output_file
+from lie_rigid_body.system import output_file
 output_file.LARGEST_BACKLOG = 1
 from lie_rigid_body.__main__ import main
 sys.exit(main(["sim", *sys.argv[1:]]))

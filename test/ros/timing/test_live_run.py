@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from fake_time import NS, FakeTime, KeepingSink
 
-from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.parameters import MAX_EPOCH_NS
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun, RunState
 from lie_rigid_body.ros.timing.requests import Call, ClosedError, Mailbox
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
+from lie_rigid_body.system.interruption import Interruption
 
 
 def run(time: FakeTime, enough: int, factor: float = 1.0, **parameters: object) -> KeepingSink:

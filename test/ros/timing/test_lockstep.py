@@ -10,14 +10,14 @@ from typing import Any
 import pytest
 from fake_time import NS, FakeTime, KeepingSink
 
-from lie_rigid_body.errors import LieRigidBodyError
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.lockstep import Lockstep
 from lie_rigid_body.ros.timing.requests import Call
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system.interruption import Interruption
 from said import numbers
 
 BENCH = {"motion": "closed_form", "rate": 100.0, "imu_rate": 100.0, "magnetometer_rate": 100.0}

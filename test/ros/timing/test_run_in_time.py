@@ -13,7 +13,7 @@ from fake_time import NS, ScriptedRun
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from lie_rigid_body.errors import ParameterError
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.ros.timing.live_run import SHORTEST_WAIT_NS, RunState
 from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_NS, STALL_NS

@@ -10,13 +10,14 @@ from typing import Any
 
 import pytest
 
-from lie_rigid_body import Run, bounded_input, simulate
-from lie_rigid_body.bounded_input import load_yaml, open_file, read_text
+from lie_rigid_body import Run, simulate
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.errors import InputError
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.report import write_plot, write_report
 from lie_rigid_body.scenario.parameter_file import LARGEST_FILE, gather, read_parameter_file
+from lie_rigid_body.system import bounded_input
+from lie_rigid_body.system.bounded_input import load_yaml, open_file, read_text
 from said import refusals
 
 refused = refusals(

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.errors import FilterError, InputError
-from lie_rigid_body.interpreters import Interpreter, told
+from lie_rigid_body.foundation.errors import FilterError, InputError
 from lie_rigid_body.runs import Estimate
+from lie_rigid_body.system.interpreters import Interpreter, told
 from said import refusals
 
 refused = refusals(
@@ -31,14 +31,14 @@ WITH_PROC = pytest.mark.skipif(not Path("/proc").is_dir(), reason="there is no /
 HANGING = """
 import os, threading, time
 from functools import partial
-from lie_rigid_body.interpreters import Interpreter
+from lie_rigid_body.system.interpreters import Interpreter
 
 other = Interpreter()
 print(other.ask(os.getpid, 60.0), flush=True)
 other.ask(partial(time.sleep, 600.0), 600.0)
 """
 IMPORTING = """
-from lie_rigid_body.interpreters import Interpreter
+from lie_rigid_body.system.interpreters import Interpreter
 import slow
 
 Interpreter().ask(slow.answer, 600.0)
@@ -50,13 +50,13 @@ from pathlib import Path
 def answer():
     pass
 
-if "lie_rigid_body.interpreters" in sys.modules and sys.argv == ["-c"] and os.getpid() == os.getsid(0):
+if "lie_rigid_body.system.interpreters" in sys.modules and sys.argv == ["-c"] and os.getpid() == os.getsid(0):
     Path(__file__).with_name("pid").write_text(f"{os.getpid()}.")
     time.sleep(600.0)
 """
 GUARDING = """
 import subprocess, time
-from lie_rigid_body.interpreters import guarded
+from lie_rigid_body.system.interpreters import guarded
 
 program = subprocess.Popen(["/bin/sh", "-c", "sleep 600 & echo begun; sleep 600"], start_new_session=True)
 with guarded(program):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import RigidBody, Scenario, State
-from lie_rigid_body.errors import InputError, LieRigidBodyError, ParameterError
-from lie_rigid_body.parameters import Parameter
+from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError, ParameterError
+from lie_rigid_body.foundation.parameters import Parameter
+from lie_rigid_body.foundation.wording import LONGEST_LINE, LONGEST_VALUE, listed, shortened, shown, suggestion
 from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
-from lie_rigid_body.wording import LONGEST_LINE, LONGEST_VALUE, listed, shortened, shown, suggestion
 
 HUGE = [
     "x" * 100_000,

@@ -13,11 +13,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from lie_rigid_body.errors import PACKAGE_FOLDER, InputError, LieRigidBodyError
-from lie_rigid_body.interruption import Interruption
-from lie_rigid_body.parameters import NS
-from lie_rigid_body.system import limit
-from lie_rigid_body.wording import LONGEST_LINE, printable, shortened
+from lie_rigid_body.foundation.errors import PACKAGE, PACKAGE_FOLDER, InputError, LieRigidBodyError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.foundation.wording import LONGEST_LINE, printable, shortened
+from lie_rigid_body.system.interruption import Interruption
+from lie_rigid_body.system.portable import limit
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -51,8 +51,8 @@ def program(verb: str) -> str:
     ROS 2 has executables in ``lib/lie_rigid_body``, where ``python -m lie_rigid_body`` has its ``__main__.py``.
     """
     this = Path(sys.argv[0])
-    of_ros = this.parent.name == __package__ and this.suffix != ".py"
-    return f"ros2 run {__package__} {verb}" if of_ros else f"lie-rigid-body {verb}"
+    of_ros = this.parent.name == PACKAGE and this.suffix != ".py"
+    return f"ros2 run {PACKAGE} {verb}" if of_ros else f"lie-rigid-body {verb}"
 
 
 def how_to_certify(bag: str | Path) -> str:
@@ -288,6 +288,6 @@ def explanation(error: Exception) -> str:
 def missing_library(error: ModuleNotFoundError) -> str:
     """A line that says what to install; empty where the missing module is one of this package, which is a bug."""
     library = (error.name or "").partition(".")[0]
-    if library in ("", __package__):
+    if library in ("", PACKAGE):
         return ""
     return f"the Python library {library} is not installed: pip install {'PyYAML' if library == 'yaml' else library}"

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lie_rigid_body.arrays import Array, Integers
-from lie_rigid_body.errors import LieRigidBodyError
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import PACKAGE, LieRigidBodyError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def report(module: str) -> Any:
     """A module of `report`, which knows the results that other rooms make: it is loaded where one is to be shown."""
-    return import_module(f"{__package__}.report.{module}")
+    return import_module(f"{PACKAGE}.report.{module}")
 
 
 class Shown:

@@ -13,9 +13,9 @@ from io import BufferedWriter, FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, Final
 
-from lie_rigid_body.bounded_input import as_path
-from lie_rigid_body.errors import BagError, ExistsError
-from lie_rigid_body.system import is_others, lock, real_path, user
+from lie_rigid_body.foundation.errors import BagError, ExistsError
+from lie_rigid_body.system.bounded_input import as_path
+from lie_rigid_body.system.portable import is_others, lock, real_path, user
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer

@@ -19,8 +19,8 @@ from tempfile import TemporaryDirectory
 from threading import Thread, Timer
 from typing import Any, BinaryIO, Final, TypeVar
 
-from lie_rigid_body.console import DEBUG
-from lie_rigid_body.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, said
+from lie_rigid_body.foundation.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, said
+from lie_rigid_body.system.console import DEBUG
 
 R = TypeVar("R")
 T = TypeVar("T")
@@ -108,7 +108,7 @@ class Interpreter:
                 [
                     sys.executable,
                     "-c",
-                    f"import sys; sys.path[:] = {sys.path!r}; from lie_rigid_body.interpreters import serve; serve()",
+                    f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()",
                 ],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,

@@ -15,15 +15,15 @@ from typing import NoReturn
 import pytest
 from mcap.writer import Writer
 
-from lie_rigid_body import console
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.plot import main as plot
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.cli.recover import main as recover
-from lie_rigid_body.errors import BagError
-from lie_rigid_body.wording import LONGEST_LINE
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.system import console
 from sampled import sampled
 
 ANSWERS = [
@@ -244,7 +244,7 @@ def test_what_is_no_name_is_refused_by_every_verb(
 
 OVERFLOW = """
 import numpy as np
-from lie_rigid_body import console
+from lie_rigid_body.system import console
 raise SystemExit(console.status_of("verb", lambda: int(np.isinf(np.full(2, 1e308) * 10.0).all()), to_the_end=True))
 """
 
@@ -314,7 +314,7 @@ def test_the_traceback_of_a_bug_is_shown_on_request(
 
 def test_a_progress_bar_starts_no_thread() -> None:
     """Where no more threads are allowed, the library would warn about it on stderr."""
-    code = "import threading; from lie_rigid_body.console import progress as bar; bar(unit='B')"
+    code = "import threading; from lie_rigid_body.system.console import progress as bar; bar(unit='B')"
     code += "; print(threading.active_count())"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (found.stdout, found.stderr) == ("1\n", "")

@@ -10,8 +10,8 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.errors import ParameterError
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.errors import ParameterError
+from lie_rigid_body.foundation.wording import shown
 
 Array: TypeAlias = NDArray[np.float64]
 """Real numbers in double precision."""

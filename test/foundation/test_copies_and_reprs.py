@@ -34,11 +34,12 @@ from lie_rigid_body import (
     messages,
     simulate,
 )
-from lie_rigid_body import errors as errors_room
 from lie_rigid_body import sensors as table
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
+from lie_rigid_body.foundation import errors as errors_room
+from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.closed_form.states import MOTION_KINDS
@@ -47,7 +48,6 @@ from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.recording import bag_reader
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.wording import LONGEST_LINE
 
 TIMES = np.arange(0, 2_000_000_000, 10_000_000)
 BODY, START = RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0.01, 1.0, 0.01])

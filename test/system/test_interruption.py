@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.console import status_of
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.system.console import status_of
+from lie_rigid_body.system.interruption import Interruption
 
 BEGIN = """
 import atexit, os, signal, time
-from lie_rigid_body import interruption as module
-from lie_rigid_body.console import status_of
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.system import interruption as module
+from lie_rigid_body.system.console import status_of
+from lie_rigid_body.system.interruption import Interruption
 
 def send(*numbers):
     for number in numbers:
@@ -135,7 +135,7 @@ def test_the_first_signal_decides_and_the_fourth_ends(name: str, tmp_path: Path)
 
 HANGUP = """
 import signal, sys
-from lie_rigid_body.interruption import Interruption
+from lie_rigid_body.system.interruption import Interruption
 signal.signal(signal.SIGHUP, getattr(signal, sys.argv[1]))
 with Interruption.heeded(to_the_end=True) as interruption:
     signal.raise_signal(signal.SIGHUP)

@@ -17,8 +17,8 @@ from typing import Any, BinaryIO, Final
 
 import yaml
 
-from lie_rigid_body.errors import InputError
-from lie_rigid_body.wording import shown
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import shown
 
 LONGEST_WAIT: Final = 10.0
 """Longest time that the writers of a pipe may take to close it, s."""

@@ -9,9 +9,9 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Final, Literal, TypeAlias
 
-from lie_rigid_body.errors import InputError, ParameterError
-from lie_rigid_body.short_dataclass import short_dataclass
-from lie_rigid_body.wording import shown, suggestion
+from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.foundation.wording import shown, suggestion
 
 Kind: TypeAlias = Literal["double", "double_array", "int", "string", "string_array", "bool"]
 Vector: TypeAlias = tuple[float, ...]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from lie_rigid_body.wording import call_repr
+from lie_rigid_body.foundation.wording import call_repr
 
 T = TypeVar("T")
 
