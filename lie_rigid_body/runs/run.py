@@ -23,7 +23,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS_TOPIC
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
 from lie_rigid_body.recording.bodies import for_python, require_topics
-from lie_rigid_body.recording.samples import Block
+from lie_rigid_body.recording.samples import samples_in_memory
 from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
@@ -128,32 +128,26 @@ class Run(_NamedSensors, Shown):
         ParameterError
             If it declares a scenario that cannot be.
         """
-        from lie_rigid_body.certificate.survey import Surveyor
-
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
         try:
             recording = Bag(path, topics=topics, in_memory=True).load()
         except BagError as error:
             raise for_python(error) from None
-        surveyor = Surveyor(recording)
-        whole, surveyed = Block.joined([*surveyor.samples()]), surveyor.result()
-        segments = tuple(each.segment for each in surveyed.segments)
-        found = {
-            sensor.key: SensorArrays.of_recording(sensor, recording, surveyed.declared) for sensor in SENSORS.values()
-        }
+        samples, declared, segments = samples_in_memory(recording)
+        found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
         told = recording.readings.get(FAULTS_TOPIC)
-        has_faults = any(each.scenario.sensors.have_faults for each in surveyed.declared)  # else they are of others
+        has_faults = any(each.scenario.sensors.have_faults for each in declared)  # else they are of others
         texts = dict.fromkeys(text for _, text in told) if has_faults and isinstance(told, list) else ()
         try:
             faults = tuple(map(Fault.from_json, texts))
         except InputError as error:
             raise BagError(f"{recording.name}: {error}") from None
         return cls(
-            whole.stamps_ns,
-            whole.states,
+            samples.stamps_ns,
+            samples.states,
             {key: arrays for key, arrays in found.items() if arrays is not None},
-            segments,
+            tuple(segments),
             faults,
             recording,
         )
