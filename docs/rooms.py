@@ -1,7 +1,7 @@
 """Who imports whom in the package, and the picture of it: ``python docs/rooms.py`` writes docs/images/rooms.svg.
 
 A room is a folder of the package or a module beside these folders. The picture leaves out `foundation`, which everyone
-may import, and each arrow from a room to one that it also reaches by other arrows.
+may import, `errors`, the public name of its errors, and each arrow to a room that other arrows reach as well.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ PACKAGE: Final = "lie_rigid_body"
 SOURCES: Final = Path(__file__).resolve().parent.parent / PACKAGE
 PICTURE: Final = Path(__file__).resolve().parent / "images" / "rooms.svg"
 
-FOR_ALL: Final = {"foundation"}
-"""What everyone may import."""
+FOR_ALL: Final = {"foundation", "errors"}
+"""What everyone may import, and the public name of its errors."""
 
 Arrows = dict[str, set[str]]
 """For each room, the rooms that it imports."""
