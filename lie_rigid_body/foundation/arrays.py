@@ -115,12 +115,9 @@ def same_bits(one: Array, other: Array) -> bool:
     return np.array_equal(one.view(np.int64), other.view(np.int64))
 
 
-def windows(data: bytes | memoryview, size: int) -> NDArray[np.uint8]:
-    """Every so many bytes of some data that follow each other, shape (len(data) − size + 1, size), not copied.
-
-    It takes a tenth of the time of `numpy.lib.stride_tricks.sliding_window_view`.
-    """
-    return np.ndarray((max(0, len(data) - size + 1), size), np.uint8, data, strides=(1, 1))
+def items(data: bytes | memoryview, starts: Integers, size: int) -> NDArray[np.void]:
+    """Copies of the bytes that begin at some places of some data, so many from each on, but not none; shape (N,)."""
+    return np.ndarray((max(0, len(data) - size + 1),), f"V{size}", data, strides=(1,))[starts]
 
 
 def runs_of(first: int, which: Booleans) -> tuple[Integers, Integers]:

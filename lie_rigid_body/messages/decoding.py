@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lie_rigid_body.foundation.arrays import Array, Integers, windows
+from lie_rigid_body.foundation.arrays import Array, Integers, items
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -103,11 +103,11 @@ def _of_one_size(data: bytes | memoryview, starts: Integers, sizes: Integers) ->
     indices = np.arange(len(starts))
     if len(starts) and (sizes == sizes[0]).all() and (np.diff(starts) == sizes[0]).all():
         size = int(sizes[0])
-        yield indices, windows(data, size)[int(starts[0]) :: size][: len(starts)]
+        yield indices, np.frombuffer(data, np.uint8, len(starts) * size, int(starts[0])).reshape(-1, size)
         return
     for size in np.unique(sizes).tolist():
         own = indices[sizes == size]
-        yield own, windows(data, size)[starts[own]]
+        yield own, items(data, starts[own], size).view(np.uint8).reshape(-1, size)
 
 
 def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:

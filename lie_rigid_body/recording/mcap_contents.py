@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Integers, windows
+from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 _NONE: Final = np.empty(0, dtype=np.int64)
@@ -42,8 +42,8 @@ class RawMessages:
     def of(cls, data: bytes, starts: Integers, ends: Integers, log_times_ns: Integers) -> RawMessages:
         """Messages whose payloads stand between places of some data."""
         sizes = ends - starts
-        if len(sizes) and (sizes == sizes[0]).all():
-            return cls(windows(data, int(sizes[0]))[starts].reshape(-1).data, sizes, log_times_ns)
+        if len(sizes) and sizes[0] and (sizes == sizes[0]).all():
+            return cls(items(data, starts, int(sizes[0])).view(np.uint8).data, sizes, log_times_ns)
         view = memoryview(data)
         parts = [view[start:end] for start, end in zip(starts.tolist(), ends.tolist(), strict=True)]
         return cls(memoryview(b"".join(parts)), sizes, log_times_ns)

@@ -18,7 +18,7 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.records import Chunk, Footer, Header, Metadata, Schema
 
-from lie_rigid_body.foundation.arrays import windows
+from lie_rigid_body.foundation.arrays import items
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.recording.inflation import inflated, most_records, other_format
@@ -360,6 +360,6 @@ def _by_track(data: bytes, index: Mapping[int, Rows], channels: Mapping[TrackKey
         several = [index.get(channel, _NO_ROWS) for channel in own]
         rows = several[0] if len(several) == 1 else _in_order(np.concatenate(several))
         times, starts = np.ascontiguousarray(rows.T).view(np.int64)
-        lengths = windows(data, 8)[starts + 1].view("<i8")[:, 0]
+        lengths = items(data, starts + 1, 8).view("<i8")
         found[key] = RawMessages.of(data, starts + HEAD.itemsize, starts + RECORD_HEAD.size + lengths, times)
     return found

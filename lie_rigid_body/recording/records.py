@@ -32,7 +32,7 @@ from mcap.records import (
 )
 from numpy.typing import NDArray
 
-from lie_rigid_body.foundation.arrays import Integers, windows
+from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.system.bounded_input import (
     LARGEST_ATTACHMENT,
@@ -258,7 +258,7 @@ class MessageTable:
     @cached_property
     def heads(self) -> NDArray[np.void]:
         """First bytes of the messages, of type `HEAD`, shape (N,)."""
-        return np.asarray(windows(self.data, HEAD.itemsize)[self.starts].reshape(-1).view(HEAD))
+        return items(self.data, self.starts, HEAD.itemsize).view(HEAD)
 
     @cached_property
     def ends(self) -> Integers:
