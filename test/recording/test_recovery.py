@@ -565,7 +565,7 @@ def flipped(content: bytes, at: int, bit: int) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("compression", "summary"), sampled(itertools.product(COMPRESSIONS, ["whole", "damaged", "cut off"]), every=2)
+    ("compression", "summary"), sampled(itertools.product(COMPRESSIONS, ["whole", "damaged", "cut off"]), every=4)
 )
 def test_a_flipped_bit_of_a_length_costs_the_messages_of_that_record_alone(
     whole: dict[str, Path], tmp_path: Path, compression: str, summary: str
@@ -591,7 +591,7 @@ def test_a_flipped_bit_of_a_length_costs_the_messages_of_that_record_alone(
         assert sum(size for size, _ in read_file(fixed, McapContents())) > 0
 
 
-@pytest.mark.parametrize("bit", sampled(range(8), every=2))
+@pytest.mark.parametrize("bit", sampled(range(8), every=4))
 def test_a_flipped_bit_of_an_opcode_costs_the_messages_of_that_record_alone(
     whole: dict[str, Path], tmp_path: Path, bit: int
 ) -> None:
@@ -888,7 +888,7 @@ def test_messages_that_another_one_has_swallowed_are_told_by_the_number_in_the_s
     assert (recovery.messages, recovery.damaged, recovery.is_altered) == (31, (), True)
 
 
-@pytest.mark.parametrize("layout", ["chunks", "chunks without a summary", "no chunks"])
+@pytest.mark.parametrize("layout", sampled(["chunks", "chunks without a summary", "no chunks"], every=2))
 def test_the_damaged_length_of_an_attachment_costs_that_alone(tmp_path: Path, layout: str) -> None:
     broken, fixed = tmp_path / "broken.mcap", tmp_path / "fixed.mcap"
     with broken.open("wb") as out:
