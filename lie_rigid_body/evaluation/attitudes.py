@@ -21,7 +21,6 @@ from itertools import permutations, product
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.evaluation.arguments import FARTHEST_NS, as_stamps, integer_stamps, numbers, read_series, unit
@@ -47,9 +46,7 @@ SIGNED_PERMUTATIONS: Final = np.array(
 """Matrices that permute and reverse axes, the first of which is the identity: shape (48, 3, 3)."""
 
 GAP_PERIODS: Final = 2.5
-"""Least distance of neighbouring stamps that is a gap, in periods: two samples or more are missing."""
-_STEPS: Final = 100
-"""Number of steps from stamp to stamp whose median is a period: a rate may change at a reset."""
+"""Least distance of neighbouring stamps that is a gap, in median periods: two samples or more are missing."""
 DIFFERENCE_NS: Final = 100_000
 """Half of the time between the attitudes of the central difference, ns."""
 
@@ -202,22 +199,6 @@ def period_ns(stamps_ns: Integers) -> int:
     return int(np.median(np.diff(stamps_ns))) if len(stamps_ns) > 1 else 0
 
 
-def periods(stamps: Integers | Array) -> Array:
-    """Period around each step from one of N stamps to the next, in their unit, shape (N - 1,).
-
-    It is the median of the `_STEPS` steps around, or of those before or behind these where that is longer: where a rate
-    changes, neither side has gaps.
-    """
-    steps = np.diff(stamps)
-    if not len(steps):
-        return steps
-    size = min(len(steps), _STEPS)
-    begins = np.minimum(np.arange(0, len(steps), size), len(steps) - size)
-    medians = np.median(sliding_window_view(steps, size)[begins], axis=1)
-    longest = np.maximum.reduce([medians, np.append(medians[1:], 0), np.append(0, medians[:-1])])
-    return np.asarray(longest[np.arange(len(steps)) // size])
-
-
 def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
     """Mask of the stamps, ns, that are no earlier than any that stands before them, and than `after_ns`."""
     before = stamps_ns[:1] if after_ns is None else np.array([after_ns])
@@ -313,7 +294,7 @@ class SampledTruth(Truth):
     attitude_xyzw : array_like, shape (N, 4)
         World-from-body, scalar last.
     longest_gap_ns : int, optional
-        Neighbours farther apart are not joined. By default 2.5 times the median period around them.
+        Neighbours farther apart are not joined. By default 2.5 times the median period.
 
     Raises
     ------
@@ -325,22 +306,22 @@ class SampledTruth(Truth):
         stamps, attitude = read_series("truth", stamps_ns, attitude_xyzw)
         if np.any(np.diff(stamps) == 0):
             raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
+        self._longest_gap = GAP_PERIODS * period_ns(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
         self.first_ns, self.last_ns = int(stamps[0]), int(stamps[-1])
         if len(stamps) == 1:  # an interval, within whose ends the truth is not asked for
             stamps, attitude = stamps + np.arange(2), np.repeat(attitude, 2, axis=0)
         self._stamps, self._attitude = stamps, attitude
-        most = GAP_PERIODS * periods(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
-        self._joined = np.diff(stamps) <= most
         around = stamps[2:] - stamps[:-2]
         middle = geodesic(attitude[:-2], attitude[2:], (stamps[1:-1] - stamps[:-2]) / around)
-        misses = angles_between(middle, attitude[1:-1])[self._joined[1:] & self._joined[:-1]]
+        misses = angles_between(middle, attitude[1:-1])[around <= 2 * self._longest_gap]
         self.uncertainty = float(misses.max(initial=0.0)) / 4.0
 
     def covers(self, stamps_ns: Integers) -> Booleans:
         """Whether a stamp is a sample's own, or between two that are joined."""
         stamps = as_stamps("truth", stamps_ns)
         i = self._interval(stamps)
-        return np.asarray(super().covers(stamps) & (self._joined[i] | np.isin(stamps, self._stamps)))
+        joined = self._stamps[i + 1] - self._stamps[i] <= self._longest_gap
+        return np.asarray(super().covers(stamps) & (joined | np.isin(stamps, self._stamps)))
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """Bound `uncertainty`, or 0 if every stamp is a sample's own."""

@@ -20,7 +20,6 @@ from lie_rigid_body.evaluation.attitudes import (
     angles_between,
     named,
     period_ns,
-    periods,
     sizes,
     times,
     turns,
@@ -34,7 +33,7 @@ from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.lie import quaternion
 
 GAP_OF_EVEN: Final = 1.5
-"""Least distance of two stamps that is a gap, in periods, where stamps are even: one missing sample stands
+"""Least distance of two stamps that is a gap, in median periods, where stamps are even: one missing sample stands
 out."""
 UNEVEN: Final = 0.1
 """Limit of even stamps: of the relative difference of a period from the median, and of the share of periods beyond
@@ -81,7 +80,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
             f"{doubles.size} of {len(stamps)} samples are doubles, of a stamp that another sample had before, first at "
             f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
         )
-    steps, period = np.diff(kept), periods(kept)
+    steps, period = np.diff(kept), period_ns(kept)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:
@@ -90,7 +89,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
             "gaps",
             f"{wide.size} {'gap' if wide.size == 1 else 'gaps'} in the estimate, the longest of "
             f"{steps[longest] / 1e9:g} s after {(kept[longest] - begin) / 1e9:g} s, where samples come every "
-            f"{period[longest] / 1e9:g} s: what the filter did there is not in the score; look for lost messages.",
+            f"{period / 1e9:g} s: what the filter did there is not in the score; look for lost messages.",
         )
     norms = quaternion.norm(given_xyzw)
     off = (norms < np.sqrt(1.0 - NOT_UNIT)) | (norms > np.sqrt(1.0 + NOT_UNIT))  # the square of a large norm overflows
@@ -149,7 +148,7 @@ class Turns:
     def __init__(self, track: Track) -> None:
         stamps, q = track.stamps_ns, track.attitude_xyzw
         self.stamps_ns, self.estimate_xyzw = stamps, q
-        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * periods(stamps))
+        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * period_ns(stamps))
         self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
         self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
-from lie_rigid_body.evaluation.attitudes import GAP_PERIODS, periods
+from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import (
@@ -270,7 +270,8 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
 
 def _plot(axes: Axes, t_s: Array, values: Array, label: str, colour: str, width: float = 1.1, style: str = "-") -> None:
     """Plot some thousand points of a curve, the smallest and the largest of their neighbours, and none in a gap."""
-    behind = np.flatnonzero(np.diff(t_s) > GAP_PERIODS * periods(t_s)) + 1
+    steps = np.diff(t_s)
+    behind = np.flatnonzero(steps > GAP_PERIODS * np.median(steps)) + 1 if steps.size else np.empty(0, dtype=np.int64)
     kept = np.union1d(extremes(t_s, values, SCORE_COLUMNS), behind)
     points = [np.insert(array[kept], np.searchsorted(kept, behind), np.nan) for array in (t_s, values)]
     axes.plot(*points, color=colour, ls=style, label=label, **curve_style(len(values), width))

@@ -51,22 +51,6 @@ def test_nothing_is_interpolated_across_a_gap():
     assert SampledTruth(STAMPS[kept], SPIN[kept], longest_gap_ns=10**9).covers(inside).all()
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_rate_that_changes_leaves_no_gap_and_hides_none(sign):
-    """As of a node whose rate a reset has changed to the tenfold, or to a tenth."""
-    period = int(STAMPS[1])
-    slow, fast = np.arange(0, 3000, 10), np.arange(3000, 4000)
-    whole = sign * np.r_[slow, fast][::sign]
-    q = quaternion.exp(np.outer(whole * 1e-2, [0.3, -0.2, 0.9]))
-    every = np.arange(whole[0], whole[-1] + 1) * period
-    assert SampledTruth(whole * period, q).covers(every).all()
-    assert remarked(whole * period - every[0], q) == []
-    kept = ~np.isin(np.abs(whole), [*slow[200:202], *fast[500:502]])
-    unknown = np.abs(every[~SampledTruth(whole[kept] * period, q[kept]).covers(every)] // period)
-    assert sorted(unknown) == [*range(1991, 2020), 3500, 3501]
-    assert remarked(whole[kept] * period - every[0], q[kept]) == ["gaps"]
-
-
 @pytest.mark.parametrize("given", [lambda t_ns: None, lambda t_ns: "truth", lambda t_ns: [[0.0, 0.0, 0.0, 1.0]]])
 def test_exact_truth_may_give_lists_of_a_quaternion_for_each_stamp(given):
     t = STAMPS[:5]
