@@ -71,8 +71,11 @@ SCALES: Final = {
 """Ratios of the turns of an estimate to those of the body, each with its cause."""
 
 
-def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[Finding]:
-    """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given."""
+def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth) -> Iterator[Finding]:
+    """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given.
+
+    Gaps are looked for in each smooth motion of the truth.
+    """
     begin, doubles, kept = int(stamps[0]), stamps[~first], stamps[first]
     if doubles.size:
         yield Finding(
@@ -80,7 +83,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
             f"{doubles.size} of {len(stamps)} samples are doubles, of a stamp that another sample had before, first at "
             f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
         )
-    steps, period = np.diff(kept), period_ns(kept)
+    steps, period = np.diff(kept), truth.periods_ns(kept)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:
@@ -89,7 +92,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array) -> Iterator[
             "gaps",
             f"{wide.size} {'gap' if wide.size == 1 else 'gaps'} in the estimate, the longest of "
             f"{steps[longest] / 1e9:g} s after {(kept[longest] - begin) / 1e9:g} s, where samples come every "
-            f"{period / 1e9:g} s: what the filter did there is not in the score; look for lost messages.",
+            f"{period[longest] / 1e9:g} s: what the filter did there is not in the score; look for lost messages.",
         )
     norms = quaternion.norm(given_xyzw)
     off = (norms < np.sqrt(1.0 - NOT_UNIT)) | (norms > np.sqrt(1.0 + NOT_UNIT))  # the square of a large norm overflows
@@ -148,7 +151,7 @@ class Turns:
     def __init__(self, track: Track) -> None:
         stamps, q = track.stamps_ns, track.attitude_xyzw
         self.stamps_ns, self.estimate_xyzw = stamps, q
-        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * period_ns(stamps))
+        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * track.truth.periods_ns(stamps))
         self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
         self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
 

@@ -159,7 +159,7 @@ def evaluate(
     lag, causes, of_sensors = diagnose(track, whole, longest_lag_s, sensors) if diagnosed else (Lag(), (), False)
     found = (
         *causes,
-        *remarks.of_series(stamps, first, np.asarray(attitude_xyzw, dtype=np.float64)),
+        *remarks.of_series(stamps, first, np.asarray(attitude_xyzw, dtype=np.float64), truth),
         *remarks.of_span(track.stamps_ns, len(known), truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )

@@ -79,7 +79,9 @@ def test_body_rate_is_the_motions(motion):
 
 
 def remarked(stamps: np.ndarray, given: np.ndarray) -> list[str]:
-    return [remark.code for remark in of_series(stamps, np.diff(stamps, prepend=-1) > 0, given)]
+    return [
+        remark.code for remark in of_series(stamps, np.diff(stamps, prepend=-1) > 0, given, SampledTruth(STAMPS, SPIN))
+    ]
 
 
 def test_what_is_wrong_about_an_estimate_is_remarked():

@@ -16,13 +16,14 @@ from refused_runs import refused
 from test_check_many import merged
 
 from lie_rigid_body import ClosedForm, Run, Scenario, simulate
-from lie_rigid_body.evaluation import attitude_error
+from lie_rigid_body.evaluation import attitude_error, evaluate
 from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.runs.truth import ScenarioTruth
-from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.simulation import Segment, Simulation
+from said import numbers
 
 SENSORS: dict[str, Any] = {
     "imu_rate": 200.0,
@@ -187,6 +188,19 @@ def bag_with_a_reset(path: Path) -> None:
                 simulation.reset(Scenario.from_parameters({**given, "initial_body_rate": rate, "sensor_seed": k}))
             bag.begin_segment(simulation.segment)
             bag.write(encoder.encode(simulation.take_until(simulation.segment.start_ns + 10**9 - 1, 10**6)))
+
+
+def test_rates_that_a_reset_has_changed_leave_no_gap_and_hide_none():
+    """The usual period is that of a segment: of one for the whole run the slower segment would be full of gaps."""
+    truth = ScenarioTruth([Segment(Scenario(), 0, start_ns) for start_ns in (0, 10**10)], 0, 2 * 10**10)
+    stamps = np.r_[0 : 10**10 : 10**8, 10**10 : 2 * 10**10 : 2 * 10**6]
+    assert evaluate(stamps, truth.at(stamps), truth).findings == ()
+    for lost, wide_s, period_s in (([50, 51], 0.3, 0.1), ([2000], 0.004, 0.002)):
+        kept = np.delete(stamps, lost)
+        [finding] = evaluate(kept, truth.at(kept), truth).findings
+        assert finding.code == "gaps"
+        assert numbers(finding.message)[::3] == [1, period_s]
+        assert numbers(finding.message)[1] == wide_s
 
 
 def test_a_bag_with_a_reset(tmp_path):
