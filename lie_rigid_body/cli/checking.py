@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
-import traceback
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from functools import partial
@@ -170,7 +168,6 @@ def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequenc
 
 
 def _unusable(bag: str, body: str | None, error: Exception) -> Verdict:
-    if os.environ.get(console.DEBUG):
-        traceback.print_exc()
+    console.trace()
     reason = console.explanation(error)
     return Verdict(bag, body, None, reason if isinstance(error, LieRigidBodyError) else f"{bag}: {reason}")

@@ -151,7 +151,7 @@ class Turns:
     def __init__(self, track: Track) -> None:
         stamps, q = track.stamps_ns, track.attitude_xyzw
         self.stamps_ns, self.estimate_xyzw = stamps, q
-        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * track.truth.periods_ns(stamps))
+        self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * period_ns(stamps))
         self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
         self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
 

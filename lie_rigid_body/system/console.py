@@ -85,6 +85,15 @@ def complain(prog: str, message: str, kind: str = "error") -> None:
         silence(sys.stderr)
 
 
+def trace() -> None:
+    """Print the traceback of the error that is handled on stderr, if `DEBUG` asks for it and that can be written."""
+    if os.environ.get(DEBUG):
+        try:
+            traceback.print_exc()
+        except OSError:
+            silence(sys.stderr)
+
+
 def say(text: str, done: str = "") -> bool:
     """Print on stdout, and report if that fails: every verb answers by this.
 
@@ -256,8 +265,7 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
             complain(prog, "interrupted")
             return INTERRUPTED
         except Exception as error:
-            if os.environ.get(DEBUG):
-                traceback.print_exc()
+            trace()
             # libraries in C take a KeyboardInterrupt amid their import for a part that is missing
             is_interrupted = isinstance(error, ImportError) and interruption.requested
             complain(prog, "interrupted" if is_interrupted else explanation(error))

@@ -98,7 +98,9 @@ def test_reader_who_leaves_changes_no_verdict(bag: Path, arguments: list[str], s
     assert (done.returncode, done.stderr) == (status, b"")
 
 
-def test_full_stderr_changes_no_status(bag: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("debug", ["", "1"])
+def test_full_stderr_changes_no_status(bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, debug: str) -> None:
+    monkeypatch.setenv(console.DEBUG, debug)
     assert run("check {new}", bag, tmp_path, "2>/dev/full").returncode == 2
 
 
