@@ -29,6 +29,7 @@ from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system.bounded_input import open_file
+from lie_rigid_body.system.output_file import reason
 
 TABLE: Final = "runs.parquet"
 """File of the table of all finished runs, written when no run is left to do."""
@@ -167,7 +168,9 @@ class Campaign:
                 return cls(**json.loads((parquet.read_schema(file).metadata or {})[OF_TABLE])["campaign"])
         except InputError:
             raise
-        except (ArrowException, OSError, ValueError, KeyError, TypeError, RecursionError):
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {reason(error)}: give the {TABLE} of a campaign") from None
+        except (ArrowException, ValueError, KeyError, TypeError, RecursionError):
             raise InputError(f"{printable(str(path))} is no table of a campaign: give its {TABLE}") from None
 
     @cached_property
