@@ -105,27 +105,30 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
         )
 
 
-def of_span(stamps: Integers, given: int, truth: Truth, due_ns: int | None) -> Iterator[Finding]:
+def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None) -> Iterator[Finding]:
     """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds.
 
     Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
+    ``known`` tells of each stamp, shape (N,), whether the truth is known there.
     """
     last_ns = max(truth.last_ns, truth.last_ns if due_ns is None else due_ns)
-    most = max(ABSENT * (last_ns - truth.first_ns), GAP_PERIODS * period_ns(stamps))
+    inside = stamps[(stamps >= truth.first_ns) & (stamps <= last_ns)]
+    most = max(ABSENT * (last_ns - truth.first_ns), GAP_PERIODS * period_ns(inside))
     absent = {
-        "begins {:g} s after the truth": int(stamps[0]) - truth.first_ns,
-        "ends {:g} s before the run does": last_ns - int(stamps[-1]),
+        "begins {:g} s after the truth": int(inside[0]) - truth.first_ns,
+        "ends {:g} s before the run does": last_ns - int(inside[-1]),
     }
     for what, missing in absent.items():
         if missing > most:
             yield Finding(
                 "gaps", f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
             )
-    if given - len(stamps) > ABSENT * given:
+    outside = int(np.count_nonzero(~known))
+    if outside > ABSENT * len(known):
         yield Finding(
             "gaps",
-            f"{given - len(stamps)} of {given} estimates lie where the truth is not known and are not in the score: "
-            "compare with the truth of the same run, by the same clock.",
+            f"{outside} of {len(known)} estimates lie where the truth is not known and are not in the score: "
+            "compare with the truth of the same run, by the same clock and without gaps.",
         )
 
 

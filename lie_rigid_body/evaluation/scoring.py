@@ -160,7 +160,7 @@ def evaluate(
     found = (
         *causes,
         *remarks.of_series(stamps, first, np.asarray(attitude_xyzw, dtype=np.float64), truth),
-        *remarks.of_span(track.stamps_ns, len(known), truth, due_ns),
+        *remarks.of_span(whole.stamps_ns, known, truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )
     return Score(

@@ -14,6 +14,7 @@ from lie_rigid_body.evaluation.causes import BY_CODE, fit
 from lie_rigid_body.evaluation.clock import standard_error
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
+from said import numbers
 
 MOTION = "slow_tumble"
 NOISY = quaternion.multiply(attitude(MOTION), turns(0.5, seed=2))
@@ -113,6 +114,15 @@ def test_samples_outside_the_truth_are_counted_and_a_late_begin_is_named():
     assert late.rms_deg_after == score.total_deg.rms
     early = evaluate(STAMPS[:900], NOISY[:900], truth_of(MOTION))
     assert codes(early) == ["gaps"]
+
+
+def test_an_estimate_that_has_what_the_truth_lacks_does_not_begin_late():
+    """As beside poses whose rate rises: the slower part is full of gaps."""
+    given = np.r_[0:600:5, 600:1501]
+    score = evaluate(STAMPS[:-1] + 1, NOISY[:-1], SampledTruth(STAMPS[given], attitude(MOTION)[given]))
+    [finding] = score.findings
+    assert finding.code == "gaps"
+    assert numbers(finding.message) == [600, 1500]
 
 
 def test_gaps_doubles_and_norms_are_named_and_the_rest_is_scored():
