@@ -34,6 +34,7 @@ Source: TypeAlias = tuple[str | Path | None, dict[str, object]]
 _NODE_ONLY: Final = re.compile(r"use_sim_time|start_type_description_service|qos_overrides\..*")
 """Parameters that every ROS 2 node has and no scenario."""
 
+_TEXT: Final = "tag:yaml.org,2002:str"
 _TRUE: Final = frozenset({"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"})
 _FALSE: Final = frozenset({"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"})
 _INTEGER: Final = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
@@ -251,6 +252,13 @@ def scenario_file(name: str) -> Path:
 class _Loader(BoundedLoader):
     """A YAML loader that reads plain scalars as rcl does."""
 
+    def compose_scalar_node(self, anchor: Any) -> yaml.ScalarNode:
+        """Read a scalar that is said to be a text, ``!!str 5``, as if it were quoted."""
+        is_text = self.peek_event().tag == _TEXT  # type: ignore[no-untyped-call]
+        node = super().compose_scalar_node(anchor)
+        node.style = '"' if is_text else node.style
+        return node
+
 
 def _plain(text: str) -> object:
     """The value of an unquoted scalar: bool, int or float, or else the text itself."""
@@ -292,7 +300,7 @@ def _construct_mapping(loader: _Loader, node: yaml.MappingNode) -> dict[str, obj
 
 
 _Loader.yaml_implicit_resolvers = {}
-_Loader.add_constructor("tag:yaml.org,2002:str", _construct_scalar)
+_Loader.add_constructor(_TEXT, _construct_scalar)
 _Loader.add_constructor("tag:yaml.org,2002:map", _construct_mapping)
 
 
