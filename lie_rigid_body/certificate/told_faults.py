@@ -69,10 +69,12 @@ class ExpectedFaults:
             end_ns = min(time_ns, int(later[0]) - 1 if len(later) else time_ns)
             if sensors.have_faults:
                 rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
+                self.is_too_far = (end_ns - self._known_ns) * rate > self.left * NS
                 end_ns = min(end_ns, self._known_ns + max(1, int(REPLAY_BLOCK * NS / rate)))
                 self.left -= 1 + int((end_ns - self._known_ns) * rate / NS)
-            self._known_ns, self.is_too_far = end_ns, self.left < 0
-            yield from self._log.take(end_ns)
+            self._known_ns = end_ns
+            if not self.is_too_far:
+                yield from self._log.take(end_ns)
 
     def segment_at(self, time_ns: int) -> Segment:
         """Segment that contains a time, ns."""

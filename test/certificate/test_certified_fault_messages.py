@@ -22,7 +22,7 @@ from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
-from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.simulation import Segment, Simulation
 
 FAULTS = "/lie_rigid_body/faults"
 OTHER: dict[str, object] = {
@@ -175,6 +175,15 @@ def test_faults_of_more_readings_than_can_be_looked_through_are_listed(bag, tmp_
     found = certify(Bag(bag))
     assert found.passed
     assert telling(found, "too many faults", topic=FAULTS)
+
+
+def test_a_search_that_is_too_long_is_not_begun(monkeypatch):
+    """As beside one message of a bag that lasts four days."""
+    monkeypatch.setattr("lie_rigid_body.simulation.loop.FaultLog.take", None)
+    scenario = Scenario.from_parameters({"imu_rate": 1.0, "imu_outage_interval": 0.5, "imu_outage_duration": 0.1})
+    expected = told_faults.ExpectedFaults([Segment(scenario, 0, 0)], told_faults.MOST_LOOKED_THROUGH)
+    assert list(expected.until(333_333 * 10**9)) == []
+    assert expected.is_too_far
 
 
 def test_other_faults_that_a_scenario_declares_are_caught(bag, tmp_path):
