@@ -168,10 +168,10 @@ class Campaign:
                 return cls(**json.loads((parquet.read_schema(file).metadata or {})[OF_TABLE])["campaign"])
         except InputError:
             raise
-        except OSError as error:
-            raise InputError(f"{path} cannot be read: {reason(error)}: give the {TABLE} of a campaign") from None
-        except (ArrowException, ValueError, KeyError, TypeError, RecursionError):
-            raise InputError(f"{printable(str(path))} is no table of a campaign: give its {TABLE}") from None
+        except (ArrowException, OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+            is_of_system = getattr(error, "errno", None)  # pyarrow raises an OSError for damaged content as well
+            what = f"cannot be read: {reason(error)}" if is_of_system else "is no table of a campaign"
+            raise InputError(f"{printable(str(path))} {what}: give its {TABLE}") from None
 
     @cached_property
     def _draws(self) -> Mapping[str, Draw]:

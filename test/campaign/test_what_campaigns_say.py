@@ -158,7 +158,7 @@ SAID: list[tuple[Scene, str]] = [
     ),
     (table_of_another, "runs.parquet is no table of a campaign: give its runs.parquet"),
     (no_table, "is a pipe: give a regular file"),
-    (lambda folder: Campaign.from_table(folder), "cannot be read: Is a directory: give the runs.parquet of a campaign"),
+    (lambda folder: Campaign.from_table(folder), "cannot be read: Is a directory: give its runs.parquet"),
     (lambda folder: Campaign.from_table(folder / "none"), "none cannot be read: No such file or directory"),
     (lambda folder: Campaign.from_table("\ud800"), r"\ud800 is no table of a campaign"),
     (lambda folder: Campaign(3, 1, 1.0).drawn(3), "run 3 is none of this campaign: give a number from 0 to 2"),
