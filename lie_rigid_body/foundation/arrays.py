@@ -116,7 +116,7 @@ def same_bits(one: Array, other: Array) -> bool:
 
 
 def items(data: bytes | memoryview, starts: Integers, size: int) -> NDArray[np.void]:
-    """Copies of the bytes that begin at some places of some data, so many from each on, but not none; shape (N,)."""
+    """Pieces of some data, each of one size from 1 byte on, that begin at given places; copied, shape (N,)."""
     return np.ndarray((max(0, len(data) - size + 1),), f"V{size}", data, strides=(1,))[starts]
 
 

@@ -207,8 +207,8 @@ def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segmen
         blocks.append(block)
         seen.update(i for topic in topics for i, _ in segment_parts(declared, topic.stamps_ns))
     samples = Block.joined(blocks)
-    headers = [topic.stamps_ns for topic in (bag.poses, bag.twists)[: 1 + bag.stamped]]
-    require_samples(bag.name, declared, int(np.concatenate(headers).min()), len(samples.stamps_ns))
+    first_ns = min(int(topic.stamps_ns.min()) for topic in ([bag.poses, bag.twists] if bag.stamped else [bag.poses]))
+    require_samples(bag.name, declared, first_ns, len(samples.stamps_ns))
     places = segments_with_samples(declared, seen, whole=bag.as_written)
     return samples, declared, [declared[i] for i, _ in places]
 
