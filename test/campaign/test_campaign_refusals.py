@@ -91,7 +91,7 @@ def test_nothing_is_written_through_a_link(
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     assert main([str(written(tmp_path)), "--out", str(begun)]) == 2
     [line] = capsys.readouterr().err.splitlines()
-    assert str(begun / name) in line
+    assert f"begun/{name}" in line  # a long path loses its middle
     before[tmp_path / "campaign.yaml"] = (tmp_path / "campaign.yaml").read_bytes()
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
