@@ -20,7 +20,7 @@ from itertools import permutations
 from typing import Final, Literal, get_args
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, sizes, times, turns
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of, products
@@ -161,12 +161,13 @@ def _by_map(*maps: Array) -> Callable[[Track, Array], Track]:
 
 def _reordered(track: Track, orders: Array) -> Track:
     """The attitude of the same three angles in another order of axes."""
+    rotation = scipy.spatial.transform.Rotation
     wrong, right = (_ORDERS[int(order)] for order in orders)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # where two axes are one, any of the angles will do
-        given = Rotation.from_quat(track.attitude_xyzw).as_euler(wrong)
+        given = rotation.from_quat(track.attitude_xyzw).as_euler(wrong)
     sorted_angles = given[:, [wrong.index(axis) for axis in right]]
-    return replace(track, attitude_xyzw=Rotation.from_euler(right, sorted_angles).as_quat())
+    return replace(track, attitude_xyzw=rotation.from_euler(right, sorted_angles).as_quat())
 
 
 def _moved(track: Track, lag_s: Array) -> Track:

@@ -15,6 +15,7 @@ import pytest
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.recording.bag_reader import read_bag
 from said import numbers
+from sampled import sampled
 from two_signals import PAIRS, VERB, WITHOUT_NUMBA, ended_by_the_fourth, full_pipe, started, struck
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
@@ -75,7 +76,7 @@ def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
     assert sorted(os.listdir(folder)) == ["bags", "campaign.yaml"]
 
 
-@pytest.mark.parametrize("name", ["record", "check"])
+@pytest.mark.parametrize("name", sampled(["record", "check"], every=2))
 def test_a_second_signal_changes_nothing(name: str, bag: Path, tmp_path: Path) -> None:
     tried(name, prepared(tmp_path, bag), SEEDS[name], numba=name != "record")
 
