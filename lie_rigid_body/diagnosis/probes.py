@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
@@ -144,12 +144,13 @@ def _half_turns(search: Search) -> list[Course]:
 
 def _starts(search: Search) -> list[Course]:
     """The ordinary motion, and those that begin turned by each rotation of a cube."""
-    start = Rotation.from_quat(search.course.scenario.start().attitude_xyzw)
+    rotation = scipy.spatial.transform.Rotation
+    start = rotation.from_quat(search.course.scenario.start().attitude_xyzw)
     return [
         search.course,
         *(
             search.course.of_scenario(initial_attitude_xyzw=(start * turn).as_quat().tolist())
-            for turn in Rotation.create_group("O")
+            for turn in rotation.create_group("O")
         ),
     ]
 

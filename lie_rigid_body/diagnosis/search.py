@@ -12,7 +12,7 @@ from itertools import chain, product
 from typing import Final
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.diagnosis.course import GYRO_KINDS, REST, Course
 from lie_rigid_body.diagnosis.repairs import (
@@ -353,7 +353,8 @@ class Search:
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
         if code == "time_step":
-            best: float = minimize_scalar(lambda value: left([value])[0] ** 2, bounds=(low, high), method="bounded").x
+            minimum = scipy.optimize.minimize_scalar(lambda x: left([x])[0] ** 2, bounds=(low, high), method="bounded")
+            best: float = minimum.x
         else:
             between = [count for count in range(int(low), int(high) + 1) if count]
             best = between[int(np.argmin(left(between)))]
