@@ -292,7 +292,7 @@ def read_attitudes(path: Path, contents: McapContents, topic: str, frames: Frame
         raise BagError(f"{path}: the messages on {topic} are empty: record it while an estimator runs")
     told = listed([" to ".join(filter(None, each)) for each in found])
     if len(found) > 1 and track.message_type not in _FRAMED:
-        raise BagError(f"{path}: topic {topic} is of the frames {told}: record those of one body")
+        raise BagError(f"{path}: topic {topic} is of the frames {told}: give one of one body, in one frame")
     if len(found) > 1 and frames not in found:
         what = f"none of which is {' to '.join(frames)}" if frames else "of which none is known as the body's"
         raise BagError(f"{path}: topic {topic} tells of {told}, {what}: record one body, or name its frames so")
