@@ -17,7 +17,7 @@ from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numb
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, period_ns
 from lie_rigid_body.evaluation.causes import Part, fit, late, undone
 from lie_rigid_body.evaluation.clock import Clock, Lag, lag_of, other_clock, standard_error
-from lie_rigid_body.evaluation.consistency import attitude_nees
+from lie_rigid_body.evaluation.consistency import attitude_nees, require_axes
 from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
 from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Finding, Score
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
@@ -107,6 +107,7 @@ def evaluate(
         If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth. Also if
         another argument is no such number.
     """
+    require_axes(covariance_axes)
     if longest_lag_s is not None:
         longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
     if converged_deg is not None:

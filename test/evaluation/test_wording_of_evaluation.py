@@ -206,7 +206,10 @@ REFUSED: dict[str, list[Call]] = {
     r"shape \(2, 2\) is not": [consistency(np.eye(2))],
     "not finite": [consistency(np.full((3, 3), np.nan))],
     r"is not \(3, 3\) or \(4000, 3, 3\)": [consistency(np.tile(P, (7, 1, 1)))],
-    "give 'world' or 'body'": [consistency(P, axes=axes) for axes in ("map", ["world"], None)],
+    "give 'world' or 'body'": [
+        *(consistency(P, axes=axes) for axes in ("map", ["world"], None)),
+        lambda: score(STAMPS, TRUE, covariance_axes="map"),
+    ],
     r"is not between 0 and 1: give for example probability=0\.95": [
         lambda given=given: nees(np.zeros((9, 3)), P, given)  # type: ignore[misc]
         for given in (2.0, -1, np.nan, 0.0, 1.0, "0.95", [0.9])
