@@ -407,6 +407,16 @@ def test_filter_whose_equal_runs_differ_is_told_so_at_once() -> None:
     assert found.filter_runs < 200
 
 
+@pytest.mark.parametrize(
+    ("estimate", "is_told"), sampled([(textbook.both_ways, True), (textbook.right, False)], every=2)
+)
+def test_an_estimate_that_uses_later_readings_is_told(estimate: Callable[[Any], Any], is_told: bool) -> None:
+    found = diagnose(estimate)
+    assert found.mistakes == ()
+    assert failed(found) == []
+    assert ("causal" in [note.code for note in found.notes]) == is_told
+
+
 @pytest.mark.slow
 def test_right_filter_that_begins_at_the_identity_and_comes_slowly_has_no_mistake() -> None:
     """Another sign of the accelerometer and a world turned by half a turn together only move its first attitude."""
