@@ -16,16 +16,16 @@ LOOK_NS: Final = 100_000_000
 FIRST_NS: Final = NS
 """Longest wait for the answer to a reading before any answer came, ns: some filters begin with a later reading."""
 STAMPS_KEPT: Final = 1000
-"""Stamps of each other sensor that are remembered, until the IMU has a reading of the same stamp."""
+"""Stamps of each sensor that are remembered until all have a reading of the same stamp."""
 
 
 class Lockstep:
     """The answers that a run waits for. All methods are called by the thread of the run.
 
-    An IMU reading can be answered if every other sensor that the filter hears has delivered a reading of the same
-    stamp. No reading of that stamp or a later one may have been awaited before. Others are not waited for: a filter
-    that pairs its sensors has no answer to them. Nor is a filter waited for any longer than `FIRST_NS` at each of the
-    readings before its first answer.
+    An IMU reading can be answered once every other sensor that the filter hears has delivered a reading of the same
+    stamp, before it or after it. Then its answer is awaited, unless that has come already, or a reading of that stamp
+    or a later one was awaited before. Other readings are not waited for: a filter that pairs its sensors has no answer
+    to them. Before its first answer, a filter is waited for no longer than `FIRST_NS` at each reading.
 
     Parameters
     ----------
@@ -85,14 +85,12 @@ class Lockstep:
 
     def sent(self, readings: Iterable[tuple[str, int]]) -> None:
         """Await the answers to readings that were sent, names of sensors and stamps, ns."""
-        others, sent = self._sensors.intersection(self._heard or ()) - {IMU_SENSOR.name}, list(readings)
-        for name, stamp in sent:
-            if name in others:
+        heard = {*self._sensors.intersection(self._heard or ()), IMU_SENSOR.name}
+        for name, stamp in sorted(readings, key=lambda reading: reading[0] == IMU_SENSOR.name):  # as published
+            if name in heard:
                 self._delivered.setdefault(name, deque(maxlen=STAMPS_KEPT)).append(stamp)
-        for name, stamp in sent:
-            is_new = name == IMU_SENSOR.name and stamp > self._latest_ns
-            if is_new and all(stamp in self._delivered.get(other, ()) for other in others):
-                self._await(stamp)
+                if stamp > self._latest_ns and all(stamp in self._delivered.get(one, ()) for one in heard):
+                    self._await(stamp)
 
     def _await(self, stamp_ns: int) -> None:
         self._awaited.add(stamp_ns)
@@ -108,3 +106,5 @@ class Lockstep:
             self._waited_ns = 0
         else:
             self._others, self._other_ns = self._others + 1, stamp_ns
+            if stamp_ns in (imu := self._delivered.get(IMU_SENSOR.name, deque())):
+                imu.remove(stamp_ns)  # answered before its partners came
