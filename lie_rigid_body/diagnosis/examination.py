@@ -204,8 +204,8 @@ def diagnose(
     ----------
     estimate : callable or str
         A function of a `Run` whose ``truth`` is None, ``"module:function"``, or what
-        `lie_rigid_body.testing.command_estimator` makes of a program, or `node_estimator` of a ROS 2 node. It returns
-        attitudes (N, 4), scalar last, at the stamps of the IMU, or stamps and attitudes.
+        `lie_rigid_body.testing.command_estimator` makes of a program, or `node_estimator` of a ROS 2 node; that module
+        needs pytest. It returns attitudes (N, 4), scalar last, at the stamps of the IMU, or stamps and attitudes.
     scenario : str, Path, Scenario or mapping, optional
         Motion, rates and fields in place of the usual ones; a mapping replaces only what it names.
     workers : int, optional

@@ -88,8 +88,8 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
     Parameters
     ----------
     estimate_xyzw, truth_xyzw : array_like, shape (N, 4) or (..., 4)
-        World-from-body quaternions of the same instants, scalar last, world z up. Norm and sign are ignored. Leading
-        axes broadcast.
+        World-from-body quaternions of the same instants, scalar last, world z up. Norm and sign are ignored, but
+        norms below 1e-12 are those of quaternions that nobody has set. Leading axes broadcast.
 
     Returns
     -------
@@ -349,6 +349,7 @@ class SampledTruth(Truth):
 
 
 def _time(value: Any) -> int:
-    if not isinstance(value, int | float | np.integer) or not -FARTHEST_NS <= value <= FARTHEST_NS:
-        raise InputError(f"truth: the time {shown(value)} is not within 2**31 s of 0, as in ROS 2: give it in ns")
+    is_near = isinstance(value, int | float | np.integer) and -FARTHEST_NS <= value <= FARTHEST_NS
+    if not is_near or value != int(value):
+        raise InputError(f"truth: the time {shown(value)} is no whole number within 2**31 s of 0, as in ROS 2: give ns")
     return int(value)

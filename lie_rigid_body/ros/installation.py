@@ -39,7 +39,7 @@ def require_ros() -> None:
     if missing:
         raise InputError(
             f"{missing[0]} is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, "
-            "pip install '.[ros]'; or use 'record'"
+            "pip install '.[ros]'; or use what needs no ROS, 'record' and 'evaluate BAG'"
         )
     require_environment()
 

@@ -339,7 +339,9 @@ class Run(_NamedSensors, Shown):
         return unavoidable_error_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
-        """The true bias of the gyro at stamps, shape (K, 3), rad/s; linear between readings of a segment that have one.
+        """The true bias of the gyro at stamps, shape (K, 3), rad/s.
+
+        It is linear between the readings of a segment that have one, and constant before the first and after the last.
 
         Raises
         ------

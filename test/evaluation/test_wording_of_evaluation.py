@@ -121,9 +121,9 @@ REFUSED: dict[str, list[Call]] = {
     ],
     "a stamp occurs twice": [lambda: SampledTruth([0, 0], Q[:2])],
     "ends at 0 ns": [lambda: ExactTruth(still, 1, 0)],
-    r"is not within 2\*\*31 s of 0": [
+    r"is no whole number within 2\*\*31 s of 0": [
         call
-        for time in NO_TIMES
+        for time in (*NO_TIMES, 0.5)
         for call in (
             partial(ExactTruth, still, 0, time),
             partial(SampledTruth, [0, 1], Q[:2], time),

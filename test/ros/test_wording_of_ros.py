@@ -248,7 +248,7 @@ def without(package: str) -> None:
         (
             lambda: without("rclpy"),
             "rclpy is not installed: source /opt/ros/jazzy/setup.bash; without it, on Python 3.12, pip install "
-            "'.[ros]'; or use 'record'",
+            "'.[ros]'; or use what needs no ROS, 'record' and 'evaluate BAG'",
         ),
         (
             lambda: launching.require_known("/launch/sim.launch.py", ["rte:=1.0"], ["rate"]),
