@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from lie_rigid_body.campaign import Campaign
     from lie_rigid_body.certificate import certify
     from lie_rigid_body.diagnosis import diagnose
-    from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
+    from lie_rigid_body.evaluation import ExactTruth, Limits, SampledTruth, attitude_error, evaluate
     from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, ParameterError
     from lie_rigid_body.mechanics import RigidBody, State
     from lie_rigid_body.motion import ClosedForm, MovingChart
@@ -23,6 +23,7 @@ __all__ = [
     "Campaign",
     "ClosedForm",
     "Estimate",
+    "ExactTruth",
     "InputError",
     "LieRigidBodyError",
     "Limits",
@@ -47,6 +48,7 @@ _HOMES = {
     "Campaign": "lie_rigid_body.campaign",
     "ClosedForm": "lie_rigid_body.motion",
     "Estimate": "lie_rigid_body.runs",
+    "ExactTruth": "lie_rigid_body.evaluation",
     "InputError": "lie_rigid_body.foundation.errors",
     "LieRigidBodyError": "lie_rigid_body.foundation.errors",
     "Limits": "lie_rigid_body.evaluation",
