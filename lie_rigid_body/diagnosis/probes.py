@@ -160,6 +160,15 @@ def _biased(search: Search) -> list[Course]:
     return [replace(search.course, moving_s=60.0 - REST, off=(("gyro", bias),))]
 
 
+def _cut(search: Search) -> list[Course]:
+    """A course on which the gyro has a bias, the same again, and its first half.
+
+    With perfect sensors smoothers and causal filters alike give the truth.
+    """
+    whole = replace(_biased(search)[0], moving_s=search.course.moving_s)
+    return [whole, whole, replace(whole, moving_s=0.5 * whole.moving_s)]
+
+
 def _bias_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     """Error of the last quarter; its limit follows from the second, and from the turn that the bias alone makes.
 
@@ -364,7 +373,7 @@ NOTES: Final = (
     ),
     ProbeRow(
         "causal",
-        lambda s: [course := s.course.nearly_perfect(), course, replace(course, moving_s=0.5 * course.moving_s)],
+        _cut,
         lambda s, o: limited(
             "The estimate uses later readings, as smoothers do: without them it is another, by up to",
             o[0].track.apart(o[2].track),
