@@ -144,13 +144,12 @@ def _half_turns(search: Search) -> list[Course]:
 
 def _starts(search: Search) -> list[Course]:
     """The ordinary motion, and those that begin turned by each rotation of a cube."""
-    rotation = scipy.spatial.transform.Rotation
-    start = rotation.from_quat(search.course.scenario.start().attitude_xyzw)
+    start = scipy.spatial.transform.Rotation.from_quat(search.course.scenario.start().attitude_xyzw)
     return [
         search.course,
         *(
             search.course.of_scenario(initial_attitude_xyzw=(start * turn).as_quat().tolist())
-            for turn in rotation.create_group("O")
+            for turn in scipy.spatial.transform.Rotation.create_group("O")
         ),
     ]
 

@@ -353,8 +353,9 @@ class Search:
         place = int(np.argmin(left(tried)))
         low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
         if code == "time_step":
-            minimum = scipy.optimize.minimize_scalar(lambda x: left([x])[0] ** 2, bounds=(low, high), method="bounded")
-            best: float = minimum.x
+            best: float = scipy.optimize.minimize_scalar(
+                lambda value: left([value])[0] ** 2, bounds=(low, high), method="bounded"
+            ).x
         else:
             between = [count for count in range(int(low), int(high) + 1) if count]
             best = between[int(np.argmin(left(between)))]
