@@ -55,20 +55,12 @@ FAMILIES = ("ours, closed form", *(f"ours, moving chart {name}" for name in METH
 
 
 @cache
-def errors_by_size(task: Task = BRIEF) -> dict[str, list[tuple[float, float]]]:
-    """Size of the setting and largest error, by family, the coarsest first."""
-    found: dict[str, list[tuple[float, float]]] = {}
-    for contender in registry.contenders(task):
-        error = float(errors(task, contender.run()).max())
-        found.setdefault(contender.family, []).append((contender.size, error))
-    return {family: sorted(pairs, reverse=True) for family, pairs in found.items()}
-
-
 def of_family(family: str, task: Task = BRIEF) -> list[tuple[float, float]]:
-    found = errors_by_size(task)
-    if family not in found:
+    """Size of the setting and largest error of each contender of a family, the coarsest first."""
+    own = [contender for contender in registry.contenders(task) if contender.family == family]
+    if not own:
         pytest.skip(f"not installed: {' '.join(registry.missing())}")
-    return found[family]
+    return sorted(((each.size, float(errors(task, each.run()).max())) for each in own), reverse=True)
 
 
 def test_the_truth_is_that_of_another_method():
