@@ -88,8 +88,8 @@ def attitude_error(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> AttitudeE
     Parameters
     ----------
     estimate_xyzw, truth_xyzw : array_like, shape (N, 4) or (..., 4)
-        World-from-body quaternions of the same instants, scalar last, world z up. Norm and sign are ignored, but
-        norms below 1e-12 are those of quaternions that nobody has set. Leading axes broadcast.
+        World-from-body quaternions of the same instants, scalar last, world z up. Norm and sign are ignored; a norm
+        below 1e-12 counts as zero. Leading axes broadcast.
 
     Returns
     -------

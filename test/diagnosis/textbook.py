@@ -126,9 +126,8 @@ def right(run: Any) -> Array:
 
 def both_ways(run: Any) -> Array:
     """Mean of Mahony's filter and of the same one backward in time: a smoother, the truth where sensors are perfect."""
-    gyro = -np.roll(run.imu.gyro, -1, axis=0)[
-        ::-1
-    ]  # means over the time before a reading are those over the time after
+    # backward, the mean rate over the time before a reading is that over the time after it
+    gyro = -np.roll(run.imu.gyro, -1, axis=0)[::-1]
     imu = SimpleNamespace(t_ns=-run.imu.t_ns[::-1], gyro=gyro, specific_force=run.imu.specific_force[::-1])
     field = SimpleNamespace(field=run.magnetometer.field[::-1])
     ahead, back = mahony(run), mahony(SimpleNamespace(imu=imu, magnetometer=field, scenario=run.scenario))[::-1]

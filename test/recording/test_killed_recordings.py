@@ -60,12 +60,12 @@ KILLER = """
 """For each line of its input it forks a recording, and kills it so many seconds after its first batch."""
 LONGEST = {"fast": 0.2, "slow": 1.5, "to replace another": 0.2}
 """Times, s, after which a recording is killed at the latest: of a fast one little is to be certified then."""
-LONGER = "100000"
-"""Seconds recorded that none reaches before it is killed; a bag of so many needs 1.8 GB of free room."""
+DURATION = "100000"
+"""Duration that is asked for, s, which no recording reaches before it is killed. It needs 1.8 GB of free room."""
 RUNS = {
-    "fast": ["-p", "motion:=closed_form", "-p", "imu_rate:=50.0", "--duration", LONGER],
-    "slow": ["-p", "rate:=1.0", "-p", "method:=rkmk4", "-p", "max_step:=1e-4", "--duration", LONGER],
-    "to replace another": ["-p", "motion:=closed_form", "--compression", "lz4", "--duration", LONGER, "--force"],
+    "fast": ["-p", "motion:=closed_form", "-p", "imu_rate:=50.0", "--duration", DURATION],
+    "slow": ["-p", "rate:=1.0", "-p", "method:=rkmk4", "-p", "max_step:=1e-4", "--duration", DURATION],
+    "to replace another": ["-p", "motion:=closed_form", "--compression", "lz4", "--duration", DURATION, "--force"],
 }
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Collection, Iterable
+from functools import partial
 from typing import Final
 
 from lie_rigid_body.foundation.errors import LieRigidBodyError
@@ -41,7 +42,7 @@ class Lockstep:
         self._topic, self._look, self._timeout_ns = topic, look, timeout_ns
         self._heard: Collection[str] | None = None
         self._sensors: frozenset[str] = frozenset()
-        self._delivered: dict[str, deque[int]] = {}
+        self._delivered = defaultdict[str, deque[int]](partial(deque, maxlen=STAMPS_KEPT))
         self._awaited: set[int] = set()
         self._latest_ns = -1
         self._others, self._other_ns = 0, 0
@@ -88,8 +89,8 @@ class Lockstep:
         heard = {*self._sensors.intersection(self._heard or ()), IMU_SENSOR.name}
         for name, stamp in sorted(readings, key=lambda reading: reading[0] == IMU_SENSOR.name):  # as published
             if name in heard:
-                self._delivered.setdefault(name, deque(maxlen=STAMPS_KEPT)).append(stamp)
-                if stamp > self._latest_ns and all(stamp in self._delivered.get(one, ()) for one in heard):
+                self._delivered[name].append(stamp)
+                if stamp > self._latest_ns and all(stamp in self._delivered[one] for one in heard):
                     self._await(stamp)
 
     def _await(self, stamp_ns: int) -> None:
@@ -106,5 +107,5 @@ class Lockstep:
             self._waited_ns = 0
         else:
             self._others, self._other_ns = self._others + 1, stamp_ns
-            if stamp_ns in (imu := self._delivered.get(IMU_SENSOR.name, deque())):
-                imu.remove(stamp_ns)  # answered before its partners came
+            if stamp_ns in self._delivered[IMU_SENSOR.name]:  # answered before its partners came
+                self._delivered[IMU_SENSOR.name].remove(stamp_ns)
