@@ -33,8 +33,11 @@ KILLER = """
     import json, os, signal, sys, time
     from pathlib import Path
     from lie_rigid_body.cli.record import main
+    from lie_rigid_body.motion.closed_form.solution import compile_all
+    from lie_rigid_body.motion.munthe_kaas.loop import LOOP
     from lie_rigid_body.recording.bag_writer import BagWriter
 
+    compile_all(), LOOP.compile()  # else a recording may load them, in a thread beside it, which is no work lost
     write = BagWriter.write
 
     def told(bag, batch):  # what is computed by now: a file keeps it when the process is killed
