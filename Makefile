@@ -14,7 +14,7 @@ export ROS_LOG_DIR := $(CURDIR)/.cache/ros-log
 # A sourced ROS 2 would mix its libraries with those of the environment.
 unexport PYTHONHOME PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH RMW_IMPLEMENTATION _ROS_WHEELS_BOOTSTRAP_COMPLETE
 
-.PHONY: help sim quick test test-slow test-oldest fuzz lint docs bench league clean
+.PHONY: help sim quick test test-slow test-oldest words fuzz lint docs bench league clean
 
 help:
 	@echo "make sim          run the live node        ARGS='--ros-args -p rate:=200.0' is passed on"
@@ -22,6 +22,7 @@ help:
 	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
 	@echo "make test-slow    the tests that make test leaves out as too long, some minutes"
 	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
+	@echo "make words        write what the package says into test/words/*.txt anew, for a review to show"
 	@echo "make fuzz         mutated files into every verb, ten minutes    ARGS='--minutes 60'; failing ones stay in test/fuzzed"
 	@echo "make lint         check style and types"
 	@echo "make docs         build the site of docs/ and of the docstrings into build/docs"
@@ -43,6 +44,9 @@ test-slow:
 
 test-oldest:
 	@exec scripts/test.sh oldest $(ARGS)
+
+words:
+	@exec scripts/test.sh newest --write-words test/words $(ARGS)
 
 fuzz:
 	@exec scripts/fuzz.sh $(ARGS)

@@ -78,6 +78,7 @@ class Watch:
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="run the tests marked slow as well")
     parser.addoption("--one-case", action="store_true", help="run the first case of each parametrised test")
+    parser.addoption("--write-words", action="store_true", help="write the texts of test/words anew")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -1,0 +1,116 @@
+"""What the rooms say, as texts that a review shows: `make words` writes them, and a test compares them.
+
+A module ``words_of_ROOM`` has triggers: calls without arguments in ``REFUSED``, by the type of the error that each
+raises, and in ``SAID``, which return what is said. Each runs in an empty folder. The file ``ROOM.txt`` has the source
+of each and its sentence.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+from importlib import import_module
+from itertools import count
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from lie_rigid_body.foundation.wording import shown
+
+FOLDER = Path(__file__).parent
+WRITTEN_HERE = sys.platform == "linux" and sys.version_info[:2] == (3, 12) and np.__version__ >= "2"
+"""Whether the texts are those of this system: older libraries and other systems word their own errors otherwise."""
+HEAD = "# What is said, below what makes it be said. `make words` writes this file from {source}.\n"
+MAX_LINE = 300
+"""Largest length of a refusal, characters."""
+REMEDY = re.compile(r"[:;,] \S+ \S")
+"""How a remedy follows: behind a colon, a semicolon or a comma."""
+ROUND_OFF = re.compile(r"\d\.\d+e(?:-1[3-9]|\+1[56])")
+"""Numbers that depend on the last bits of a machine."""
+
+Call = Callable[[], object]
+
+
+def rooms() -> list[str]:
+    """Names of the rooms whose sentences are written down."""
+    return sorted(path.stem.removeprefix("words_of_") for path in FOLDER.glob("words_of_*.py"))
+
+
+def module_of(room: str) -> ModuleType:
+    return import_module(f"words_of_{room}")
+
+
+@cache
+def lambdas(path: str) -> dict[int, str]:
+    """Source of the body of the first lambda of each line of a file, in one line."""
+    source = Path(path).read_text(encoding="utf-8")
+    found: dict[int, str] = {}
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Lambda):
+            text = ast.get_source_segment(source, node.body) or ""
+            found.setdefault(node.lineno, re.sub(r"\s+", " ", text))
+    return found
+
+
+def trigger(call: Call) -> str:
+    """The source of a call, with the values of its names that a loop has given."""
+    code = getattr(call, "__code__", None)
+    if code is None or code.co_name != "<lambda>":
+        return getattr(call, "__name__", repr(call))
+    given = [
+        f"{name} = {shown(parameter.default)}"
+        for name, parameter in inspect.signature(call).parameters.items()
+        if parameter.default is not parameter.empty
+    ]
+    return ", ".join([lambdas(code.co_filename)[code.co_firstlineno], *given])
+
+
+def said_by(call: Call, folder: Path, kind: type[Exception] | None = None) -> str:
+    """What a call returns, or raises, in a new folder, whose name is left out."""
+    folder.mkdir()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        if kind is None:
+            text = str(call())
+        else:
+            with pytest.raises(kind) as caught:
+                call()
+            text = f"{type(caught.value).__name__}: {caught.value}"
+    return text.replace(str(folder), "FOLDER")
+
+
+def require_good(refusal: str) -> None:
+    """Laws of every refusal: one line, of a bounded length, with a remedy."""
+    assert len(refusal.splitlines()) == 1, refusal
+    assert len(refusal) <= MAX_LINE, refusal
+    assert REMEDY.search(refusal), f"no remedy: {refusal}"
+
+
+def entries(room: str, folder: Path) -> Iterator[str]:
+    """Each trigger of a room with what it says."""
+    module = module_of(room)
+    numbers = count()
+    for kind, calls in getattr(module, "REFUSED", {}).items():
+        for call in calls:
+            text = said_by(call, folder / str(next(numbers)), kind)
+            require_good(text)
+            yield f"{trigger(call)}\n    {text}"
+    for call in getattr(module, "SAID", ()):
+        text = said_by(call, folder / str(next(numbers)))
+        yield "\n    ".join([trigger(call), *text.splitlines()])
+
+
+def compare(room: str, source: str, entries: Iterator[str], *, write: bool) -> None:
+    """Write the text of a room, or compare it with the one that is there."""
+    path = FOLDER / f"{room}.txt"
+    text = ROUND_OFF.sub("~", "\n".join([HEAD.format(source=source), *entries, ""]))
+    if write:
+        path.write_text(text, encoding="utf-8")
+    if WRITTEN_HERE:
+        assert text.splitlines() == path.read_text(encoding="utf-8").splitlines(), "see `make words`"

@@ -1,0 +1,96 @@
+"""What scenarios and their files say where they are refused."""
+# mypy: ignore-errors
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.scenario.parameter_file import gather, parse_assignment, read_parameter_file, scenario_file
+
+FILES = [
+    "",
+    "- 1\n- 2\n",
+    "just words",
+    "/**:\n  ros__parameters:\n    rate: [1.0\n",
+    "/**:\n\tros__parameters:",
+    "/**:\n  ros__parameters:\n    rate: 1.0\n    rate: 2.0\n",
+    "/**:\n  ros__parameters:\n    rate:\n",
+    "/**: {ros__parameters: {[1, 2]: 3}}",
+    "rate: 1.0\n",
+    "{}",
+    "ros__parameters:\n  rate: 1.0\n",
+    "/**:\n  ros__parameters: 3\n",
+    "talker: {ros__parameters: {a: 1}}\n/x/*: {ros__parameters: {a: 1}}",
+    "/**: {ros__parameters: {a: !!python/object:os.system 1}}",
+    "/**: {ros__parameters: {a: *b}}",
+    "--- 1\n--- 2\n",
+    "\x07",
+    "[" * 5000,
+]
+FAST = [1e12, 1e12, 0.0]
+QUICK = {"method": "rkmk4", "max_step": 10.0, "rate": 0.1, "initial_body_rate": [3.0, 0.5, -0.9]}
+SPIN = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
+
+
+def file(content):
+    """Read a parameter file of such a content."""
+    path = Path("params.yaml")
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return read_parameter_file(path)
+
+
+def loop():
+    """Read a link to itself."""
+    path = Path("loop")
+    path.symlink_to("loop")
+    return read_parameter_file(path)
+
+
+def given(**parameters):
+    return Scenario.from_parameters(parameters)
+
+
+def assigned(text, option="-p"):
+    return Scenario.from_parameters(dict([parse_assignment(text, option)]))
+
+
+REFUSED = {
+    InputError: [
+        *(lambda text=text: file(text) for text in FILES),
+        lambda: file(b"\xff\xfe\x00"),
+        lambda: read_parameter_file(Path("none.yaml")),
+        lambda: read_parameter_file(Path()),
+        loop,
+        lambda: read_parameter_file(Path("nul\0l")),
+        lambda: Scenario.from_parameters(gather(None, [], ["other:rate:=40.0"])),
+        lambda: Scenario.from_parameters(5),
+        lambda: scenario_file("dzanibekov"),
+        lambda: assigned("rate=3"),
+        lambda: assigned("inertia:=[1.0"),
+        lambda: assigned(f"rate:=0x{10**5 * 'F'}"),
+        lambda: assigned("inertia = [" + "1.0, " * 200 + "]", "--set"),
+        lambda: assigned("epoch_ns:=" + "9" * 30),
+        lambda: given(initial_body_rate=FAST, rate=1e-6),
+        lambda: given(**QUICK),
+        lambda: given(**SPIN),
+        lambda: Scenario().frame("imu_frames"),
+        lambda: Scenario().frame("rate"),
+        lambda: Scenario().frame(["body_frame"]),
+        lambda: Scenario().resampled(rate=np.nan),
+        lambda: Scenario().resampled(rate=np.zeros((0, 3))),
+        lambda: Scenario().resampled(epoch_ns=1.5),
+        lambda: Scenario().steps_per_sample(rate=0.0),
+        lambda: Scenario().batch_size(9, 9, rate="x"),
+        lambda: Scenario().batch_size("x", 1),
+        lambda: Scenario().batch_size(1, 0),
+    ],
+}
+SAID = [
+    lambda: given(gyro_spike_probability=0.1).without_effect,
+    lambda: given(gyro_rate="integrated", gyro_range=9.0, imu_outage_duration=0.1, sun_sensor_noise=0.1).without_effect,
+    lambda: given(imu_rate=9.0, imu_heading_noise=0.1, fault_end=5.0).without_effect,
+]
