@@ -20,9 +20,6 @@ from lie_rigid_body.foundation.arrays import Array
 SERIES_LIMIT: Final = 2.0
 """Angle in rad below which the power series are used."""
 
-SMALLEST_SQUARE: Final = 1e-290
-"""Least θ² that is a divisor: a smaller one has lost digits, and (1 − cos θ)/θ² is ½ there to the last bit."""
-
 
 def _bernoulli(count: int) -> list[Fraction]:
     """The Bernoulli numbers B₀ … B_{count−1} by their defining recurrence Σ C(n+1, k) Bₖ = 0."""
@@ -51,14 +48,8 @@ def sine_ratio(theta: Array) -> Array:
     return np.where(theta == 0.0, 1.0, np.sin(safe) / safe)
 
 
-def versine_ratio(theta: Array, squared: Array) -> Array:
-    """The function of `dexp_linear`, (1 − cos θ)/θ², for callers that have θ² more accurately than θ."""
-    tiny = squared < SMALLEST_SQUARE
-    return np.where(tiny, 0.5, 2.0 * np.sin(0.5 * theta) ** 2 / np.where(tiny, 1.0, squared))
-
-
 def dexp_linear(theta: Array) -> Array:
-    """The coefficient (1 − cos θ)/θ² = 2 (sin(θ/2)/θ)², with its limit ½ at 0; see also `versine_ratio`."""
+    """The coefficient (1 − cos θ)/θ² = 2 (sin(θ/2)/θ)², with its limit ½ at 0."""
     ratio = half_angle_sine_ratio(theta)
     return 2.0 * ratio * ratio
 

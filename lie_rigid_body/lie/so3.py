@@ -75,8 +75,13 @@ def exp(v: ArrayLike) -> Array:
     ndarray, shape (..., 3, 3)
     """
     v = as_vectors(v)
-    theta, squared = norm(v), np.sum(v * v, axis=-1)
-    return _matrix_polynomial(v, series.sine_ratio(theta), series.versine_ratio(theta, squared))
+    theta = norm(v)
+    # vectors are scaled by powers of 2 to norms from ½ to 1, so that no square overflows or underflows
+    exponent = np.frexp(theta)[1]
+    scaled = np.ldexp(v, -exponent[..., np.newaxis])
+    length = np.where(theta == 0.0, 1.0, np.ldexp(theta, -exponent))
+    squared = np.where(theta == 0.0, 1.0, np.sum(scaled * scaled, axis=-1))
+    return _matrix_polynomial(scaled, np.sin(theta) / length, 2.0 * np.sin(0.5 * theta) ** 2 / squared)
 
 
 def log(m: ArrayLike) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
@@ -9,12 +10,15 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics.array_input import real_array
 
 _NAME: Final = "inertia"
 MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
 """Rounding error of principal moments, relative to the largest: moments that differ by no more count as equal."""
+SYMMETRY_ULPS: Final = 8.0
+"""Largest difference of entries across the diagonal of a tensor, in units in the last place of its largest entry."""
+MIN_ROUNDED_DIGITS: Final = 3
+"""Least number of digits to which moments may have been rounded, where the message says that they seem to be."""
 
 
 def inertia_matrix(inertia: ArrayLike) -> Array:
@@ -33,7 +37,8 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
     Raises
     ------
     ParameterError
-        If the shape is none of these, a number is not finite, or a matrix is not symmetric.
+        If the shape is none of these, a number is not finite, or entries across the diagonal differ by more than
+        `SYMMETRY_ULPS`. Below that the mean of the two is taken.
     """
     array = real_array(_NAME, inertia, "(…)", empty=True)
     if array.shape == (3,):
@@ -47,12 +52,17 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
             f"{array.size} numbers of shape {array.shape}: give 3 principal moments or ixx ixy ixz iyy iyz izz, and "
             "many bodies as tensors (..., 3, 3) or by from_principal_moments",
         )
-    lopsided = (array != array.swapaxes(-1, -2)).any(axis=(-2, -1))
-    if lopsided.any():
+    transposed = array.swapaxes(-1, -2)
+    gap = np.abs(array - transposed).max(axis=(-2, -1))
+    allowed = SYMMETRY_ULPS * np.spacing(np.abs(array).max(axis=(-2, -1)))
+    if (gap > allowed).any():
+        worst = np.argmax(gap / allowed)
         raise ParameterError(
-            _NAME, f"{shown(array[lopsided][0].tolist(), 100)} is not symmetric: give equal entries across the diagonal"
+            _NAME,
+            f"entries across the diagonal differ by up to {gap.flat[worst]:.3g}, more than round-off "
+            f"({allowed.flat[worst]:.3g}): give a symmetric tensor, as (I + I.T) / 2",
         )
-    return array
+    return np.asarray(0.5 * array + 0.5 * transposed)
 
 
 def diagonal_matrix(moments: ArrayLike) -> Array:
@@ -124,10 +134,14 @@ def require_physical(moments: Array) -> None:
     excess = rows[:, 2] - rows[:, 1] > rows[:, 0] + MOMENT_ROUND_OFF * rows[:, 2]
     if excess.any():
         small, middle, large = rows[excess][0].tolist()
+        gap = large - middle - small
+        # rounding to d digits changes moments by up to half of 10**(1 - d) of themselves
+        digits = math.floor(1.0 - math.log10(gap / large))
+        rounded = f", as a flat body rounded to {digits} digits does" if digits >= MIN_ROUNDED_DIGITS else ""
         raise ParameterError(
             _NAME,
-            f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality: "
-            "lower the largest to at most the sum of the others",
+            f"principal moments {small!r}, {middle!r}, {large!r} break the triangle inequality by {gap:.3g}{rounded}: "
+            f"lower the largest to at most {small + middle!r}",
         )
 
 

@@ -65,6 +65,15 @@ def test_left_jacobian_is_the_derivative_of_exp(v, w):
     np.testing.assert_allclose(so3.left_jacobian(v) @ w, derivative, rtol=0, atol=2e-8)
 
 
+@pytest.mark.parametrize("size", [1e-308, 1e-160, 1e-150, 1e8, 1e150, 1e160, 1e307])
+def test_exp_is_that_of_quaternions_at_any_angle(size):
+    """Squares of such vectors overflow or underflow."""
+    v = size * np.array([0.3, -1.1, 0.7])
+    exact = quaternion.to_matrix(quaternion.exp(v))
+    np.testing.assert_allclose(so3.exp(v), exact, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(so3.vee(so3.exp(v)), so3.vee(exact), rtol=1e-14, atol=0)
+
+
 def test_full_turn_is_minus_one_on_the_cover():
     np.testing.assert_allclose(quaternion.exp([0, 0, 2 * np.pi]), [0, 0, 0, -1], rtol=0, atol=3e-16)
 

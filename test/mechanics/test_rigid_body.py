@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -98,6 +100,43 @@ def test_impossible_inertias_are_refused(inertia):
     assert caught.value.name == "inertia"
     assert isinstance(caught.value, ValueError)
     assert isinstance(caught.value, LieRigidBodyError)
+
+
+@given(semi_axes, st.sampled_from([0.0, 1.0]), turns)
+def test_a_rotated_tensor_is_accepted_in_spite_of_its_round_off(axes, third, turn):
+    moments, rotation = ellipsoid_moments([axes[0], axes[1], third * axes[2]]), so3.exp(turn)
+    tensor = rotation @ np.diag(moments) @ rotation.T
+    body = RigidBody(tensor)
+    np.testing.assert_array_equal(body.inertia, body.inertia.T)
+    np.testing.assert_allclose(body.inertia, tensor, rtol=0, atol=4 * np.spacing(moments.max()))
+
+
+def test_a_tensor_is_symmetric_to_eight_units_in_the_last_place():
+    def tensor(ulps):
+        return np.diag([1.0, 2.0, 2.5]) + np.array([[0, ulps, 0], [0, 0, 0], [0, 0, 0]]) * np.spacing(2.5)
+
+    assert RigidBody(tensor(8)).inertia[1, 0] == RigidBody(tensor(8)).inertia[0, 1] == 4 * np.spacing(2.5)
+    with pytest.raises(ParameterError):
+        RigidBody(tensor(9))
+
+
+@pytest.mark.parametrize(
+    ("moments", "digits"),
+    [
+        ([0.0833333, 0.0833333, 0.166667], "6"),
+        ([0.345, 0.653, 1.0], "3"),
+        ([1.0, 1.0, 2.1], ""),
+        ([2.0, 1.0, 2 / 3], ""),
+    ],
+)
+def test_a_broken_triangle_inequality_tells_by_how_much_and_what_would_do(moments, digits):
+    with pytest.raises(ParameterError) as caught:
+        RigidBody(moments)
+    small, middle, large = sorted(moments)
+    told = re.findall(r"by ([\d.e-]+)(?:, .*? (\d+) digits)?.*: .* ([\d.e-]+)$", str(caught.value))
+    assert float(told[0][0]) == pytest.approx(large - middle - small, rel=1e-2)
+    assert told[0][1] == digits
+    RigidBody([small, middle, float(told[0][2])])
 
 
 @pytest.mark.parametrize("flat", [[0.1, 0.2, 0.3], [0.3, 0.6, 0.9], [1.0, 2.0, 3.0], [1e-12, 1.0, 1.0]])

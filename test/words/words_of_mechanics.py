@@ -35,6 +35,7 @@ REFUSED = {
         lambda: RigidBody(np.triu(np.ones((3, 3)))),
         lambda: RigidBody([-0.1, 2.0, 3.0]),
         lambda: RigidBody([1.0, 1.0, 2.1]),
+        lambda: RigidBody([0.0833333, 0.0833333, 0.166667]),
         *(lambda name=name: getattr(BODY, name)(np.ones(3)) for name in OF_STATES),
         lambda: State([0, 0, 0, 1], np.array([0.0, 1.0, np.longdouble("1e400")])),
         lambda: State([0, 0, 1], [0, 0, 0]),
