@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -26,15 +27,20 @@ from lie_rigid_body.foundation.wording import shown
 FOLDER = Path(__file__).parent
 WRITTEN_HERE = sys.platform == "linux" and sys.version_info[:2] == (3, 12) and np.__version__ >= "2"
 """Whether the texts are those of this system: older libraries and other systems word their own errors otherwise."""
-HEAD = "# What is said, below what makes it be said. `make words` writes this file from {source}.\n"
+HEAD = "# What is said, below what makes it be said. `make words` writes this file from words_of_{room}.py.\n"
 MAX_LINE = 300
 """Largest length of a refusal, characters."""
 REMEDY = re.compile(r"[:;,] \S+ \S")
 """How a remedy follows: behind a colon, a semicolon or a comma."""
 ROUND_OFF = re.compile(r"\d\.\d+e(?:-1[3-9]|\+1[56])")
-"""Numbers that depend on the last bits of a machine."""
+"""Numbers that depend on the last bits of a machine: in their lines no number and no width is compared."""
+NUMBER = re.compile(r" *(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w])")
+
+VARYING = re.compile(r"(?<= s, in )[\d.]+ m?s|(?<=and )[\d.]+ \w+(?= are free)")
+"""Times that something takes, and space that is free."""
 
 Call = Callable[[], object]
+Capture = pytest.CaptureFixture[str]
 
 
 def rooms() -> list[str]:
@@ -92,9 +98,8 @@ def require_good(refusal: str) -> None:
     assert REMEDY.search(refusal), f"no remedy: {refusal}"
 
 
-def entries(room: str, folder: Path) -> Iterator[str]:
-    """Each trigger of a room with what it says."""
-    module = module_of(room)
+def entries(module: ModuleType, folder: Path) -> Iterator[str]:
+    """Each trigger of a module with what it says."""
     numbers = count()
     for kind, calls in getattr(module, "REFUSED", {}).items():
         for call in calls:
@@ -106,11 +111,37 @@ def entries(room: str, folder: Path) -> Iterator[str]:
         yield "\n    ".join([trigger(call), *text.splitlines()])
 
 
-def compare(room: str, source: str, entries: Iterator[str], *, write: bool) -> None:
+def compare(room: str, entries: Iterator[str], *, write: bool) -> None:
     """Write the text of a room, or compare it with the one that is there."""
     path = FOLDER / f"{room}.txt"
-    text = ROUND_OFF.sub("~", "\n".join([HEAD.format(source=source), *entries, ""]))
+    lines = "\n".join([HEAD.format(room=room), *entries, ""]).splitlines()
+    text = "".join(f"{NUMBER.sub(' ~', line) if ROUND_OFF.search(line) else line}\n" for line in lines)
     if write:
         path.write_text(text, encoding="utf-8")
     if WRITTEN_HERE:
         assert text.splitlines() == path.read_text(encoding="utf-8").splitlines(), "see `make words`"
+
+
+def state(folder: Path) -> dict[Path, int]:
+    return {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+
+
+def command_entries(module: ModuleType, folder: Path, capture: Capture) -> Iterator[str]:
+    """Each command of a module with its status and what it prints: one line where it is refused, which writes nothing.
+
+    The module has commands by status in ``COMMANDS``, ``prepare`` for a folder and ``run`` for the words of a command.
+    """
+    module.prepare(folder)
+    capture.readouterr()
+    for status, lines in module.COMMANDS.items():
+        for line in lines:
+            before = state(folder)
+            assert module.run(shlex.split(line)) == status, (line, *capture.readouterr())
+            out, err = capture.readouterr()
+            if status == 2:
+                assert (out, err[-1:], state(folder)) == ("", "\n", before), line
+                require_good(err.removesuffix("\n"))
+            else:
+                assert err == "", line
+            text = VARYING.sub("~", (out + err).replace(str(folder), "FOLDER"))
+            yield "\n".join([f"{line} -> {status}".replace("\0", "\\0"), *(f"    {said}".rstrip() for said in text.splitlines())])

@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
-from sentences import compare, entries, rooms
+from sentences import command_entries, compare, entries, module_of, rooms
+
+OF_ROS = {"ros", "nodes"}
+ROOMS = [pytest.param(room, marks=[pytest.mark.ros] if room in OF_ROS else []) for room in rooms()]
 
 
 @pytest.mark.usefixtures("asked_here")
-@pytest.mark.parametrize("room", rooms())
-def test_what_a_room_says_is_written_down(room: str, tmp_path: Path, pytestconfig: pytest.Config) -> None:
-    write = pytestconfig.getoption("--write-words")
-    compare(room, f"words_of_{room}.py", entries(room, tmp_path), write=write)
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("room", ROOMS)
+def test_what_a_room_says_is_written_down(
+    room: str,
+    tmp_path: Path,
+    pytestconfig: pytest.Config,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    module = module_of(room)
+    if hasattr(module, "COMMANDS"):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["lie-rigid-body"])
+        told = command_entries(module, tmp_path, capfd)
+    else:
+        told = entries(module, tmp_path)
+    compare(room, told, write=pytestconfig.getoption("--write-words"))
