@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_wording_of_ros import phrase
 
 from lie_rigid_body import Run, diagnose, simulate
 from lie_rigid_body.estimates.programs import NodeEstimator, readings_of
@@ -177,21 +176,21 @@ def fill(answer, reading):
 @pytest.mark.parametrize(
     ("source", "timeout", "told"),
     [
-        ("sys.exit('the gain is missing')", 60.0, [phrase("ended", status=1), "the gain is missing"]),
+        ("sys.exit('the gain is missing')", 60.0, [" 1", "the gain is missing"]),
         pytest.param(
             "def fill(answer, reading): sys.exit(3 if count == 2 else None)",
             60.0,
-            [phrase("ended", status="")],
+            ["ended "],
             marks=SLOW,
         ),
-        pytest.param(SILENT, 300.0, [phrase("no answer", stamp=BEGIN_NS + 90_000_000, seconds=10)], marks=SLOW),
-        ("time.sleep(1000)", 12.0, [phrase("no filter", seconds=6, topic="/imu/data")]),
+        pytest.param(SILENT, 300.0, [f" {BEGIN_NS + 90_000_000} ns in 10 s"], marks=SLOW),
+        ("time.sleep(1000)", 12.0, [" 6 s: ", " /imu/data "]),
         pytest.param("kind = TwistStamped", 60.0, ["/imu/data ", " TwistStamped"], marks=SLOW),
-        pytest.param(ODOMETRY, 60.0, ["odom to base_footprint", phrase("other frames")], marks=SLOW),
+        pytest.param(ODOMETRY, 60.0, ["odom to base_footprint", "world to base_link"], marks=SLOW),
         pytest.param(
             "def fill(answer, reading): answer.orientation_covariance[0] = -1.0",
             60.0,
-            [phrase("no orientation")],
+            ["orientation"],
             marks=SLOW,
         ),
     ],

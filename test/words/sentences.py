@@ -36,8 +36,8 @@ ROUND_OFF = re.compile(r"\d\.\d+e(?:-1[3-9]|\+1[56])")
 """Numbers that depend on the last bits of a machine: in their lines no number and no width is compared."""
 NUMBER = re.compile(r" *(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w])")
 
-VARYING = re.compile(r"(?<= s, in )[\d.]+ m?s|(?<=and )[\d.]+ \w+(?= are free)")
-"""Times that something takes, and space that is free."""
+VARYING = re.compile(r"(?<= s, in )[\d.]+ m?s|(?<=and )[\d.]+ \w+(?= are free)|\d{4}(?:-\d\d){2}_\d\d(?:-\d\d){2}")
+"""Times that something takes or begins, and space that is free."""
 
 Call = Callable[[], object]
 Capture = pytest.CaptureFixture[str]
@@ -88,7 +88,14 @@ def said_by(call: Call, folder: Path, kind: type[Exception] | None = None) -> st
             with pytest.raises(kind) as caught:
                 call()
             text = f"{type(caught.value).__name__}: {caught.value}"
-    return text.replace(str(folder), "FOLDER")
+    return nameless(text, folder)
+
+
+def nameless(text: str, folder: Path) -> str:
+    """A text without what differs from run to run and from clone to clone."""
+    for path, name in ((str(folder), "FOLDER"), (sys.executable, "PYTHON"), (str(FOLDER.parents[1]), "CLONE")):
+        text = text.replace(path, name)
+    return VARYING.sub("~", text)
 
 
 def require_good(refusal: str) -> None:
@@ -144,4 +151,6 @@ def command_entries(module: ModuleType, folder: Path, capture: Capture) -> Itera
             else:
                 assert err == "", line
             text = VARYING.sub("~", (out + err).replace(str(folder), "FOLDER"))
-            yield "\n".join([f"{line} -> {status}".replace("\0", "\\0"), *(f"    {said}".rstrip() for said in text.splitlines())])
+            yield "\n".join(
+                [f"{line} -> {status}".replace("\0", "\\0"), *(f"    {said}".rstrip() for said in text.splitlines())]
+            )

@@ -9,7 +9,6 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from test_wording_of_ros import phrase
 
 if find_spec("rclpy"):
     from diagnostic_msgs.msg import DiagnosticArray
@@ -116,14 +115,8 @@ def test_the_factor_acts_at_once(observer: Peer) -> None:
         ({"real_time_factor": float("nan")}, "real_time_factor"),
         ({"real_time_factor": 20.0, "inertia": [1.0, 1.0, 3.0]}, "inertia: "),
         ({"real_time_factor": 20.0, "imu_rate": -1.0}, "imu_rate"),
-        (
-            {"real_time_factor": 20.0, "paused": True},
-            phrase("paused"),
-        ),
-        (
-            {"publish_clock": False},
-            phrase("made at the start"),
-        ),
+        ({"real_time_factor": 20.0, "paused": True}, "paused: "),
+        ({"publish_clock": False}, "publish_clock: "),
         ({"gyro_rate": "guessed"}, "instantaneous"),
     ],
 )
