@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 import yaml
-from test_what_scenarios_say import REFUSED
 
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.scenario import Scenario
@@ -181,15 +180,6 @@ def test_what_every_node_has_is_left_to_nodes(write: Write) -> None:
 def test_an_assignment_of_what_every_node_has_is_refused(name: str) -> None:
     with pytest.raises(InputError):
         gather(None, [], [f"{name}:=1"])
-
-
-@pytest.mark.parametrize("text", [text for text, _ in REFUSED])
-def test_what_is_no_parameter_file_is_refused_in_one_line(write: Write, text: str) -> None:
-    path = write(text)
-    with pytest.raises(InputError) as caught:
-        read_parameter_file(path)
-    assert path.name in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
