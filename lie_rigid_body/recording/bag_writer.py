@@ -27,7 +27,7 @@ from lie_rigid_body.messages.batch import (
     Messages,
 )
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
-from lie_rigid_body.recording.records import RESCUE, record_bytes
+from lie_rigid_body.recording.records import RESCUE
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 from lie_rigid_body.system.output_file import DiskQueue, OutputFile, reason, remedy
 
@@ -56,8 +56,6 @@ _SAMPLE_DEPTH: Final = 10
 """Depth of the history in the quality of service of the topics of samples."""
 _TOGETHER: Final = 256
 """Messages of small batches that are laid out at once, in half a millisecond: one alone takes nearly as long."""
-_DRAFT_EVERY: Final = 0.4
-"""Time, s, after which what a chunk has so far is written as a draft."""
 _SYNC_AT_LEAST: Final = 0.5
 """Time, s, after the end of a sync from which on the next flush has one, even if others wait for a slow disk."""
 _LARGEST_BATCH: Final = 8192
@@ -109,7 +107,7 @@ class BagWriter:
     Raises
     ------
     BagError
-        If the file cannot be created, later not written, or is taken away by another program.
+        If the file cannot be created, or later not written.
     """
 
     def __init__(
@@ -236,40 +234,18 @@ class BagWriter:
             self._flushes += 1
             self._queue.put(partial(self._sync, self._flushes))
 
-    def draft(self) -> None:
-        """Let the present chunk be written as far as it is, until the whole one takes its place.
-
-        Where a chunk takes long, a process that is killed so loses little, and yet chunks do not depend on time.
-        """
-        with self._writing():
-            self._lay_out()
-            raw = self._chunk.so_far()
-            self._queue.put(partial(self._write_draft, raw), len(raw))
-
-    def _write_draft(self, raw: RawChunk) -> None:
-        self._file.draft(record_bytes(compressed(raw.table, self._compression)) if raw.starts else b"")
-
     def _sync(self, number: int) -> None:
         if number < self._flushes and time.monotonic() - self._synced < _SYNC_AT_LEAST:
             return  # a later flush waits already: one sync, which may take longer than half a second, is for both
         self._file.sync()
         if number == 1:
-            self._file.sync_name()
+            self._file.sync_folder()
         self._synced = time.monotonic()
-        self._file.require_intact()
 
     def wait(self) -> None:
         """Wait until what was flushed is on the disk."""
         with self._writing():
             self._queue.wait()
-
-    def require_intact(self) -> None:
-        """Have the disk's thread check that no other program has taken away what was written so far.
-
-        What it finds is raised by the next call.
-        """
-        with self._writing():
-            self._queue.put(self._file.require_intact)
 
     def finish(self) -> None:
         """Write the indexes and close the file. Calling it again does nothing."""
@@ -327,7 +303,7 @@ def write_run(
     last_ns: int,
     computing: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> Iterator[int]:
-    """Write the scenario of a simulation and all that it has up to a stamp, and look after the file meanwhile.
+    """Write the scenario of a simulation and all that it has up to a stamp.
 
     Parameters
     ----------
@@ -349,13 +325,8 @@ def write_run(
     # few samples when each takes many steps, so that an interruption loses little
     size = scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
     bag.begin_segment(simulation.segment)
-    drafted = time.monotonic()
     while simulation.next_stamp_ns <= last_ns:
         with computing():
             taken = simulation.take_until(last_ns, size)
         bag.write(encoder.encode(taken))
-        if time.monotonic() - drafted > _DRAFT_EVERY:
-            bag.draft()
-            drafted = time.monotonic()
-        bag.require_intact()
         yield len(taken.samples)

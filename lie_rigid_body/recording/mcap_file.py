@@ -157,10 +157,6 @@ class ChunkBuilder:
         if len(self._chunk) > self._size:
             self.finish()
 
-    def so_far(self) -> RawChunk:
-        """The present chunk as far as it is."""
-        return RawChunk([*self._chunk.pieces], [*self._chunk.starts])
-
     def finish(self) -> None:
         """End the present chunk, if it has messages."""
         if self._chunk.starts:

@@ -13,7 +13,6 @@ from threading import Barrier, Thread
 
 import pytest
 from bags import write_bag, write_samples
-from refused_bags import refused
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import BagError
@@ -123,12 +122,9 @@ def test_of_two_that_begin_a_file_one_has_it(tmp_path: Path) -> None:
         assert path.read_bytes() == b"whole"
 
 
-@pytest.mark.parametrize("old", [True, False])
-def test_of_two_that_replace_a_file_the_last_to_finish_has_it_whole(tmp_path: Path, old: bool) -> None:
-    """Where there is none yet, it is that of the first: who finds another in its place says so."""
+def test_of_two_that_replace_a_file_the_last_to_finish_has_it_whole(tmp_path: Path) -> None:
     path, scenario = tmp_path / "bag.mcap", Scenario.from_parameters({"motion": "closed_form"})
-    if old:
-        write_bag(path, count=3)
+    write_bag(path, count=3)
     simulations = [Simulation(scenario), Simulation(scenario)]
     bags = [BagWriter(path, stamped_twist=True, overwrite=True) for _ in simulations]
     for count in (100, 50):
@@ -140,12 +136,8 @@ def test_of_two_that_replace_a_file_the_last_to_finish_has_it_whole(tmp_path: Pa
             bag.wait()
     bags[1].finish()
     assert read_bag(path).expected_samples == 150
-    if old:
-        write_samples(bags[0], scenario, simulations[0].take(10))
-        bags[0].finish()
-    else:
-        with refused("replaced"):
-            bags[0].finish()
-    assert read_bag(path).expected_samples == (160 if old else 150)
+    write_samples(bags[0], scenario, simulations[0].take(10))
+    bags[0].finish()
+    assert read_bag(path).expected_samples == 160
     assert certify(read_bag(path)).passed
     assert os.listdir(tmp_path) == [path.name]
