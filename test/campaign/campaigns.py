@@ -9,6 +9,10 @@ from typing import Any
 
 import pytest
 
+from lie_rigid_body.campaign.journal import RESUMED
+from lie_rigid_body.foundation.errors import BagError, InputError
+from said import refusals
+
 # not loaded here: the process that only collects these tests does without
 NEEDS_DASK = pytest.mark.skipif(
     not all(map(find_spec, ("cryptography", "distributed", "pyarrow"))),
@@ -58,3 +62,22 @@ def finished(out: Path) -> list[int]:
     journal = out / "runs.jsonl"
     lines = journal.read_text().split("\n")[1:-1] if journal.exists() else []
     return [json.loads(line)["run"] for line in lines]
+
+
+refused = refusals(
+    {
+        BagError: {
+            "not written": f"cannot be written: {{why}}: .*{RESUMED}",
+            "not read": "runs.jsonl cannot be read: {why}",
+            "no file": "runs.jsonl is no regular file: move it away, or give another folder",
+            "moved": "was deleted or moved meanwhile",
+            "another user": "another user's",
+            "no row": "byte [0-9]+ begins no row of this campaign",
+            "changed bags": rf"{{count}} of {{of}} bags were deleted or changed meanwhile \({{which}}\): .*{RESUMED}",
+        },
+        InputError: {"distribution": "^{name}", "another campaign": "holds the runs of another campaign or version"},
+    }
+)
+"""Errors that other tests name."""
+WITHOUT_A_WORKER = "no worker at {address}: waiting for one; Ctrl-C ends it"
+"""What is said while a scheduler has none."""

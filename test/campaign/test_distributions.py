@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.integrate import tplquad
-from test_what_campaigns_say import DRAWN, NO_DISTRIBUTIONS, refused
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
@@ -138,19 +137,6 @@ def test_the_number_of_a_run_may_be_one_of_numpy(kind: Any) -> None:
     campaign = Campaign(runs=3, seed=7, duration=1.0, vary=vary)
     assert campaign.scenario_of(kind(2)) == campaign.scenario_of(2)
     assert type(campaign.drawn(kind(2))["sensor_seed"]) is int
-
-
-@pytest.mark.parametrize("given", [given for given, _ in NO_DISTRIBUTIONS])
-def test_what_is_no_distribution_is_refused(given: object) -> None:
-    with refused("distribution", name="vary.x"):
-        distribution("vary.x", given)
-
-
-@pytest.mark.parametrize("given", [given for given, _ in DRAWN])
-def test_a_length_that_cannot_be_is_refused_when_it_is_drawn(given: dict[str, Any]) -> None:
-    draw = distribution("vary.x", given)
-    with refused("distribution", name="vary.x."):
-        draw(Uniforms(0, 0, "x"))
 
 
 def test_lengths_may_be_drawn_as_integers_and_a_norm_may_be_0() -> None:

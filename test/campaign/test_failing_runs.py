@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from campaigns import NEEDS_DASK, SCORES, finished, table_of, written
-from test_what_campaigns_say import refused
+from campaigns import NEEDS_DASK, SCORES, finished, refused, table_of, written
 
 from lie_rigid_body.campaign import Campaign, cluster
 from lie_rigid_body.campaign.cluster import MOST_FAILURES, RUNS_AHEAD

@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from campaigns import NEEDS_DASK, finished, written
-from test_what_campaigns_say import refused
+from campaigns import NEEDS_DASK, finished, refused, written
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.journal import Journal

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, bytes_of, finished, table_of, written
-from test_what_campaigns_say import WITHOUT_A_WORKER
+from campaigns import CAMPAIGN, ESTIMATED, NEEDS_DASK, WITHOUT_A_WORKER, bytes_of, finished, table_of, written
 
 from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.cli.campaign import main

@@ -52,6 +52,11 @@ def module_of(room: str) -> ModuleType:
     return import_module(f"words_of_{room}")
 
 
+def value_of(given: object) -> str:
+    """A value that a loop has given, in one line."""
+    return repr(given) if isinstance(given, str) and len(given) <= 120 else shown(given)
+
+
 @cache
 def lambdas(path: str) -> dict[int, str]:
     """Source of the body of the first lambda of each line of a file, in one line."""
@@ -70,7 +75,7 @@ def trigger(call: Call) -> str:
     if code is None or code.co_name != "<lambda>":
         return getattr(call, "__name__", repr(call))
     given = [
-        f"{name} = {shown(parameter.default)}"
+        f"{name} = {value_of(parameter.default)}"
         for name, parameter in inspect.signature(call).parameters.items()
         if parameter.default is not parameter.empty
     ]
