@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from sentences import command_entries, compare, entries, module_of, rooms
+from sentences import command_entries, commands, compare, entries, module_of, rooms
 
 OF_ROS = {"ros", "nodes"}
 ROOMS = [pytest.param(room, marks=[pytest.mark.ros] if room in OF_ROS else []) for room in rooms()]
@@ -23,10 +23,10 @@ def test_what_a_room_says_is_written_down(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     module = module_of(room)
-    if hasattr(module, "COMMANDS"):
+    if hasattr(module, "run"):
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(sys, "argv", ["lie-rigid-body"])
-        told = command_entries(module, tmp_path, capfd)
+        told = command_entries(module, tmp_path, capfd, commands(room))
     else:
         told = entries(module, tmp_path)
     compare(room, told, write=pytestconfig.getoption("--write-words"))
