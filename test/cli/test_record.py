@@ -195,16 +195,6 @@ def test_a_signal_during_long_steps_is_heeded_at_once(out: Path) -> None:
     assert out.stat().st_size > 0
 
 
-def test_three_signals_do_no_more_than_one(out: Path) -> None:
-    process = running(out, *ENDLESS, command=RECORD)
-    for _ in range(3):
-        process.send_signal(signal.SIGINT)
-        time.sleep(0.002)
-    assert process.communicate(timeout=DEADLINE)[1].count("\n") == 1
-    assert process.returncode == 130
-    assert read_bag(out).expected_samples
-
-
 def test_a_terminal_that_closes_leaves_a_whole_file(out: Path) -> None:
     ours, theirs = pty.openpty()
     with subprocess.Popen([*RECORD_PLAIN, out, *ENDLESS], stdout=theirs, stderr=theirs) as process:
@@ -279,13 +269,3 @@ def test_a_reader_that_leaves_is_no_traceback(out: Path) -> None:
     os.close(write)
     assert done.stderr == ""
     assert read_bag(out).expected_samples == 100
-
-
-def test_the_help_does_not_wait_for_numpy() -> None:
-    code = (
-        "import sys; from lie_rigid_body.cli import record, scenarios; status = record.main(['--help']); "
-        "sys.exit(status or 'numpy' in sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "--params-file FILE" in done.stdout

@@ -39,6 +39,7 @@ def prepare(folder):
     os.link(folder / "page.html", folder / "page.png")
     (folder / "flat.yaml").write_text("/**: {ros__parameters: {inertia: [1.0, 2.0, 3.1]}}")
     (folder / "unknown.yaml").write_text("/**: {ros__parameters: {speed: 10.0}}")
+    (folder / "own.yaml").write_text("/**: {ros__parameters: {inertia: [2.0, 3.0, 4.0]}}")
     (folder / "bad.yaml").write_text("/**: [1,\n")
     (folder / "other.yaml").write_text("talker: {ros__parameters: {rate: 1.0}}")
     os.mkfifo(folder / "fifo")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from collections.abc import Callable
@@ -240,6 +241,22 @@ def test_the_first_sample_is_stamped_when_the_run_begins() -> None:
     assert run.sink.stamps == [day + at for at in run.sink.sent_at]
     assert run.sink.sensor_stamps("imu/data_raw")[0] == segment.start_ns
     assert len(run.sink.stamps) > 900
+
+
+def test_the_time_of_day_is_asked_once() -> None:
+    """Later steps, in either direction, change no stamp; neither does a reset, nor a pause."""
+    day, hour = 1_700_000_000 * NS, 3600 * NS
+    days = itertools.chain([day], itertools.cycle([day - hour, day + hour]))
+    run = ScriptedRun(rate=100.0, imu_rate=30.0, wall=lambda: next(days))
+    run.play(
+        (NS, lambda: run.live.reset(run.scenario)),
+        (2 * NS, run.live.pause),
+        (3 * NS, run.live.resume),
+        (4 * NS, lambda: None),
+    )
+    assert run.sink.stamps[0] == day
+    assert set(np.diff(run.sink.stamps).tolist()) == {NS // 100}
+    assert len(run.sink.stamps) == pytest.approx(300, abs=2)
 
 
 @pytest.mark.parametrize(("before", "after"), [(1.0, 2.0), (2.0, 0.5), (0.5, 3.0), (0.0, 1.0)])
