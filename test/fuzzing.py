@@ -10,7 +10,7 @@ knows, and a verb; some are sent a signal at a random moment. The laws:
 - nothing certified in which a pose, a twist or a reading differs from the honest one, as the `mcap` library and rosbags
   read it.
 
-What breaks one is made smaller and kept in test/fuzzed, where `test_fuzzed.py` tries it again.
+What breaks one is kept in test/fuzzed, where `test_fuzzed.py` tries it again.
 """
 
 from __future__ import annotations
@@ -32,7 +32,6 @@ import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
@@ -243,33 +242,7 @@ def _near(numbers: tuple[float, ...], others: tuple[float, ...]) -> bool:
     return len(numbers) == len(others) and all(abs(a - b) <= TOLERANCE for a, b in zip(numbers, others, strict=True))
 
 
-# making a failing case smaller, and keeping it
-
-
-def smaller(case: Case, broken: str, bags: dict[str, bytes], tries: int = 150) -> Case:
-    """A case of fewer bytes that breaks the same law: pieces are left out while it does, at most so many times."""
-
-    def breaks(changed: Case) -> bool:
-        return outcome(changed, bags).broken[:12] == broken[:12]
-
-    if case.signal and breaks(replace(case, signal=0)):
-        case = replace(case, signal=0)
-    if case.signal:
-        return case
-    for name in case.files:
-        size = max(1, len(case.files[name]) // 2)
-        while size and tries > 0:
-            at = 0
-            while at < len(case.files[name]) and tries > 0:
-                data = case.files[name]
-                changed = replace(case, files={**case.files, name: data[:at] + data[at + size :]})
-                tries -= 1
-                if breaks(changed):
-                    case = changed
-                else:
-                    at += size
-            size //= 2
-    return case
+# keeping a failing case
 
 
 def kept(case: Case, broken: str) -> Path:
@@ -323,8 +296,7 @@ def fuzz(
         counts[f"{case.command[0]} {found.status}"] += 1
         if found.broken and found.broken[:40] not in {words.partition(": ")[2][:40] for words in broken}:
             say(f"case {number - 1} of seed {seed}, {' '.join(case.command)}: {found.broken}\n{found.words}")
-            least = smaller(case, found.broken, bags)
-            path = kept(least, found.broken) if keep else "not kept"
+            path = kept(case, found.broken) if keep else "not kept"
             broken.append(f"{path}: {found.broken}")
             say(broken[-1])
         if time.monotonic() > last + 60:

@@ -1,4 +1,4 @@
-"""Finding a Python on machines of every kind."""
+"""Finding a Python on machines of every kind, and one for the benchmark that PyBullet is built for."""
 
 from __future__ import annotations
 
@@ -89,13 +89,7 @@ def make(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_make_alone_prints_help() -> None:
-    done = make()
-    assert done.returncode == 0
-    assert [target for target in ("sim", "test", "test-oldest", "clean") if f"make {target}" not in done.stdout] == []
-
-
-@pytest.mark.parametrize("target", ["sim", "test", "lint"])
+@pytest.mark.parametrize("target", ["sim", "test", "lint", "bench"])
 def test_make_without_any_python_is_one_clear_line(target: str) -> None:
     done = make(target, "PYTHON=/bin/false")
     assert done.returncode != 0
@@ -108,6 +102,33 @@ def test_oldest_without_python_312_is_left_out_and_says_so() -> None:
     done = make("test-oldest", "PYTHON_ROS=none")
     assert done.returncode == 0
     assert "3.12" in done.stderr
+
+
+def test_a_python_for_pybullet_is_310_or_311() -> None:
+    found = find_python("bench")
+    if found.returncode == 3:
+        pytest.skip("no Python 3.10 or 3.11 here")
+    command = (found.stdout.strip(), "-c", "import sys; print(*sys.version_info[:2])")
+    version = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert version.strip() in {"3 10", "3 11"}
+
+
+@pytest.mark.skipif(sys.version_info < (3, 12), reason="needs a Python that PyBullet is not built for")
+def test_another_python_is_not_taken_for_one(tmp_path: Path) -> None:
+    python = executable(tmp_path / "python3.11", f'#!/bin/sh\nexec "{BASE_PYTHON}" "$@"\n')
+    assert find_python("bench", PYTHON=str(python)).returncode == 3
+    assert find_python("headless", PYTHON=str(python)).returncode == 0
+
+
+def test_its_help_builds_nothing_and_a_mistyped_argument_neither() -> None:
+    """PYTHON=/bin/false would stop every set-up."""
+    told = make("bench", "PYTHON=/bin/false", "ARGS=--help")
+    assert told.returncode == 0
+    assert "--save" in told.stdout
+    mistyped = make("bench", "PYTHON=/bin/false", "ARGS=--sav")
+    assert mistyped.returncode != 0
+    assert "'--sav'" in mistyped.stderr
+    assert "3.10" not in mistyped.stderr
 
 
 # A Python that is found, makes an environment of itself alone, and has a pip that ends with 3 when told to.

@@ -109,35 +109,6 @@ def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:
         assert all(total >= max(heading, inclination) - 1e-9 for total, heading, inclination in told)
 
 
-@pytest.mark.slow
-@pytest.mark.ros
-@pytest.mark.long
-def test_attitudes_that_are_no_numbers_are_told_at_once_and_end_with_score_and_status_2(
-    domain: int, others: Peer
-) -> None:
-    broken = others.node.create_publisher(PoseStamped, "/broken", 10)
-    poses = others.listen(PoseStamped, "/pose")
-    reports = others.listen(DiagnosticArray, "/diagnostics")
-    sent, unusable = 0, "not finite"
-    with evaluator(domain, "broken", "--json", "--max-rms", "1deg", estimate="/broken") as process:
-
-        def told() -> bool:
-            nonlocal sent
-            for pose in poses[sent:]:
-                pose.pose.orientation.w = float("nan") if sent % 5 == 4 else pose.pose.orientation.w
-                broken.publish(pose)
-                sent += 1
-            return process.heard(unusable) and any(unusable in s.message for s in of("broken", reports))
-
-        others.spin_until(told, "a word about what is not finite")
-        process.process.send_signal(signal.SIGTERM)
-        assert process.wait() == 2
-    content = json.loads("\n".join(process.said))
-    assert content["passed"] is True
-    assert numbers(content["notes"][0])[1] <= sent
-    assert "evaluate: error: estimate: " in process.complained[-1]
-
-
 @pytest.mark.ros
 @pytest.mark.parametrize(
     ("arguments", "said"),
