@@ -3,5 +3,5 @@
 - `estimators`, `programs`: from functions of a run, and from programs and nodes that are called as such;
 - `recorded_estimate`: from a bag, with its truth;
 - `live_estimate`: from topics, message by message;
-- `kept`: what counts of it, and of its truth, in bounded memory.
+- `buffers`: its attitudes and biases, and those of its truth, as they come, and which of them a score can use.
 """

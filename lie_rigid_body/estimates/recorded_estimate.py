@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.estimates.kept import DISORDERED, LENIENCE_NS, STRAY, UNUSABLE_ATTITUDES, KeptAttitudes, KeptBiases
+from lie_rigid_body.estimates.buffers import DISORDERED, UNUSABLE, BiasBuffer, notes_on_left_out, scorable
 from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
@@ -121,8 +121,7 @@ def recorded_estimate(
 ) -> RecordedEstimate:
     """Read an estimate and the truth.
 
-    Estimates that are stamped before an earlier one are left out, with a note, and so are those whose stamps leap ahead
-    where later ones do not.
+    Estimates that are out of the order of time are left out, with a note.
 
     Parameters
     ----------
@@ -158,21 +157,13 @@ def recorded_estimate(
         own = Path(truth_bag), BagFiles(truth_bag, progress).contents(partial(_is_kept, (*topics.values(),))), ""
     motion = _true_motion(*own, topics, near=topic)
     track = read_attitudes(path, contents, topic, motion.frames)
-    kept = KeptAttitudes(len(track))
-    # a scenario alone tells the truth at any time: what was recorded ends with the bag
-    ends = motion.poses.stamps_ns if motion.poses is not None else [file.last_ns for file in contents.files]
-    until_ns = int(np.max(ends, initial=0))
-    within = track.stamps_ns <= until_ns + LENIENCE_NS
-    within |= ~np.logical_or.accumulate(within[::-1])[::-1]  # what goes on behind the truth is a part of the estimate
-    kept.leave_out(STRAY, track.stamps_ns[~within])
-    kept.add(track[within])
-    kept.end(until_ns=until_ns)
-    if kept.number_of(UNUSABLE_ATTITUDES):
+    ordered, left_out = scorable(track)
+    if len(left_out[UNUSABLE]):
         unit("estimate", track.attitude_xyzw)  # refuses them
-    ordered = kept.track()
-    notes = (*motion.notes_on(ordered), *(f"{told}." for told in kept.notes("estimates").values()))
+    told = notes_on_left_out(left_out, len(ordered), "estimates")
+    notes = (*motion.notes_on(ordered), *(f"{note}." for note in told))
     truth = motion.until(int(ordered.stamps_ns[-1]))
-    read = RecordedEstimate(ordered, motion, truth, notes, kept.number_of(STRAY, DISORDERED))
+    read = RecordedEstimate(ordered, motion, truth, notes, len(left_out[DISORDERED]))
     biases = min(
         (track for track in contents.tracks.values() if track.topic == f"{topic}{BIAS_SUFFIX}" and track.count),
         key=lambda track: track.message_type != VECTOR3_STAMPED,
@@ -189,16 +180,17 @@ def _with_bias(
         told = f"The biases on {biases.topic} have no score: they are of {biases.message_type}: give {VECTOR3_STAMPED}."
         return replace(read, notes=(*read.notes, told))
     found = topic_messages(path, biases.key, [contents.messages(biases.key)])
-    kept = KeptBiases(len(found))
+    kept = BiasBuffer()
     kept.take(biases.topic, found.stamps_ns, found.values)
+    stamps_ns, values = kept.finite()
     read = replace(read, notes=(*read.notes, *kept.notes))
-    if not len(kept.values):
+    if not len(values):
         return read
     try:
-        truth = _run_of(read, truth_bag).gyro_bias_at(kept.stamps_ns)
+        truth = _run_of(read, truth_bag).gyro_bias_at(stamps_ns)
     except (BagError, InputError) as error:
         return replace(read, notes=(*read.notes, f"The biases on {biases.topic} have no score: {error}."))
-    return replace(read, gyro_bias=BiasEstimate(kept.stamps_ns, kept.values, truth))
+    return replace(read, gyro_bias=BiasEstimate(stamps_ns, values, truth))
 
 
 def _is_kept(topics: Collection[str], name: str, kind: str) -> bool:

@@ -17,8 +17,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from copy import copy
 from itertools import permutations, product
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -205,6 +206,9 @@ def in_order(stamps_ns: Integers, after_ns: int | None = None) -> Booleans:
     return np.asarray(stamps_ns >= np.maximum.accumulate(np.concatenate([before, stamps_ns]))[:-1])
 
 
+T = TypeVar("T", bound="Truth")
+
+
 class Truth(ABC):
     """True attitude as a function of time.
 
@@ -232,6 +236,13 @@ class Truth(ABC):
         """Whether the truth is known at each stamp."""
         stamps = as_stamps("truth", stamps_ns)
         return np.asarray((stamps >= self.first_ns) & (stamps <= self.last_ns))
+
+    def between(self: T, first_ns: int, last_ns: int) -> T:
+        """Truth that is asked of only from one stamp to another, ns."""
+        part = copy(self)
+        part.first_ns = first_ns
+        part.last_ns = last_ns
+        return part
 
     def smooth_around(self, stamps_ns: Integers) -> tuple[Integers, Integers]:
         """First and last time, ns, of the smooth motion that each stamp belongs to."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Final, NoReturn
 
 import numpy as np
 
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.consistency import Consistency
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics, Tally, bias_error
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics, bias_error
 from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -214,12 +214,6 @@ class Score(Shown):
     def passed(self) -> bool:
         """Whether no limit is broken."""
         return not self.broken
-
-    def of_all(self, tally: Tally, given: int, due_ns: int) -> Score:
-        """Replace RMS, largest error and limits in a score of some samples by those of all; see `Tally.broken`."""
-        parts = zip(("total_deg", "heading_deg", "inclination_deg"), tally.rms_deg, tally.largest_deg, strict=True)
-        exact = {name: replace(getattr(self, name), rms=float(mean), max=float(most)) for name, mean, most in parts}
-        return replace(self, broken=tuple(tally.broken(given, due_ns)), **exact)
 
     def plot(self, title: str = "attitude estimate") -> Figure:
         """Figure of Matplotlib: the errors over time, with the limits and the best that the noise allows."""

@@ -238,6 +238,11 @@ class Tally:
         self._worst = [max(pair, key=itemgetter(1)) for pair in zip(self._worst, latest, strict=True)]
 
     @property
+    def span_s(self) -> float:
+        """Time from the first sample to the last, s."""
+        return (self._last_ns - self._first_ns) / 1e9
+
+    @property
     def rms_deg(self) -> Array:
         """RMS of the total, heading and inclination error, degrees, shape (3,)."""
         return np.asarray(np.sqrt(self._squares / max(self.count, 1)))
@@ -252,7 +257,7 @@ class Tally:
         due_ns : int, optional
             The stamp until which they are due.
         """
-        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, (self._last_ns - self._first_ns) / 1e9
+        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, self.span_s
         if most_deg is not None and rms_deg > most_deg:
             yield f"the error is {rms_deg:.4g}° rms, above the limit of {most_deg:g}°"
         for (start, limit), (at_s, worst_deg) in zip(self.limits.max_after, self._worst, strict=True):

@@ -22,7 +22,7 @@ from rclpy.clock import Clock
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from lie_rigid_body.estimates.kept import UNUSABLE_ATTITUDES
+from lie_rigid_body.estimates.buffers import UNUSABLE, left_out_sentence
 from lie_rigid_body.estimates.live_estimate import INTERIM, LiveEstimate
 from lie_rigid_body.evaluation import AttitudeError, Finding, Limits, Score
 from lie_rigid_body.evaluation.consistency import require_axes
@@ -122,13 +122,14 @@ class Scores:
         if live is None or not live.tally.count:
             status: Status = DiagnosticStatus.WARN, f"waiting: {missing()}", {}
         else:
-            if live.estimate.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due:
+            if live.tally.span_s >= 2.0 * self._diagnosed_s or now >= self._diagnosis_due:
                 self._diagnose(live)
             status = self._status(live)
         self._diagnostics.publish(report(self._node, "attitude error", Clock().now().to_msg(), *status))
 
     def _diagnose(self, live: LiveEstimate) -> None:
-        begin, self._diagnosed_s = time.monotonic(), live.estimate.span_s
+        begin = time.monotonic()
+        self._diagnosed_s = live.tally.span_s
         try:
             self._score, self._fault = live.score(INTERIM)[1], ""
             self._findings = self._confirmed.findings(self._score, self._diagnosed_s)
@@ -152,7 +153,7 @@ class Scores:
         if score is not None and (bias := score.gyro_bias_rad_s):
             values["gyro bias error, RMS of the second half (rad/s)"] = f"{bias.rms:.4g}"
         values |= {f"finding {finding.code}": finding.message for finding in self._findings}
-        fault = self._fault or live.left_out().get(UNUSABLE_ATTITUDES, "")
+        fault = self._fault or live.left_out().get(UNUSABLE, "")
         if fault:
             return DiagnosticStatus.ERROR, fault, values
         # that the run is still shorter than a limit is no fault yet
@@ -227,7 +228,7 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
         scores.report(live, following.silence)
         if requested:
             return live is not None and live.messages > 0
-        if live is not None and live.estimate.complete:
+        if live is not None and live.is_complete:
             return True
         if given.wait and now - compared_at > given.wait:
             return True
@@ -250,7 +251,9 @@ def _score(given: argparse.Namespace, following: Following, missing: str, comple
     read, score = live.score()
     read = replace(read, notes=(*read.notes, *following.notes()))
     status = answer(given, "", [(read, score)])
-    if live.estimate.number_of(UNUSABLE_ATTITUDES):
-        console.complain(console.program("evaluate"), f"estimate: {live.left_out()[UNUSABLE_ATTITUDES]}")
+    if UNUSABLE in live.estimate.faults:
+        stamps = live.estimate.scorable()[1][UNUSABLE]
+        which = f"{len(stamps)} of {live.estimate.count} estimates"
+        console.complain(console.program("evaluate"), left_out_sentence(UNUSABLE, which, stamps))
         return console.UNUSABLE
     return status

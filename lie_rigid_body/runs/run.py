@@ -297,7 +297,7 @@ class Run(_NamedSensors, Shown):
                     f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time"
                 )
             estimate = estimate[int(late[0]) :]
-            truth.first_ns = int(estimate.t_ns[0])
+            truth = truth.between(int(estimate.t_ns[0]), truth.last_ns)
         score = evaluate(
             estimate.t_ns,
             estimate.attitude_xyzw,

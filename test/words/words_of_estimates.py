@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from lie_rigid_body import Scenario
-from lie_rigid_body.estimates.kept import DISORDERED, OF_OTHERS, STRAY, UNUSABLE_ATTITUDES, KeptAttitudes
+from lie_rigid_body.estimates.buffers import DISORDERED, OF_OTHERS, UNUSABLE, notes_on_left_out
 from lie_rigid_body.messages.definitions import ODOMETRY, POSE_STAMPED
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
 from lie_rigid_body.runs.truth import TrueMotion
@@ -17,9 +17,7 @@ STAMPS = np.array([2 * NS, 3 * NS])
 
 
 def left_out(kind):
-    kept = KeptAttitudes()
-    kept.leave_out(kind, STAMPS)
-    return kept.notes("estimates")[kind]
+    return notes_on_left_out({kind: STAMPS}, 5, "estimates")[0]
 
 
 def track(kind=POSE_STAMPED, frame="world", child="", variances=None):
@@ -44,7 +42,7 @@ def notes_of(**scenario):
 
 
 SAID = [
-    *(lambda kind=kind: left_out(kind) for kind in (STRAY, DISORDERED, UNUSABLE_ATTITUDES, OF_OTHERS)),
+    *(lambda kind=kind: left_out(kind) for kind in (UNUSABLE, DISORDERED, OF_OTHERS)),
     lambda: notes(track(), poses=None),
     lambda: notes(track(frame="odom")),
     lambda: notes(odometry(child="lidar")),
