@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from lie_rigid_body.foundation.errors import FilterError, InputError
-from lie_rigid_body.system.interpreters import Interpreter, told
+from lie_rigid_body.foundation.errors import FilterError, LieRigidBodyError, describe
+from lie_rigid_body.system.interpreters import Interpreter
 
 
 @contextmanager
@@ -32,7 +32,7 @@ def asked_here(folder: Path) -> Iterator[None]:
 def _ask(_: Interpreter, question: Callable[[], object], limit_s: float) -> object:
     try:
         return pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(question))()))
-    except InputError:
+    except LieRigidBodyError:
         raise
     except Exception as error:
-        raise FilterError(told(error)) from None
+        raise FilterError(describe(error)) from None

@@ -13,7 +13,7 @@ import warnings
 from asyncio import TimeoutError as Late  # before Python 3.11 not the built-in one
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from itertools import islice
 from multiprocessing import active_children, resource_tracker
@@ -25,7 +25,6 @@ from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import BagFolder, Row, carry_out
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.wording import shortened, shown
-from lie_rigid_body.system.interpreters import safe_path, variable
 from lie_rigid_body.system.interruption import Interruption
 from lie_rigid_body.system.output_file import write_file
 from lie_rigid_body.system.portable import cores, limit
@@ -72,6 +71,31 @@ _MARK: Final = "LIE_RIGID_BODY_CLUSTER"
 
 WITHOUT_RESULT_S: Final = 5.0
 """Time without a result, s, after which the scheduler is asked whether it has a worker."""
+
+
+_SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
+"""Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
+
+
+@contextmanager
+def variable(name: str, value: str) -> Iterator[None]:
+    """Context in which a variable of the environment has a value, which processes that begin in it inherit."""
+    former = os.environ.get(name)
+    os.environ[name] = value
+    try:
+        yield
+    finally:
+        os.environ.pop(name, None)
+        os.environ.update({} if former is None else {name: former})
+
+
+def safe_path() -> AbstractContextManager[None]:
+    """Context whose Python processes import nothing from their working folder, which may be somebody else's.
+
+    Python 3.10 does not heed that.
+    """
+    name, value = _SAFE_PATH
+    return variable(name, os.environ.get(name, value))
 
 
 class SchedulerGoneError(BagError):

@@ -25,10 +25,9 @@ from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import OTHER_AXES, factor_of
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.errors import BagError, InputError, said
+from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import shortened
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
 from lie_rigid_body.runs.estimate import Estimate
@@ -294,7 +293,7 @@ def judged(entry: Contender, run: Run) -> Judgement:
         taken = time.perf_counter() - begin
         return replace(_judged(found, run, series=not entry.grid), reading_s=taken / max(1, len(found)))
     except BaseException as error:
-        return _without_score(shortened(said(error)))
+        return _without_score(describe(error))
 
 
 def _without_score(reason: str) -> Judgement:

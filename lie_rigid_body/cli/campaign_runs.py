@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -26,9 +25,9 @@ from lie_rigid_body.campaign.journal import RESUMED, Journal
 from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
 from lie_rigid_body.estimates.estimators import MEND_IT
 from lie_rigid_body.estimates.programs import words
-from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, said
+from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
-from lie_rigid_body.foundation.wording import MOST_NAMES, counted, listed, printable, shortened, shown
+from lie_rigid_body.foundation.wording import MAX_NAMES, counted, listed, printable, shown
 from lie_rigid_body.report import campaign_scores, html_page
 from lie_rigid_body.report.drawing import require_outputs
 from lie_rigid_body.report.overview import Line, page
@@ -39,8 +38,6 @@ from lie_rigid_body.system.output_file import write_file
 
 MOST_TRIED: Final = 1000
 """Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
-_LONGEST_REASON: Final = 70
-"""Largest length of the reason why a run failed in an error line, characters."""
 
 
 def run_campaign(given: argparse.Namespace) -> int:
@@ -190,24 +187,18 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     scored = {name for name, error in told if error is None}
     if failed := [name for name in campaign.contenders if name not in scored]:
         first = next(error for name, error in told if name == min(failed) and error is not None)
-        reason = shortened(first.removesuffix(f": {MEND_IT}"), _LONGEST_REASON)
+        reason = first.removesuffix(f": {MEND_IT}")
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
         raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 
 
 def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
-    error = failed[min(failed)]
-    # without the rescue of its bag, as the run is done again
-    told, rescue, _ = said(error).partition("; ")
-    reason = told.replace(f"{journal.folder.absolute()}{os.sep}", "")
-    if isinstance(error, LieRigidBodyError) and not rescue and len(reason) > _LONGEST_REASON:
-        reason = reason.rpartition(": ")[0] or reason  # the cause stays, its remedy goes
-    named = f" ({listed(sorted(failed))})" if len(failed) <= MOST_NAMES else ""
+    named = f" ({listed(sorted(failed))})" if len(failed) <= MAX_NAMES else ""
     kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
+    first = describe(failed[min(failed)])
     return BagError(
-        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {shortened(reason, _LONGEST_REASON)}; {kept}: "
-        f"mend that, and {RESUMED}"
+        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {first}; {kept}: mend that, and {RESUMED}"
     )
 
 

@@ -14,7 +14,7 @@ from importlib.util import resolve_name
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body.foundation.wording import LONGEST_LINE, printable, shortened
+from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system.portable import is_private, user
 
 _HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
@@ -46,7 +46,7 @@ def _say_that_others_write(folder: Path) -> None:
     from multiprocessing import parent_process  # only now: it takes a while to load
 
     if parent_process() is None:
-        where = shortened(printable(str(folder)), LONGEST_LINE // 2)
+        where = printable(str(folder))
         with suppress(OSError, ValueError):
             print(f"compiled code is not kept in {where}: others may write there or above: chmod go-w", file=sys.stderr)
 

@@ -21,7 +21,7 @@ from lie_rigid_body.evaluation.track import error_of
 from lie_rigid_body.foundation.arrays import Array, whole_number
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown
-from lie_rigid_body.foundation.wording import counted, shortened
+from lie_rigid_body.foundation.wording import MAX_LINE, counted, shortened
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import recording
@@ -139,7 +139,7 @@ class FilterDiagnosis(Shown):
 
     def __repr__(self) -> str:
         """The verdict; no call, as only `diagnose` makes one."""
-        return shortened(f"<FilterDiagnosis: {' '.join(self.sentences)}>")
+        return shortened(f"<FilterDiagnosis: {' '.join(self.sentences)}>", MAX_LINE)
 
     @property
     def passed(self) -> bool:

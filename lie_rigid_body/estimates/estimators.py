@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
 from lie_rigid_body.estimates.programs import CommandEstimator, time_limit
-from lie_rigid_body.foundation.errors import FilterError, InputError, said
+from lie_rigid_body.foundation.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, describe
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import shortened, shown
+from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run
-from lie_rigid_body.system.interpreters import STARTING_S, Interpreter, Interpreters, told
+from lie_rigid_body.system.interpreters import STARTING_S, Interpreter, Interpreters
 
 T = TypeVar("T")
 Estimator: TypeAlias = Callable[[Run], Any]
@@ -29,8 +31,27 @@ Job = Callable[[Estimator], T]
 
 MEND_IT: Final = "mend it"
 """Remedy at the end of an error line about an estimator that cannot be imported."""
+_STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
+"""Folder of the standard library, in which installed packages have one of their own."""
 _GRACE_S: Final = 2.0
 """Time that a program has beyond its own limit, s: its estimator ends it, and says more."""
+
+
+def told(error: BaseException) -> str:
+    """Words for an exception of a filter, with the last line of the user's own code on its way.
+
+    Of an installed filter that is the first line outside of this package. What this package says of an answer, with no
+    such line, stands alone.
+    """
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((PACKAGE_FOLDER, "<"))]
+    installed = [frame for frame in frames if "-packages" in frame.filename]
+    own = [frame for frame in frames if frame not in installed and not frame.filename.startswith(_STANDARD)]
+    line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in own[-1:] or installed[:1])
+    said = describe(error)
+    if isinstance(error, LieRigidBodyError):
+        return f"the filter failed, {line}{said}" if line else said
+    remedy = "a run's arrays are read only: take a copy" if "read-only" in said else "mend that first"
+    return f"the filter failed, {line}{said}: {remedy}"
 
 
 def called(estimate: Estimator, run: Run, settled_s: float) -> Estimate:
@@ -90,7 +111,7 @@ class NamedFunction:
         try:
             found: Estimator | None = getattr(import_module(module), function, None)
         except (Exception, SystemExit) as error:
-            raise InputError(f"{what} cannot be imported: {shortened(said(error))}: {MEND_IT}") from None
+            raise InputError(f"{what} cannot be imported: {describe(error)}: {MEND_IT}") from None
         if not callable(found):
             raise InputError(f"{what}: {shown(module)} has no function {shown(function)}: define it there")
         return found

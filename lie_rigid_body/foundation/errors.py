@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from lie_rigid_body.foundation.wording import LONGEST_VALUE, shortened, shown
+from lie_rigid_body.foundation.wording import MAX_LINE, printable, shortened, shown
 
 PACKAGE: Final = __name__.partition(".")[0]
 """Name of the package."""
@@ -16,26 +16,20 @@ PACKAGE_FOLDER: Final = f"{Path(__file__).parents[1]}{os.sep}"
 
 
 class LieRigidBodyError(Exception):
-    """Anything this package refuses or cannot do. The message is one line: value, limit, remedy.
-
-    Parameters
-    ----------
-    message : str
-        Its middle is left out where it is longer than 200 characters.
-    """
+    """Anything this package refuses or cannot do. The message is one line: value, limit, remedy."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(shortened(message))
+        super().__init__(printable(" ".join(message.splitlines())))
 
 
-def said(error: BaseException) -> str:
-    """The message of an error, with its class where the error is none of the package: alone where it has no words."""
+def describe(error: BaseException) -> str:
+    """Message of an error of the package; of another error its class and the beginning of its message."""
     if isinstance(error, LieRigidBodyError):
         return str(error)
-    words = ""
-    with suppress(Exception):  # of a class whose own words fail
-        words = str(error).encode("utf-8", "backslashreplace").decode()  # half a character goes into no file
-    return ": ".join(filter(None, (type(error).__name__, words)))
+    message = ""
+    with suppress(Exception):  # of a class whose own message fails
+        message = shortened(str(error), MAX_LINE // 2)
+    return ": ".join(filter(None, (type(error).__name__, message)))
 
 
 class InputError(LieRigidBodyError, ValueError):
@@ -59,11 +53,11 @@ class ParameterError(InputError):
 
     def __init__(self, name: str, message: str) -> None:
         self.name = name if isinstance(name, str) else shown(name)
-        super().__init__(f"{shortened(self.name, LONGEST_VALUE)}: {message}")
+        super().__init__(f"{shortened(self.name)}: {message}")
 
     def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
         """The call that makes it anew, with name and message: without the name a pool of processes waits for ever."""
-        return type(self), (self.name, str(self).removeprefix(f"{shortened(self.name, LONGEST_VALUE)}: "))
+        return type(self), (self.name, str(self).removeprefix(f"{shortened(self.name)}: "))
 
 
 class BagError(LieRigidBodyError):

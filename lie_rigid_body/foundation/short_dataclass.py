@@ -22,7 +22,7 @@ def short_repr(instance: Any) -> str:
     Returns
     -------
     str
-        Of at most `LONGEST_LINE` characters.
+        Of at most `MAX_LINE` characters.
     """
     names = getattr(instance, "_fields", None) or [f.name for f in instance.__dataclass_fields__.values() if f.repr]
     return call_repr(instance, {name: getattr(instance, name) for name in names})

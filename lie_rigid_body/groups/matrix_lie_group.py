@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.foundation.arrays import Array, as_numbers, whole_number
 from lie_rigid_body.foundation.errors import InputError, ParameterError
-from lie_rigid_body.foundation.wording import shortened, shown
+from lie_rigid_body.foundation.wording import MAX_LINE, shortened, shown
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
 from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
@@ -111,7 +111,7 @@ class MatrixLieGroup(MatrixLieAlgebra):
         return np.eye(self.size, dtype=self.generators.dtype)
 
     def __repr__(self) -> str:
-        return shortened(f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>")
+        return shortened(f"<{self.name}: dimension {self.dimension}, {self.size}×{self.size} matrices>", MAX_LINE)
 
     def as_matrices(self, A: ArrayLike) -> Matrix:
         """The argument as matrices, shape (..., n, n), of the group's number type; else a `ParameterError`."""

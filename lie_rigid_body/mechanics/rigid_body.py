@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.wording import LONGEST_LINE, shown
+from lie_rigid_body.foundation.wording import MAX_LINE, shown
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics.array_input import ArraysOnly
 from lie_rigid_body.mechanics.inertia import (
@@ -112,7 +112,7 @@ class RigidBody(ArraysOnly):
         return self.inertia.shape[:-2]
 
     def __repr__(self) -> str:
-        return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), LONGEST_LINE - 12)})"
+        return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), MAX_LINE - 12)})"
 
     def body_momentum(self, states: State) -> Array:
         """Angular momentum in the body frame, π = Mω, eq. (19).

@@ -10,7 +10,7 @@ from typing import Final
 
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import counted, printable, shortened
+from lie_rigid_body.foundation.wording import counted, printable
 from lie_rigid_body.report import certificates, figures, html_page
 from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.system import console
@@ -121,7 +121,7 @@ def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
     broken = [(v.name, v.certificate) for v in verdicts if v.certificate is not None and not v.certificate.passed]
     for name, certificate in broken[:_MOST_TOLD]:
         more = f" ({len(certificate.messages) - 1} more)" if len(certificate.messages) > 1 else ""
-        yield certificates.wrapped(f"{shortened(printable(name))}: {_worst_law(certificate).message}{more}", "  - ")
+        yield certificates.wrapped(f"{printable(name)}: {_worst_law(certificate).message}{more}", "  - ")
     if len(broken) > _MOST_TOLD:
         yield f"  - and {len(broken) - _MOST_TOLD} more"
 
@@ -137,11 +137,7 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     for what, places in found.items():
         (first, text), *others = places
         bags = {verdict.bag for verdict, _ in places}
-        where = (
-            f"{len(bags)} of {count} bags"
-            if len(bags) > 1
-            else shortened(printable(first.bag if others else first.name))
-        )
+        where = f"{len(bags)} of {count} bags" if len(bags) > 1 else printable(first.bag if others else first.name)
         lines.append(f"{text if all(other == text for _, other in others) else what} ({where})")
     more = len(lines) - _MOST_TOLD
     return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]

@@ -19,7 +19,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
-from lie_rigid_body.foundation.wording import LONGEST_VALUE, shortened, shown, suggestion
+from lie_rigid_body.foundation.wording import shortened, shown, suggestion
 from lie_rigid_body.ros.session import own_node, translated_errors
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
@@ -124,7 +124,7 @@ class Client:
             request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
         [result] = self._of_node(SetParameters, request, remote, "set_parameters").results
         if not result.successful:
-            raise InputError(f"{remote} refuses --set {shortened(name, LONGEST_VALUE)}: {result.reason}")
+            raise InputError(f"{remote} refuses --set {shortened(name)}: {result.reason}")
         console.say(f"{remote} has {name} {value}")
 
     def _of_node(self, kind: type, request: Any, remote: str, service: str) -> Any:

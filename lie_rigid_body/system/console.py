@@ -13,9 +13,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from lie_rigid_body.foundation.errors import PACKAGE, PACKAGE_FOLDER, InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import PACKAGE, PACKAGE_FOLDER, InputError, LieRigidBodyError, describe
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.foundation.wording import LONGEST_LINE, printable, shortened
+from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system.interruption import Interruption
 from lie_rigid_body.system.portable import limit
 
@@ -29,17 +29,8 @@ INTERRUPTED: Final = 130
 
 DEBUG: Final = "LIE_RIGID_BODY_DEBUG"
 """Environment variable that adds the traceback to every error line."""
-_OUT_OF_MEMORY: Final = (
-    "failed to map segment",
-    "annot allocate memory",
-    "can't start new thread",
-    "cannot join thread before it is started",
-    "exception set",
-    "setting an exception",
-)
-"""Words of errors of the system and of Python that are made where memory is lacking, besides `MemoryError`."""
-_LEAST_MEMORY: Final = 400_000_000
-"""Least memory that the libraries may need, bytes. With less some of them end the process in words of their own."""
+_MIN_MEMORY: Final = 400_000_000
+"""Smallest memory that the libraries may need, bytes. With less some of them end the process in words of their own."""
 
 
 Main = Callable[[Sequence[str] | None], int]
@@ -61,26 +52,19 @@ def how_to_certify(bag: str | Path) -> str:
 
 
 def quoted(path: str | Path) -> str:
-    """Name of a file for a shell; in ``$'...'`` where it has characters or bytes that a terminal cannot show.
-
-    Where folders are divided by a backslash, shells take it in double quotes, and no name has such characters.
-    """
-    name = str(path)
+    """Name of a file for a shell; where folders are divided by a backslash, shells take it in double quotes."""
     if os.sep == "\\":
         from subprocess import list2cmdline  # only here: it takes a while to load
 
-        return list2cmdline([name])
-    if name.isprintable():
-        return shlex.quote(name)
-    plain = {*map(chr, range(32, 127))} - {*"\\'"}
-    return "$'" + "".join(c if c in plain else "".join(f"\\x{b:02x}" for b in os.fsencode(c)) for c in name) + "'"
+        return list2cmdline([str(path)])
+    return printable(shlex.quote(str(path)))
 
 
 def complain(prog: str, message: str, kind: str = "error") -> None:
-    """Print an error or warning as one line of at most `LONGEST_LINE` characters on stderr, if that can be written."""
+    """Print an error or warning as one line on stderr, if that can be written; a terminal wraps it."""
     try:
         line = _printable(f"{prog}: {kind}: {' '.join(message.splitlines())}", sys.stderr)
-        print(shortened(line), file=sys.stderr, flush=True)
+        print(line, file=sys.stderr, flush=True)
     except OSError:
         silence(sys.stderr)
 
@@ -152,8 +136,7 @@ def progress(
     with suppress(OSError):  # of what is no terminal, or none of the system
         if not all(os.get_terminal_size(sys.stderr.fileno())):
             more |= {"ncols": 79, "nrows": 23}  # one less than usual, as tqdm has it: this terminal tells no size
-    with Interruption.current().put_off():  # half a bar could not be removed
-        return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
+    return tqdm(items, unit=unit, leave=leave, file=sys.stderr, disable=quiet or None, **more)
 
 
 def progress_of_bags(bags: Iterable[str | Path], passes: int = 3) -> tqdm[Any]:
@@ -182,23 +165,11 @@ def _printable(line: str, stream: TextIO) -> str:
     return printable(line).encode(encoding, "backslashreplace").decode(encoding)
 
 
-def _open_standard_streams() -> None:
-    """Open the null device for each standard stream that is closed.
-
-    Else the next file to be opened, such as a bag, would take its place, and whatever a library prints would go there.
-    """
-    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:  # stdin, stdout and stderr are 0, 1 and 2
-        pass
-    os.close(descriptor)
-    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
-    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
-
-
 def _require_memory() -> None:
     """Refuse a limit of memory, as by ``ulimit -v``, within which the libraries cannot work."""
     memory = limit("RLIMIT_AS")
-    if memory < _LEAST_MEMORY:
-        raise InputError(f"memory is limited to {size(int(memory))} (ulimit -v): allow {size(_LEAST_MEMORY)} at least")
+    if memory < _MIN_MEMORY:
+        raise InputError(f"memory is limited to {size(int(memory))} (ulimit -v): allow {size(_MIN_MEMORY)} at least")
 
 
 def seconds(stamp_ns: int) -> str:
@@ -252,9 +223,11 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
     """
     if to_the_end and not sys.warnoptions:  # numbers beyond doubles are infinite in what is printed, and that is all
         warnings.simplefilter("ignore", RuntimeWarning)
-    with Interruption.heeded(to_the_end=to_the_end) as interruption:
+    # where one is closed, what is printed goes nowhere
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115 it ends with the process
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    with Interruption.heeded(to_the_end=to_the_end):
         try:
-            _open_standard_streams()
             _require_memory()
             return action()
         except SystemExit as request:
@@ -266,19 +239,16 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
             return INTERRUPTED
         except Exception as error:
             trace()
-            # libraries in C take a KeyboardInterrupt amid their import for a part that is missing
-            is_interrupted = isinstance(error, ImportError) and interruption.requested
-            complain(prog, "interrupted" if is_interrupted else explanation(error))
-            return INTERRUPTED if is_interrupted else UNUSABLE
+            complain(prog, explanation(error))
     return UNUSABLE
 
 
 def explanation(error: Exception) -> str:
     """One line about an exception for the user."""
     if isinstance(error, LieRigidBodyError):
-        return str(error)
-    if isinstance(error, MemoryError) or any(words in str(error) for words in _OUT_OF_MEMORY):
-        return "there is not enough memory, or no room for a thread (ulimit -u): give less at once, or free some"
+        return describe(error)
+    if isinstance(error, MemoryError):
+        return "there is not enough memory: give less at once, or free some"
     if isinstance(error, OSError):
         where = f" ({error.filename})" if error.filename else ""
         return f"the system says {error.strerror or error}{where}: see to that, and try again"
@@ -289,8 +259,7 @@ def explanation(error: Exception) -> str:
     imported = [f.filename for f in traceback.extract_tb(error.__traceback__) if f.name == "<module>"]
     if imported and not imported[-1].startswith(PACKAGE_FOLDER):  # a library that fails so, as by an odd variable
         return f"{imported[-1]} cannot be imported ({error}): mend the environment, or install it again"
-    what = shortened(f"{type(error).__name__}: {error}", LONGEST_LINE // 2)
-    return f"this is a bug, please report it ({what}); {DEBUG}=1 shows where"
+    return f"this is a bug, please report it ({describe(error)}); {DEBUG}=1 shows where"
 
 
 def missing_library(error: ModuleNotFoundError) -> str:

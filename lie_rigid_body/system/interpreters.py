@@ -1,4 +1,4 @@
-"""Other Python interpreters, which may hang or die: in them estimators are called, and bags are judged."""
+"""Other Python interpreters, which may hang or die: bags are judged, runs carried out and estimators called there."""
 
 from __future__ import annotations
 
@@ -8,66 +8,24 @@ import signal
 import subprocess
 import sys
 import time
-import traceback
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, suppress
 from functools import partial
-from pathlib import Path
+from itertools import islice
 from queue import SimpleQueue
 from tempfile import TemporaryDirectory
 from threading import Thread, Timer
 from typing import Any, BinaryIO, Final, TypeVar
 
-from lie_rigid_body.foundation.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, said
+from lie_rigid_body.foundation.errors import FilterError, LieRigidBodyError, describe
 from lie_rigid_body.system.console import DEBUG
 
 R = TypeVar("R")
 T = TypeVar("T")
 
 STARTING_S: Final = 20.0
-"""Least time that a process has to start and to import the estimator, s."""
-_SAFE_PATH: Final = "PYTHONSAFEPATH", "lie_rigid_body"
-"""Variable of the environment that keeps a Python from the modules of its working folder, and its value here."""
-_STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
-"""Folder of the standard library, in which installed packages have one of their own."""
-
-
-@contextmanager
-def variable(name: str, value: str) -> Iterator[None]:
-    """Context in which a variable of the environment has a value, which processes that begin in it inherit."""
-    former = os.environ.get(name)
-    os.environ[name] = value
-    try:
-        yield
-    finally:
-        os.environ.pop(name, None)
-        os.environ.update({} if former is None else {name: former})
-
-
-def safe_path() -> AbstractContextManager[None]:
-    """Context whose Python processes import nothing from their working folder, which may be somebody else's.
-
-    Python 3.10 does not heed that.
-    """
-    name, value = _SAFE_PATH
-    return variable(name, os.environ.get(name, value))
-
-
-def told(error: BaseException) -> str:
-    """Words for an exception of a filter, with the last line of the user's own code on its way.
-
-    Of an installed filter that is the first line outside of this package. What this package says of an answer, with no
-    such line, stands alone.
-    """
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if not f.filename.startswith((PACKAGE_FOLDER, "<"))]
-    installed = [frame for frame in frames if "-packages" in frame.filename]
-    own = [frame for frame in frames if frame not in installed and not frame.filename.startswith(_STANDARD)]
-    line = "".join(f"{Path(frame.filename).name} line {frame.lineno}: " for frame in own[-1:] or installed[:1])
-    if isinstance(error, LieRigidBodyError):
-        return f"the filter failed, {line}{error}" if line else str(error)
-    remedy = "a run's arrays are read only: take a copy" if "read-only" in said(error) else "mend that first"
-    return f"the filter failed, {line}{said(error)}: {remedy}"
+"""Shortest time that a process has to start and to import what it is asked to call, s."""
 
 
 class Interpreter:
@@ -80,7 +38,6 @@ class Interpreter:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
-        self._guard = ExitStack()
         self._folder: TemporaryDirectory[str] | None = None
         self._is_closed = False
 
@@ -90,19 +47,17 @@ class Interpreter:
         return self._process is not None
 
     def ask(self, question: Callable[[], object], limit_s: float) -> Any:
-        """Ask, and return the reply; an InputError that it replies is raised.
+        """Ask, and return the reply; an error of this package that is raised there is raised here.
 
         Raises
         ------
         TimeoutError, EOFError
             If it has not replied in so many seconds, or has ended, with its status. Then it is ended.
         FilterError
-            If anything but an InputError is raised in it: an estimator may have left anything in its process.
+            If another exception is raised there.
         """
         asked = pickle.dumps(question)
         folder = self._folder = self._folder or TemporaryDirectory(ignore_cleanup_errors=True)
-        # a user's code runs there: without what `safe_path` put into the environment
-        environment = {name: value for name, value in os.environ.items() if (name, value) != _SAFE_PATH}
         if self._process is None:
             self._process = subprocess.Popen(
                 [
@@ -113,27 +68,27 @@ class Interpreter:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
-                env={**environment, "TMPDIR": folder.name},
+                env={**os.environ, "TMPDIR": folder.name},
                 start_new_session=True,  # Ctrl-C of a terminal is for the parent, which ends what it began
             )
-            self._guard.enter_context(guarded(self._process))  # it hears of the parent's end only after its imports
         process = self._process
         if self._is_closed:  # meanwhile
             self.kill()
-        end, timer = time.monotonic() + limit_s, Timer(limit_s, self.kill)
+        end_s = time.monotonic() + limit_s
+        timer = Timer(limit_s, self.kill)
         timer.start()
         try:
-            _send(process.stdin, asked)
+            _send(process.stdin, pickle.dumps(asked))
             reply = pickle.load(process.stdout)  # type: ignore[arg-type]  # it is a pipe
         except Exception:  # what else came through the pipe fails in many ways
-            is_late = time.monotonic() >= end
+            is_late = time.monotonic() >= end_s
             self.end()
             if is_late:
                 raise TimeoutError(f"did not return within {limit_s:g} s") from None
             raise EOFError(f"ended its process, status {process.returncode}") from None
         finally:
             timer.cancel()
-        if isinstance(reply, InputError):
+        if isinstance(reply, LieRigidBodyError):
             raise reply
         return reply
 
@@ -150,11 +105,10 @@ class Interpreter:
     def end(self) -> None:
         """Kill it and close its streams."""
         self.kill()
-        self._guard.close()
-        process, self._process = self._process, None
-        if process is not None:
+        if self._process is not None:
             with suppress(OSError):
-                process.communicate()
+                self._process.communicate()
+            self._process = None
         if self._folder is not None:
             self._folder.cleanup()
             self._folder = None
@@ -172,7 +126,8 @@ class Interpreters:
     """
 
     def __init__(self, count: int) -> None:
-        self._threads, self._all = ThreadPoolExecutor(count), [Interpreter() for _ in range(count)]
+        self._threads = ThreadPoolExecutor(count)
+        self._all = [Interpreter() for _ in range(count)]
         self._idle = SimpleQueue[Interpreter]()
         for each in self._all:
             self._idle.put(each)
@@ -180,6 +135,18 @@ class Interpreters:
     def map(self, do: Callable[[Interpreter, T], R], items: Iterable[T]) -> Iterator[R]:
         """Results of a function, in the order of the items: each call gets an idle interpreter and an item."""
         return self._threads.map(partial(self._with_idle, do), items)
+
+    def completed(self, do: Callable[[Interpreter, T], R], items: Iterable[T]) -> Iterator[R]:
+        """Results of a function as they come; few items are taken ahead of the interpreters that are idle."""
+        waiting = iter(items)
+        pending: set[Future[R]] = set()
+        while True:
+            ahead = islice(waiting, 2 * len(self._all) - len(pending))
+            pending |= {self._threads.submit(self._with_idle, do, item) for item in ahead}
+            if not pending:
+                return
+            done, pending = wait(pending, return_when=FIRST_COMPLETED)
+            yield from (future.result() for future in done)
 
     def _with_idle(self, do: Callable[[Interpreter, T], R], item: T) -> R:
         interpreter = self._idle.get()
@@ -239,8 +206,10 @@ def _kill_session(leader: int) -> None:
 
 
 def serve() -> None:
-    """Call what this process is asked, and reply what it returns; what it prints goes nowhere."""
-    asked, replies, waiting = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb"), SimpleQueue[Callable[[], Any]]()
+    """Call what this process is asked, and reply what it returns or raises; what it prints goes nowhere."""
+    asked = os.fdopen(os.dup(0), "rb")
+    replies = os.fdopen(os.dup(1), "wb")
+    waiting = SimpleQueue[bytes]()
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1):
         os.dup2(nowhere, stream)
@@ -248,16 +217,19 @@ def serve() -> None:
     own = os.getpid()
     while True:
         try:
-            reply = pickle.dumps(waiting.get()())
-        except BaseException as error:  # the estimator's own: no Ctrl-C of a terminal comes here
-            reply = pickle.dumps(error if isinstance(error, InputError) else FilterError(told(error)))
-        if os.getpid() != own:  # a copy that the estimator has made, whose reply would be that to the next question
+            reply = pickle.dumps(pickle.loads(waiting.get())())
+        except BaseException as error:  # of what was called: no Ctrl-C of a terminal comes here
+            reply = pickle.dumps(error if isinstance(error, LieRigidBodyError) else FilterError(describe(error)))
+        if os.getpid() != own:  # a copy that a function has made, whose reply would be that to the next question
             os._exit(1)
         _send(replies, reply)
 
 
-def _hear(asked: BinaryIO, waiting: SimpleQueue[Callable[[], Any]]) -> None:
-    """Take what is asked until the one that asks has ended; then end this process, hung or not, and what it started."""
+def _hear(asked: BinaryIO, waiting: SimpleQueue[bytes]) -> None:
+    """Take what is asked until the one that asks has ended; then end this process, hung or not, and what it started.
+
+    It is unpickled in the main thread: a module that is imported for it may hang.
+    """
     try:
         while True:
             waiting.put(pickle.load(asked))

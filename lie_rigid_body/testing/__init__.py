@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
-from lie_rigid_body.foundation.errors import InputError, said
+from lie_rigid_body.foundation.errors import InputError, describe
 from lie_rigid_body.foundation.wording import shown
 
 if TYPE_CHECKING:
@@ -279,5 +279,5 @@ def _drawn(score: Score, plot: str | Path) -> str:
 
         write_plot(score, plot, overwrite=True)
     except Exception as error:  # whatever it is, the broken limit is what the test is to tell
-        return f"The errors over time are not drawn: {said(error)}"
+        return f"The errors over time are not drawn: {describe(error)}"
     return f"The errors over time: {plot}"

@@ -53,8 +53,6 @@ for told in sys.argv[1:]:
 CHUNK = "lie_rigid_body.recording.mcap_file:McapFile.add_chunk"
 READ = "lie_rigid_body.recording.bag_files:BagFiles.contents"
 WRITTEN = "lie_rigid_body.system.output_file:OutputFile.commit"
-BAR = "tqdm.std:DisableOnWriteError"
-"""The first call by which a progress bar is made."""
 DISCARDED = "lie_rigid_body.system.output_file:OutputFile.discard"
 PLOT = "plot bag.mcap -o new.png"
 RECOVER = "recover bag.mcap -o new.mcap"
@@ -71,16 +69,6 @@ VERBS = {
     "explain": "lie_rigid_body.cli.explain:scenario_of",
     "scenarios": "lie_rigid_body.system.console:say",
 }
-WITH_BARS = {
-    "check .": "",
-    "check bag.mcap": "",
-    PLOT: "",
-    "evaluate bag.mcap --estimate /pose": "",
-    "record new.mcap --duration 1": "",
-    "diagnose nothing:here": "",
-    "campaign campaign.yaml --out new": "cryptography",
-}
-"""Commands that show how far they are, and the library that they need."""
 """Commands, and the call at which the signal comes."""
 
 
@@ -129,17 +117,6 @@ def test_a_verb_that_is_interrupted_says_so_and_leaves_nothing(folder: Path) -> 
         assert ended.err.startswith(f"lie-rigid-body {verb.split()[0]}: ")
         assert ended.out.startswith(f"at {VERBS[verb]} ")
         assert (" new" in ended.out) == (VERBS[verb] in {WRITTEN, CHUNK})
-
-
-def test_no_half_made_progress_bar_complains(folder: Path) -> None:
-    """As `tqdm.__del__` does of older versions does of a bar whose making was interrupted."""
-    program = f"from tqdm import tqdm; tqdm.__del__ = lambda bar: bar.disable\n{PROGRAM}"
-    (folder / "campaign.yaml").write_text("{runs: 2, seed: 1, duration: 0.1}")
-    verbs = [verb for verb, library in WITH_BARS.items() if not library or find_spec(library)]
-    found = run(folder, *((verb, [(signal.SIGINT, BAR)]) for verb in verbs), program=program)
-    for verb, ended in zip(verbs, found, strict=True):
-        assert ended.out.startswith(f"at {BAR} "), verb
-        assert (verb, ended.status, ended.err.count("\n")) == (verb, 130, 1), ended.err
 
 
 def test_an_older_file_outlives_an_interruption(folder: Path) -> None:

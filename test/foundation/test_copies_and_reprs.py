@@ -39,7 +39,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
 from lie_rigid_body.foundation import errors as errors_room
-from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.closed_form.states import MOTION_KINDS
@@ -302,7 +302,7 @@ def test_motions_results_and_refusals_pass_through_a_pool_of_spawned_processes()
 def test_a_repr_is_one_short_line_whatever_the_size(objects):
     for one in objects:
         if not isinstance(one, Exception):
-            assert len(repr(one)) <= LONGEST_LINE, repr(one)
+            assert len(repr(one)) <= MAX_LINE, repr(one)
             assert len(repr(one).splitlines()) == 1
             assert not re.search(r"\d\.\.\.|\.\.\.\d", repr(one)), repr(one)  # no number is cut
 

@@ -21,7 +21,7 @@ from refused_bags import NESTED
 from test_bag_reader import rewrite
 
 from lie_rigid_body.cli.check import main as check
-from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.system import console
 from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
@@ -150,7 +150,7 @@ def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pyt
         assert re.search(said, printed.err or printed.out), printed
         assert (status, printed.err.count("\n")) in ((2, 1), (1, 0)), printed
         assert console.DEBUG not in printed.err
-        assert len(printed.err) <= LONGEST_LINE + 1
+        assert len(printed.err) <= MAX_LINE + 1
 
 
 @pytest.mark.slow

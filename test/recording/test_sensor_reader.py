@@ -12,7 +12,7 @@ from refused_bags import refused
 from test_bag_reader import rewrite
 
 from lie_rigid_body import Run, simulate
-from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages import encode_string
 from said import Error
 
@@ -103,4 +103,4 @@ def test_what_tells_of_no_fault_is_refused_in_one_line(faulty: Path, tmp_path: P
     )
     with refused("no fault") as refusal:
         Run.from_bag(path)
-    assert len(str(refusal.value)) <= LONGEST_LINE + len(str(path))
+    assert len(str(refusal.value)) <= MAX_LINE + len(str(path))

@@ -12,7 +12,7 @@ from mcap.writer import Writer
 from refused_runs import refused
 
 from lie_rigid_body import Run, __version__, simulate
-from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter
@@ -165,5 +165,5 @@ def test_readings_of_a_sensor_that_no_scenario_has_are_refused_in_a_line(tmp_pat
     assert run.certificate().passed
     with refused("readings without a sensor", count=10, sensor="magnetometer") as caught:
         run.to_bag(tmp_path / "e.mcap")
-    assert len(str(caught.value)) <= LONGEST_LINE
+    assert len(str(caught.value)) <= MAX_LINE
     assert not (tmp_path / "e.mcap").exists()

@@ -17,7 +17,7 @@ from test_check_many import merged
 
 from lie_rigid_body import ClosedForm, Run, Scenario, simulate
 from lie_rigid_body.evaluation import attitude_error, evaluate
-from lie_rigid_body.foundation.wording import LONGEST_LINE
+from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.runs import SensorArrays
@@ -294,7 +294,7 @@ def test_one_body_of_several_is_chosen_by_its_topics(run, tmp_path):
 def test_topics_that_are_none_are_one_line(tmp_path, topics):
     with refused("topics") as caught:
         Run.from_bag(tmp_path / "a.mcap", topics=topics)
-    assert len(str(caught.value)) <= LONGEST_LINE
+    assert len(str(caught.value)) <= MAX_LINE
 
 
 def test_what_a_bag_lacks_is_none_or_nan(run, tmp_path):
@@ -401,7 +401,7 @@ def test_what_makes_no_run_is_one_line(given, error):
     with error as caught:
         simulate(**{"scenario": "tumbling_cubesat", "duration": 1.0, **given})
     assert "\n" not in str(caught.value)
-    assert len(str(caught.value)) <= LONGEST_LINE
+    assert len(str(caught.value)) <= MAX_LINE
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import NoReturn
 
 import pytest
-from mcap.writer import Writer
 
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.cli.check import main as check
@@ -22,7 +21,6 @@ from lie_rigid_body.cli.plot import main as plot
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.foundation.wording import LONGEST_LINE
 from lie_rigid_body.system import console
 from sampled import sampled
 
@@ -128,7 +126,7 @@ def test_json_names_every_file(bag: Path, tmp_path: Path, capsys: pytest.Capture
     assert json.loads(capsys.readouterr().out)["bag"] == str(odd)
 
 
-NAMES = ["we ird\nname", "\udcff\udcfe", "it's \\ a\ttab", "$x é\u2028", "-o"]
+NAMES = ["we ird name", "it's \\ a tab", "$x é", "-o"]
 
 
 @pytest.mark.usefixtures("asked_here")
@@ -170,41 +168,9 @@ def test_a_terminal_is_not_controlled_by_what_a_file_says(capsys: pytest.Capture
     assert capsys.readouterr() == ("\\x1b[2J\nnext\n", "verb: error: \\x1b[2J\n")
 
 
-@pytest.mark.parametrize("message", ["x" * 10_000, "x " * 10_000, f"{'x' * 300} and {'y' * 300}: give less"])
-def test_an_error_line_is_short_and_keeps_its_ends(message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    console.complain("verb", message)
-    line = capsys.readouterr().err
-    assert len(line) <= LONGEST_LINE + 1
-    assert line.startswith("verb: error: x")
-    assert line.strip()[-4:] == message.strip()[-4:]
-
-
-LONG_FOLDERS = ["measurements_of_the_tumbling_satellite_in_november"] * 4
-
-
-def test_a_sentence_survives_the_names_of_long_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    said = []
-    for folder in (tmp_path / "flight", tmp_path / "/".join([*LONG_FOLDERS, "flight"])):
-        folder.mkdir(parents=True)
-        for name in ("flight_0.mcap", "flight_1.mcap"):
-            with (folder / name).open("wb") as stream:
-                writer = Writer(stream)
-                writer.start("ros2", "a recorder")
-                writer.finish()
-        campaign = folder / "campaign.yaml"
-        campaign.write_text("{runs: 2, seed: 7, duration: 1.0, parameters: {inertia: [1.0, 1.0, 5.0]}, vary: {}}")
-        for arguments in (
-            ["check", folder / "flight_1.mcap"],
-            ["record", folder / "no" / "a.mcap", "--duration", "1"],
-            ["campaign", campaign, "--out", folder / "out"],
-        ):
-            assert main([str(argument) for argument in arguments]) == 2
-            [line] = capsys.readouterr().err.splitlines()
-            assert len(line) <= LONGEST_LINE
-            assert re.search(r"\w/(flight|no)\b|campaign\.yaml", line)
-            assert " ... " not in line
-            said.append([word for word in line.split() if "/" not in word])
-    assert said[:3] == said[3:]
+def test_an_error_is_one_line_of_which_nothing_is_cut(capsys: pytest.CaptureFixture[str]) -> None:
+    console.complain("verb", "a\nfolder/" * 1000 + " is no bag: give one")
+    assert capsys.readouterr().err == f"verb: error: {'a folder/' * 1000} is no bag: give one\n"
 
 
 @pytest.mark.parametrize("name", ["", "-"])
@@ -240,7 +206,6 @@ def test_what_is_no_name_is_refused_by_every_verb(
     assert main([argument.format(name) for argument in arguments]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert f": '{name}' " in line
-    assert len(line) <= LONGEST_LINE
     assert not list(tmp_path.iterdir())
 
 
@@ -261,21 +226,12 @@ def test_numbers_beyond_doubles_are_no_lines_on_stderr_unless_python_is_told_so(
     assert (done.returncode, done.stderr.count("\n")) == (1, lines)
 
 
-LACKING = "not enough memory"
-
-
 @pytest.mark.parametrize(
     ("error", "said"),
     [
         (ZeroDivisionError("division by zero"), "this is a bug, .*ZeroDivisionError: division by zero.*DEBUG=1"),
         (UnicodeEncodeError("ascii", "²" * 999, 0, 1, "no"), "this is a bug, .*UnicodeEncodeError.*DEBUG=1"),
-        (RecursionError(), "this is a bug, .*RecursionError.*DEBUG=1"),
-        (MemoryError(), LACKING),
-        (ImportError("libx.so: failed to map segment from shared object"), LACKING),
-        (OSError(12, "Cannot allocate memory"), LACKING),
-        (RuntimeError("can't start new thread"), LACKING),
-        (RuntimeError("cannot join thread before it is started"), LACKING),
-        (SystemError("error return without exception set"), LACKING),
+        (MemoryError(), "not enough memory"),
         (PermissionError(13, "Permission denied", "a/file"), "Permission denied .a/file."),
         (ImportError("No module named 'numpy'"), "No module named 'numpy'"),
         (BagError("no bag"), "no bag"),
@@ -286,7 +242,6 @@ def test_no_exception_is_a_broken_law(error: BaseException, said: str, capsys: p
     assert console.status_of("verb", lambda: fail(error)) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert line.startswith("verb: error: ")
-    assert len(line) <= LONGEST_LINE
     assert re.search(said, line)
 
 

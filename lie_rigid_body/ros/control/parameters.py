@@ -15,7 +15,7 @@ from rclpy.parameter_service import ParameterService
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.parameters import Parameter, Value
-from lie_rigid_body.foundation.wording import printable, shortened, suggestion
+from lie_rigid_body.foundation.wording import suggestion
 from lie_rigid_body.ros.timing.live_run import live_scenario
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import BY_NAME, PARAMETERS, read_parameters
@@ -101,7 +101,7 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
             live_scenario({**self.values(), **new})
             return self._node.set_parameters_atomically(read)
         except LieRigidBodyError as error:  # also of what acts on a change, if it has ended
-            return SetParametersResult(successful=False, reason=shortened(printable(str(error))))
+            return SetParametersResult(successful=False, reason=str(error))
 
     def _read(self, change: ParameterMessage) -> RosParameter:
         """A change in its parameter's own type, as in a parameter file: an integer stands for a double."""
