@@ -5,10 +5,11 @@ from __future__ import annotations
 import operator
 import sys
 from numbers import Real
+from types import EllipsisType
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.wording import shown
@@ -21,6 +22,9 @@ Integers: TypeAlias = NDArray[np.int64]
 
 Booleans: TypeAlias = NDArray[np.bool_]
 """Truth values."""
+
+Shape: TypeAlias = "tuple[int | str | EllipsisType, ...]"
+"""Lengths of the axes of an array, as `shaped` takes them."""
 
 NOT_NUMBERS: Final = (OverflowError, RuntimeError, TypeError, ValueError)
 """Errors by which NumPy, and objects that it asks, refuse to be an array of numbers."""
@@ -91,6 +95,86 @@ def as_numbers(name: str, value: ArrayLike) -> NDArray[Any]:
     except NOT_NUMBERS:
         raise ParameterError(name, f"{shown(value)} is not numbers: give an array of them, in equal rows") from None
     return array
+
+
+def shaped(name: str, value: ArrayLike, shape: Shape, dtype: DTypeLike = np.float64) -> NDArray[Any]:
+    """An argument as numbers of some shape in double precision, not copied where it is of the type already.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in the error and its message.
+    value : array_like
+    shape : tuple
+        Length of each axis, as a number or, for any length, as a letter; the same letter stands for the same length.
+        An ellipsis at the beginning stands for any number of axes.
+    dtype : optional
+        float64 or complex128.
+
+    Raises
+    ------
+    ParameterError
+        If the argument is not numbers, of another shape, or complex where real numbers are asked for.
+    """
+    if type(value) is np.ndarray and value.dtype == dtype and _fits(value.shape, shape):
+        return value  # at once, as most are: the checks take longer than a product of quaternions
+    given = as_numbers(name, value)
+    is_real = np.dtype(dtype).kind == "f"
+    if not _fits(given.shape, shape) or (is_real and np.iscomplexobj(given)):
+        raise ParameterError(name, _misfit(given, shape, is_real=is_real))
+    with np.errstate(over="ignore"):  # what is finite in more digits may be none in double precision
+        return given.astype(dtype, copy=False)
+
+
+def _misfit(given: NDArray[Any], shape: Shape, *, is_real: bool) -> str:
+    """What is wrong with an array of another shape, or with a complex one, and its remedy."""
+    form = f"({', '.join('…' if axis is ... else str(axis) for axis in shape)}{',' * (len(shape) == 1)})"
+    remedy = f"give {'real ' * is_real}numbers of shape {form}"
+    if _fits(given.shape, shape):
+        return f"complex numbers: {remedy}"
+    is_transposed = given.ndim == 2 and given.size and _fits(given.shape[::-1], shape)
+    return f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}"
+
+
+def _fits(given: tuple[int, ...], shape: Shape) -> bool:
+    if shape[:1] == (...,):
+        shape = shape[1:]
+        given = given[max(0, len(given) - len(shape)) :]
+    if given == shape:
+        return True
+    lengths: dict[object, int] = {axis: axis for axis in shape if isinstance(axis, int)}
+    return len(given) == len(shape) and all(
+        lengths.setdefault(axis, length) == length for axis, length in zip(shape, given, strict=True)
+    )
+
+
+def real_array(name: str, value: ArrayLike, shape: Shape, *, empty: bool = False) -> Array:
+    """A copy of an argument as finite real numbers of some shape; see `shaped`.
+
+    Parameters
+    ----------
+    name : str
+    value : array_like
+    shape : tuple
+    empty : bool, optional
+        Whether an array without any number is accepted.
+
+    Raises
+    ------
+    ParameterError
+    """
+    array = np.array(shaped(name, value, shape))
+    if not (array.size or empty):
+        raise ParameterError(name, f"shape {array.shape} has no numbers: give at least one")
+    require_finite(name, array)
+    return array
+
+
+def require_finite(name: str, array: NDArray[Any]) -> None:
+    """Refuse numbers that are infinite or NaN, with the first of them in the message."""
+    bad = array[~np.isfinite(array)]
+    if bad.size:
+        raise ParameterError(name, f"{bad[0]} is not finite: give finite numbers")
 
 
 def whole_number(name: str, value: object, least: int, most: float = np.inf) -> int:

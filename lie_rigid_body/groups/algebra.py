@@ -12,13 +12,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.arguments import within_doubles
 from lie_rigid_body.groups.exponential import Matrix
-from lie_rigid_body.mechanics.array_input import real_array, require_finite
 
 SPAN_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from a span, relative to the size of the matrix, that counts as round-off."""
@@ -132,7 +131,7 @@ class MatrixLieAlgebra:
     @within_doubles
     def scaled_trace(self, scale: float) -> Array:
         """The matrix scale · Re tr(Tᵃ†Tᵇ), shape (d, d)."""
-        return np.asarray(real_array("scale", scale, "()") * np.real(self._rows.conj() @ self._rows.T))
+        return np.asarray(real_array("scale", scale, ()) * np.real(self._rows.conj() @ self._rows.T))
 
     def as_components(self, x: ArrayLike, name: str = "coordinates") -> Array:
         """The argument as float64 components along the generators: coordinates, rates, momenta or gradients.
@@ -152,16 +151,7 @@ class MatrixLieAlgebra:
         ParameterError
             If they are not finite real numbers, or the last axis is not of length d.
         """
-        x = as_numbers(name, x)
-        if np.iscomplexobj(x):
-            raise ParameterError(name, f"complex numbers of type {x.dtype}: give their real part if that is meant")
-        if x.ndim == 0 or x.shape[-1] != self.dimension:
-            raise ParameterError(
-                name,
-                f"shape {x.shape} is not (..., {self.dimension}): put a component for each generator on the last axis",
-            )
-        require_finite(name, x)
-        return x.astype(np.float64, copy=False)
+        return real_array(str(name), x, (..., self.dimension), empty=True)
 
     @within_doubles
     def hat(self, x: ArrayLike) -> Matrix:
@@ -304,10 +294,11 @@ def closed_algebra(generators: ArrayLike) -> MatrixLieAlgebra:
 
 
 def _as_generators(generators: ArrayLike) -> Matrix:
-    T = as_numbers("generators", generators)
-    T = T.astype(np.complex128 if np.iscomplexobj(T) else np.float64)
-    if T.ndim != 3 or T.shape[1] != T.shape[2] or 0 in T.shape:
-        raise ParameterError("generators", f"shape {T.shape} is not (d, n, n) with d, n ≥ 1: stack square matrices")
+    T = np.array(shaped("generators", generators, ("d", "n", "n"), np.complex128))
+    if T.size == 0:
+        raise ParameterError("generators", f"shape {T.shape} has no numbers: give at least one matrix")
+    if not np.iscomplexobj(generators):
+        T = T.real.copy()
     if not np.all(np.isfinite(T)):
         worst = int(np.argmin(np.isfinite(T).all(axis=(1, 2))))
         raise InputError(f"T{worst} has an entry that is not a finite number: give finite generators")

@@ -19,19 +19,18 @@ from lie_rigid_body.groups.elements import Elements, multiple_until
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix, batched_log
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 
+TINY: Final = float(np.finfo(np.float64).tiny)
 UNIQUE_LIMIT: Final = 1e-12
-"""Singular values, relative to the largest, and angles, rad, below which a nearest element is not unique."""
+"""Singular values, relative to the largest, and angles, rad, up to which a nearest element is not unique."""
 
 TIE_MARGIN: Final = 1e-13
 """Angle, rad, below which rounding decides which of two logarithms is the shorter."""
 
-LARGEST_SO: Final = 40
+MAX_SO: Final = 40
 """Largest n of SO(n): the next has more than `MOST_GENERATORS`."""
 
-LARGEST_SU: Final = 28
+MAX_SU: Final = 28
 """Largest n of SU(n), by the same limit."""
-
-_BISECTIONS: Final = 60
 
 
 def SO(n: int) -> MatrixLieGroup:  # noqa: N802
@@ -47,7 +46,7 @@ def SO(n: int) -> MatrixLieGroup:  # noqa: N802
     n : int
         From 2 to 40.
     """
-    n = whole_number("n", n, 2, LARGEST_SO)
+    n = whole_number("n", n, 2, MAX_SO)
     return _compact_group(_so_generators(n), f"SO({n})", 0.5, OrthogonalElements(n))
 
 
@@ -63,7 +62,7 @@ def SU(n: int) -> MatrixLieGroup:  # noqa: N802
     n : int
         From 2 to 28.
     """
-    n = whole_number("n", n, 2, LARGEST_SU)
+    n = whole_number("n", n, 2, MAX_SU)
     return _compact_group(_su_generators(n), f"SU({n})", 2.0, SpecialUnitaryElements(n))
 
 
@@ -115,6 +114,14 @@ class CompactElements(Elements):
         Q[..., :, 0] /= np.linalg.det(Q)[..., np.newaxis]
         return np.asarray(Q)
 
+    def log(self, A: Matrix) -> Matrix:
+        """The logarithm, by the series near the identity and from the Schur form elsewhere."""
+        return batched_log(A, self._log)
+
+    @abstractmethod
+    def _log(self, A: Matrix) -> Matrix:
+        """The logarithm of one element, shape (n, n), in the basis of its Schur form."""
+
     @abstractmethod
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         """Matrices with independent standard normal entries."""
@@ -127,49 +134,40 @@ class OrthogonalElements(CompactElements):
         """The nearest rotation, U diag(1, …, 1, det UV) Vᵀ of A = U Σ Vᵀ (Kabsch, Acta Cryst. A 32 (1976) 922)."""
         U, sigma, Vt = np.linalg.svd(A)
         sign = np.sign(np.linalg.det(U @ Vt))
-        _refuse_ambiguous_rotation(sigma, sign)
+        _require_unique((sigma[..., -2] + sign * sigma[..., -1]) / np.maximum(sigma[..., 0], TINY))
         U[..., :, -1] *= sign[..., np.newaxis]
         return np.asarray(U @ Vt)
 
-    def log(self, A: Matrix) -> Matrix:
-        """The principal logarithm, by the series near the identity and from the real Schur form elsewhere."""
-        return batched_log(A, _log_of_rotation)
+    def _log(self, A: Matrix) -> Matrix:
+        """The principal logarithm from the angle of each plane of the real Schur form, which keeps its digits at π."""
+        T, Z = schur(A, output="real")
+        # what is not 0 beside the diagonal are sines of planes; the other diagonal entries are ±1
+        below = np.diag(T, -1)
+        diagonal = np.diag(T)
+        angles = np.where(below == 0.0, 0.0, np.arctan2(below - np.diag(T, 1), diagonal[:-1] + diagonal[1:]))
+        alone = (np.append(below, 0.0) == 0.0) & (np.append(0.0, below) == 0.0)
+        _refuse_half_turn(np.pi if (diagonal[alone] < 0.0).any() else float(np.abs(angles).max()))
+        L = np.diag(angles, -1)
+        return np.asarray(Z @ (L - L.T) @ Z.T)
 
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         return rng.standard_normal(shape)
 
 
-def _refuse_ambiguous_rotation(sigma: Array, sign: Array) -> None:
-    """Refuse a matrix whose two smallest singular values leave a plane in which every rotation is equally near."""
-    margin = (sigma[..., -2] + sign * sigma[..., -1]) / np.maximum(sigma[..., 0], np.finfo(np.float64).tiny)
+def _require_unique(margin: Array) -> None:
+    """Refuse matrices to which several elements are equally near."""
     worst = np.min(margin, initial=np.inf)
     if not worst > UNIQUE_LIMIT:
         raise InputError(
-            f"no nearest rotation: the smallest singular values of a matrix leave a margin of {worst:.3g} "
-            f"(limit {UNIQUE_LIMIT:g} of the largest), so that several are equally near; give a matrix nearer to one"
+            f"no nearest element: several are equally near, as singular values or the phase of a matrix leave a margin "
+            f"of {worst:.3g} (limit {UNIQUE_LIMIT:g}); give a matrix nearer to one"
         )
 
 
-def _log_of_rotation(A: Matrix) -> Matrix:
-    """The principal logarithm of one rotation, shape (n, n), from the angle of each plane of its Schur basis."""
-    T, Z = schur(A, output="real")
-    L, k = np.zeros_like(A), 0
-    while k < len(A):
-        if k + 1 < len(A) and T[k + 1, k] != 0.0:
-            angle = np.arctan2(T[k + 1, k] - T[k, k + 1], T[k, k] + T[k + 1, k + 1])
-            L[k + 1, k], L[k, k + 1] = angle, -angle
-            k += 2
-        else:
-            angle = 0.0 if T[k, k] > 0.0 else np.pi
-            k += 1
-        _refuse_half_turn(float(angle))
-    return np.asarray(Z @ L @ Z.T)
-
-
 def _refuse_half_turn(angle: float) -> None:
-    if np.pi - abs(angle) <= HALF_TURN_MARGIN:
+    if np.pi - angle <= HALF_TURN_MARGIN:
         raise InputError(
-            f"no principal logarithm: a plane turns by {abs(angle):.15g} rad (limit π − {HALF_TURN_MARGIN:g}), "
+            f"no principal logarithm: a plane turns by {angle:.15g} rad (limit π − {HALF_TURN_MARGIN:g}), "
             "where either sense is right; give an element closer to the identity"
         )
 
@@ -190,17 +188,28 @@ class SpecialUnitaryElements(CompactElements):
     """Unitary matrices of determinant 1."""
 
     def project(self, A: Matrix) -> Matrix:
-        """The nearest element U diag(e^{iθ}) V† of A = U Σ V†.
-
-        The distance is least where Σ σₖ cos θₖ is largest under Σ θₖ = −arg det UV†: σₖ sin θₖ is equal for all k.
-        """
+        """The nearest unitary matrix UV† of A = UΣV†, over the n-th root of its determinant."""
         U, sigma, Vh = np.linalg.svd(A)
-        theta = _nearest_angles(sigma, -np.angle(np.linalg.det(U @ Vh)))
-        return np.asarray((U * np.exp(1j * theta)[..., np.newaxis, :]) @ Vh)
+        phase = np.angle(np.linalg.det(U @ Vh))
+        _require_unique(np.minimum(sigma[..., -1] / np.maximum(sigma[..., 0], TINY), np.pi - np.abs(phase)))
+        return np.asarray(np.exp(-1j * phase / self._n)[..., np.newaxis, np.newaxis] * (U @ Vh))
 
-    def log(self, A: Matrix) -> Matrix:
-        """The logarithm of least norm in the algebra, by the series near the identity, else from the Schur form."""
-        return batched_log(A, _log_of_unitary)
+    def _log(self, A: Matrix) -> Matrix:
+        """The logarithm of least norm, of principal angles with 2π taken off the largest, or added to the smallest,
+        until their sum is 0.
+        """
+        T, Z = schur(A, output="complex")
+        angles = np.angle(np.diagonal(T))
+        turns = round(float(angles.sum()) / (2.0 * np.pi))
+        order = np.argsort(angles)
+        angles[order[len(order) - turns :] if turns > 0 else order[:-turns]] -= np.sign(turns) * 2.0 * np.pi
+        spread = float(np.ptp(angles))
+        if 2.0 * np.pi - spread <= TIE_MARGIN:
+            raise InputError(
+                f"no logarithm is singled out: the eigenvalues' angles spread over {spread:.15g} rad "
+                f"(limit 2π − {TIE_MARGIN:g}), where several are equally short; give an element closer to the identity"
+            )
+        return np.asarray((Z * (1j * angles)) @ Z.conj().T)
 
     def one_to_one(self, X: Matrix) -> Array:
         """The multiple t at which angles of two eigenvalues of tX are 2π apart, and another logarithm is as short."""
@@ -209,57 +218,6 @@ class SpecialUnitaryElements(CompactElements):
 
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:
         return np.asarray(rng.standard_normal(shape) + 1j * rng.standard_normal(shape))
-
-
-def _nearest_angles(sigma: Array, total: Array) -> Array:
-    """Angles θ with the given sum and σₖ sin θₖ equal for all k, shape (..., n); see `SpecialUnitaryElements.project`.
-
-    The angle of the smallest σ determines the others. It is found by bisection: the sum is 0 at 0 and π at π.
-    """
-    _refuse_ambiguous_unitary(sigma, total)
-    ratio = sigma[..., -1:] / sigma[..., :-1]
-    first = 0.5 * np.pi + np.arcsin(ratio).sum(axis=-1) >= np.abs(total)
-    low, high = np.where(first, 0.0, 0.5 * np.pi), np.where(first, 0.5 * np.pi, np.pi)
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        below = middle + np.arcsin(ratio * np.sin(middle)[..., np.newaxis]).sum(axis=-1) < np.abs(total)
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    others = np.arcsin(ratio * np.sin(low)[..., np.newaxis])
-    last = np.abs(total) - others.sum(axis=-1)
-    return np.asarray(np.sign(total)[..., np.newaxis] * np.concatenate([others, last[..., np.newaxis]], axis=-1))
-
-
-def _refuse_ambiguous_unitary(sigma: Array, total: Array) -> None:
-    margin = sigma[..., -2] / np.maximum(sigma[..., 0], np.finfo(np.float64).tiny)
-    worst = np.min(np.minimum(margin, np.pi - np.abs(total)), initial=np.inf)
-    if not worst > UNIQUE_LIMIT:
-        raise InputError(
-            f"no nearest element of SU(n): the singular values or the phase of a matrix leave a margin of {worst:.3g} "
-            f"(limit {UNIQUE_LIMIT:g}), so that several are equally near; give a matrix nearer to one"
-        )
-
-
-def _log_of_unitary(A: Matrix) -> Matrix:
-    """The logarithm of least norm of one element, shape (n, n), in the basis of its Schur form."""
-    T, Z = schur(A, output="complex")
-    angles = _balanced(np.angle(np.diagonal(T)))
-    return np.asarray((Z * (1j * angles)) @ Z.conj().T)
-
-
-def _balanced(angles: Array) -> Array:
-    """Principal angles, shape (n,), with 2π taken off the largest or added to the smallest until their sum is 0."""
-    turns = round(float(angles.sum()) / (2.0 * np.pi))
-    order = np.argsort(angles)
-    balanced = angles.copy()
-    extreme = order[len(order) - turns :] if turns > 0 else order[:-turns]
-    balanced[extreme] -= np.sign(turns) * 2.0 * np.pi
-    spread = float(np.ptp(balanced))
-    if 2.0 * np.pi - spread <= TIE_MARGIN:
-        raise InputError(
-            f"no logarithm is singled out: the eigenvalues' angles spread over {spread:.15g} rad "
-            f"(limit 2π − {TIE_MARGIN:g}), where several are equally short; give an element closer to the identity"
-        )
-    return balanced
 
 
 class PhaseElements(Elements):
@@ -283,11 +241,7 @@ class PhaseElements(Elements):
     def log(self, A: Matrix) -> Matrix:
         """The angle, within ±π, times i."""
         angle = np.angle(A)
-        if np.any(np.pi - np.abs(angle) <= HALF_TURN_MARGIN):
-            raise InputError(
-                f"no principal logarithm: a phase is −1 (within {HALF_TURN_MARGIN:g} rad), where "
-                "either sign of the angle is right; give an element closer to 1"
-            )
+        _refuse_half_turn(float(np.abs(angle).max(initial=0.0)))
         return np.asarray(1j * angle)
 
     def random(self, rng: np.random.Generator, shape: tuple[int, ...]) -> Matrix:

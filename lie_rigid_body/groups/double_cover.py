@@ -19,12 +19,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups.classical_groups import SO, SU
 from lie_rigid_body.groups.matrix_lie_group import ELEMENT_TOLERANCE
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.array_input import real_array
 
 Complex = NDArray[np.complex128]
 
@@ -47,7 +46,7 @@ def from_quaternion(q: ArrayLike) -> Complex:
     -------
     ndarray, shape (..., 2, 2), complex
     """
-    q = real_array("quaternions", q, "(…, 4)", empty=True)
+    q = real_array("quaternions", q, (..., 4), empty=True)
     worst = np.max(np.abs(quaternion.norm(q) - 1.0), initial=0.0)
     if not worst <= ELEMENT_TOLERANCE:
         raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")

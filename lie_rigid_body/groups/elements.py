@@ -14,7 +14,7 @@ import numpy as np
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import exponential
-from lie_rigid_body.groups.algebra import SPAN_TOLERANCE, MatrixLieAlgebra, flattened, frobenius
+from lie_rigid_body.groups.algebra import SPAN_TOLERANCE, MatrixLieAlgebra, frobenius
 from lie_rigid_body.groups.arguments import within_doubles
 from lie_rigid_body.groups.exponential import HALF_TURN_MARGIN, Matrix
 
@@ -24,14 +24,10 @@ NEGLIGIBLE_ANGLE: Final = 1e-5
 The eigenvalues of a nilpotent matrix are 0, and come out as large as a root of the round-off unit.
 """
 
-PROJECTION_REACH: Final = 0.5
-"""Largest Frobenius norm of B⁻¹A − 1 for which an element B counts as near a matrix A."""
-
 CONDITION_LIMIT: Final = 1e15
 """Condition number, after rows and columns are scaled, from which a matrix is singular to within rounding."""
 
 _ENTRY_ERROR: Final = 1e-12
-_PROJECTION_STEPS: Final = 50
 
 
 class Elements(ABC):
@@ -51,7 +47,7 @@ class Elements(ABC):
 
     @abstractmethod
     def project(self, A: Matrix) -> Matrix:
-        """The nearest element in the Frobenius norm, shape (..., n, n); an InputError where there is no nearest one."""
+        """An element near each matrix, shape (..., n, n); an InputError where several are equally near."""
 
     def restored(self, A: Matrix) -> Matrix:
         """Elements that round-off has carried a little off the group, projected back where that is safe."""
@@ -152,29 +148,12 @@ class GeneratedElements(Elements):
         return np.asarray(off.max(axis=-1))
 
     def project(self, A: Matrix) -> Matrix:
-        """The nearest element near a matrix, searched from the exponential of its logarithm's part in the algebra."""
-        logs = _principal_logs(A)
-        _refuse_without_logarithm(logs)
-        B = exponential.exp(self._algebra.hat(self._algebra.coordinates(logs)))
-        nearest = [self._nearest(*pair) for pair in zip(*(m.reshape(-1, *m.shape[-2:]) for m in (A, B)), strict=True)]
-        return np.array(nearest).reshape(A.shape)
+        """Refused: generators give no equations that a nearest element would fulfil."""
+        raise InputError("generators give no equations to project onto: give elements, as products of exponentials")
 
     def restored(self, A: Matrix) -> Matrix:
         """The matrices unchanged: their principal logarithm may lead to another sheet of the group, or not exist."""
         return A
-
-    def _nearest(self, A: Matrix, B: Matrix) -> Matrix:
-        """The element nearest to A, shape (n, n), by Gauss–Newton steps B ← B exp(ξ) from an element near it."""
-        for _ in range(_PROJECTION_STEPS):
-            # far from A the steps would lead to some other element
-            _refuse_far(A, B)
-            tangents = flattened(B @ self._algebra.generators)
-            xi = np.linalg.lstsq(tangents.T, flattened(A - B), rcond=None)[0]
-            B = B @ exponential.exp(self._algebra.hat(xi))
-            if np.linalg.norm(xi) <= 1e-15 * np.linalg.norm(B):
-                break
-        _refuse_far(A, B)
-        return B
 
     def inverse(self, A: Matrix) -> Matrix:
         """The inverse by elimination."""
@@ -183,7 +162,11 @@ class GeneratedElements(Elements):
     def log(self, A: Matrix) -> Matrix:
         """The principal logarithm, where it lies in the algebra."""
         logs = _principal_logs(A)
-        _refuse_without_logarithm(logs)
+        if not np.all(np.isfinite(logs)):
+            raise InputError(
+                "no principal logarithm: a matrix is singular, far from normal, or has an eigenvalue on the negative "
+                f"real axis (within {HALF_TURN_MARGIN:g} rad); give an element closer to the identity"
+            )
         worst = np.max(self._algebra.off_span(logs), initial=0.0)
         if not worst <= SPAN_TOLERANCE:
             raise InputError(
@@ -205,26 +188,10 @@ def _equilibrated(A: Matrix) -> Matrix:
     return A
 
 
-def _refuse_far(A: Matrix, B: Matrix) -> None:
-    far = float(np.linalg.norm(np.linalg.solve(B, A - B)))
-    if not far <= PROJECTION_REACH:
-        raise InputError(
-            f"no nearest element found: the principal logarithm leads to one that is {far:.3g} of its size away (limit "
-            f"{PROJECTION_REACH:g}); give a matrix nearer to an element that contains() recognises"
-        )
-
-
-def _refuse_without_logarithm(logs: Matrix) -> None:
-    if not np.all(np.isfinite(logs)):
-        raise InputError(
-            "no principal logarithm: a matrix is singular, far from normal, or has an eigenvalue on the negative real "
-            f"axis (within {HALF_TURN_MARGIN:g} rad); give an element closer to the identity"
-        )
-
-
 def _principal_logs(A: Matrix) -> Matrix:
     """The principal logarithms of matrices, shape (..., n, n), NaN where there is none."""
-    return np.array([_principal_or_nan(matrix) for matrix in A.reshape(-1, *A.shape[-2:])]).reshape(A.shape)
+    with np.errstate(all="ignore"):  # what is no logarithm is NaN
+        return exponential.batched_log(A, _principal_or_nan)
 
 
 def _principal_or_nan(A: Matrix) -> Matrix:
@@ -233,11 +200,10 @@ def _principal_or_nan(A: Matrix) -> Matrix:
     eigenvalues = np.linalg.eigvals(A)
     if np.any(np.pi - np.abs(np.angle(eigenvalues)) <= HALF_TURN_MARGIN) or np.any(eigenvalues == 0.0):
         return nothing
-    with np.errstate(all="ignore"):
-        try:
-            L = exponential.principal_log(A)
-            back = exponential.exp(L)
-        except ValueError:  # NumPy's LinAlgError, or SciPy's where powers of the matrix overflow
-            return nothing
+    try:
+        L = exponential.principal_log(A)
+        back = exponential.exp(L)
+    except ValueError:  # NumPy's LinAlgError, or SciPy's where powers of the matrix overflow
+        return nothing
     # far from normal matrices can lose all digits on the way
     return L if np.abs(back - A).max() <= SPAN_TOLERANCE * max(1.0, float(np.abs(A).max())) else nothing

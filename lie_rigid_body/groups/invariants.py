@@ -14,14 +14,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.classical_groups import OrthogonalElements, PhaseElements, SpecialUnitaryElements
 from lie_rigid_body.groups.coadjoint import invariant_form
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.symmetries import canonical_basis
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array
+from lie_rigid_body.mechanics.array_input import ROUND_OFF
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 _CASIMIR_TOLERANCE: Final = 1e-10
@@ -195,13 +195,27 @@ def pfaffian(matrices: ArrayLike) -> Array:
         If the matrices are not square, real, finite and antisymmetric.
     """
     given = _antisymmetric_matrices(matrices)
-    rest = np.triu(given, 1) - np.swapaxes(np.triu(given, 1), -1, -2)
-    value = np.full(given.shape[:-2], float(given.shape[-1] % 2 == 0))
-    while rest.shape[-1] > 1:
-        rest, sign = _pivoted(rest)
-        value = value * (sign * rest[..., 0, 1])
-        rest = _eliminated(rest)
-    return np.asarray(value)
+    values = np.empty(given.shape[:-2])
+    for index in np.ndindex(values.shape):
+        values[index] = _pfaffian(np.triu(given[index], 1) - np.triu(given[index], 1).T)
+    return values
+
+
+def _pfaffian(P: Array) -> float:
+    value = float(len(P) % 2 == 0)
+    while len(P) > 1:
+        largest = 1 + int(np.argmax(np.abs(P[0, 1:])))
+        if P[0, largest] == 0.0:
+            return 0.0
+        if largest != 1:
+            order = np.arange(len(P))
+            order[[1, largest]] = order[[largest, 1]]
+            P = P[np.ix_(order, order)]
+            value = -value
+        value *= P[0, 1]
+        update = np.outer(P[1, 2:], P[0, 2:] / P[0, 1])
+        P = P[2:, 2:] + update - update.T
+    return value
 
 
 @within_doubles
@@ -265,25 +279,6 @@ def _nonempty(p: NDArray[Any]) -> NDArray[Any]:
     return p
 
 
-def _pivoted(p: Array) -> tuple[Array, Array]:
-    """The matrices with rows and columns 1 and j exchanged, j the largest entry of row 0; the sign of the exchange."""
-    n = p.shape[-1]
-    largest = 1 + np.argmax(np.abs(p[..., 0, 1:]), axis=-1)
-    order: NDArray[Any] = np.broadcast_to(np.arange(n), (*largest.shape, n)).copy()
-    np.put_along_axis(order, largest[..., np.newaxis], 1, axis=-1)
-    order[..., 1] = largest
-    rows = np.take_along_axis(p, order[..., :, np.newaxis], axis=-2)
-    return np.take_along_axis(rows, order[..., np.newaxis, :], axis=-1), np.where(largest == 1, 1.0, -1.0)
-
-
-def _eliminated(p: Array) -> Array:
-    """The matrices that remain when the first two rows and columns are eliminated."""
-    pivot = p[..., 0, 1]
-    factors = p[..., 0, 2:] / np.where(pivot == 0.0, 1.0, pivot)[..., np.newaxis]
-    update = p[..., 1, 2:, np.newaxis] * factors[..., np.newaxis, :]
-    return np.asarray(p[..., 2:, 2:] + update - np.swapaxes(update, -1, -2))
-
-
 def _next_power(words: list[Array], p: Array, square: Array) -> list[Array]:
     """The matrix coefficients of (P + λK²)ᵏ, listed by the number m of factors P, from those of the power k − 1."""
     longer = [word @ square for word in words] + [np.zeros_like(p)]
@@ -294,16 +289,15 @@ def _next_power(words: list[Array], p: Array, square: Array) -> list[Array]:
 
 def _antisymmetric_matrices(value: ArrayLike) -> Array:
     """Given matrices, shape (..., n, n), checked to be real and antisymmetric to within round-off."""
-    given = real_array("P", value, "(…, n, n)", empty=True)
+    given = real_array("P", value, (..., "n", "n"), empty=True)
     _require_small(given, given + np.swapaxes(given, -1, -2), "P + Pᵀ", "an antisymmetric")
     return given
 
 
 def _antihermitian_matrices(value: ArrayLike) -> NDArray[np.complex128]:
     """Given matrices, shape (..., n, n), checked to be anti-Hermitian to within round-off."""
-    numbers = as_numbers("P", value)
-    parts = [real_array("P", part, "(…, n, n)", empty=True) for part in (numbers.real, numbers.imag)]
-    given = np.asarray(parts[0] + 1j * parts[1])
+    given = shaped("P", value, (..., "n", "n"), np.complex128)
+    require_finite("P", given)
     _require_small(given, given + np.swapaxes(given.conj(), -1, -2), "P + P†", "an anti-Hermitian")
     return given
 

@@ -200,7 +200,8 @@ class Lagrangian(Immutable):
         InputError
             If an element is off the group, neighbours are too far apart, or the step is not positive.
         """
-        A, step = self.group.as_matrices(path), float(positive("step", step, "s"))
+        A = self.group.as_matrices(path)
+        step = float(positive("step", step, "s"))
         if A.ndim < 3:
             raise ParameterError("path", f"shape {A.shape} is one element: stack two or more, at equal intervals")
         chords = self.group.log(self.group.inverse(A[..., :-1, :, :]) @ A[..., 1:, :, :])

@@ -15,15 +15,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.foundation.arrays import Array, as_numbers, whole_number
-from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped, whole_number
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import MAX_LINE, shortened, shown
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
 from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
 from lie_rigid_body.groups.elements import Elements, GeneratedElements, measured
 from lie_rigid_body.groups.exponential import Matrix
-from lie_rigid_body.mechanics.array_input import real_array, require_finite
 
 ELEMENT_TOLERANCE: Final = 1e-9
 """Largest distance of a matrix from fulfilling a group's equations that counts as round-off."""
@@ -75,7 +74,7 @@ class MatrixLieGroup(MatrixLieAlgebra):
         - `contains` and `log` recognise an element by its principal logarithm. An element whose principal logarithm
           leaves the span, does not exist, or is lost to rounding is not recognised. Such is exp(xᵃTᵃ) with an
           eigenvalue of xᵃTᵃ beyond ±πi, as after a long turn on a torus, or with angles on SU(n) that sum up to 2π.
-        - `project` returns an element near the matrix, and refuses where the principal logarithm leads to none.
+        - `project` needs equations, and is refused.
         - `Ad`, `inverse` and motions accept every matrix that is not ruled out. It is finite, invertible, of a
           determinant that elements may have, and with an Ad that maps the algebra to itself. Other matrices of the
           normaliser pass as well, as diag(2, 2, 2, ⅛) for rigid motions of space.
@@ -115,22 +114,15 @@ class MatrixLieGroup(MatrixLieAlgebra):
 
     def as_matrices(self, A: ArrayLike) -> Matrix:
         """The argument as matrices, shape (..., n, n), of the group's number type; else a `ParameterError`."""
-        name, A = f"matrices of {self.name}", as_numbers(f"matrices of {self.name}", A)
-        if A.shape[-2:] != (self.size, self.size):
-            raise ParameterError(
-                name,
-                f"shape {A.shape} is not (..., {self.size}, {self.size}): put rows and columns on the last two axes",
-            )
-        if np.iscomplexobj(A) and not np.iscomplexobj(self.generators):
-            raise ParameterError(name, f"complex numbers of type {A.dtype}: give their real part if that is meant")
-        return A.astype(self.generators.dtype, copy=False)
+        return shaped(f"matrices of {self.name}", A, (..., self.size, self.size), self.generators.dtype)
 
     def as_elements(self, A: ArrayLike, tolerance: float = ELEMENT_TOLERANCE) -> Matrix:
         """The argument as elements; an `InputError` with the distance from the group, if it is none.
 
         For a group from generators every matrix passes that is not ruled out; see `from_generators`.
         """
-        A, limit = self.as_matrices(A), float(real_array("tolerance", tolerance, "()"))
+        A = self.as_matrices(A)
+        limit = float(real_array("tolerance", tolerance, ()))
         worst = np.max(measured(A, self.elements.certain_distance), initial=0.0)
         if not worst <= limit:
             raise InputError(
@@ -201,7 +193,7 @@ class MatrixLieGroup(MatrixLieAlgebra):
 
         For a group from generators an element is recognised by its principal logarithm; see `from_generators`.
         """
-        return measured(self.as_matrices(A), self.elements.distance) <= real_array("tolerance", tolerance, "()")
+        return measured(self.as_matrices(A), self.elements.distance) <= real_array("tolerance", tolerance, ())
 
     def restored(self, A: ArrayLike) -> Matrix:
         """Elements that round-off has carried a little off the group, projected back if possible, shape (..., n, n)."""
@@ -209,12 +201,15 @@ class MatrixLieGroup(MatrixLieAlgebra):
 
     @within_doubles
     def project(self, A: ArrayLike) -> Matrix:
-        """The nearest elements in the Frobenius norm; for a group from generators, of those near the matrices.
+        """Elements near matrices: of SO(n) and U(1) the nearest in the Frobenius norm.
+
+        Of SU(n) it is the nearest unitary matrix over the n-th root of its determinant. Near the group that is the
+        nearest element to first order in the distance.
 
         Parameters
         ----------
         A : array_like, shape (..., n, n)
-            Any matrices. For a group from generators, matrices near elements that `contains` recognises.
+            Any matrices.
 
         Returns
         -------
@@ -223,7 +218,7 @@ class MatrixLieGroup(MatrixLieAlgebra):
         Raises
         ------
         InputError
-            If the nearest element is not unique; for a group from generators, if none is found near A.
+            If several elements are equally near, or the group is given by generators.
         """
         return self.elements.project(self._finite_matrices(A))
 

@@ -10,11 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array, as_numbers
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.groups.arguments import of_kind, refuse_whole, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
-from lie_rigid_body.mechanics.array_input import ROUND_OFF, real_array, symmetric_matrix, symmetrised
+from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetric_matrix, symmetrised
 from lie_rigid_body.mechanics.second_moment import rotated_second_moment, second_moment_matrix
 
 _GENERATOR_ROUND_OFF: Final = 1e-12
@@ -111,7 +111,7 @@ def require_metric(metric: ArrayLike, dimension: int, name: str = "metric") -> A
         If M is of the wrong size, not finite, not symmetric or not positive definite.
     """
     refuse_whole(name, metric, "inertia")
-    m = symmetric_matrix(name, real_array(name, metric, f"({dimension}, {dimension})"))
+    m = symmetric_matrix(name, real_array(name, metric, (dimension, dimension)))
     own = eigenvalues(m)
     least, largest = own[0], own[-1]
     if not least > ROUND_OFF * largest:
@@ -131,13 +131,7 @@ def eigenvalues(symmetric: Array) -> Array:
 
 def _antisymmetric_generators(generators: ArrayLike, n: int) -> Array:
     refuse_whole("generators", generators, "generators")
-    if np.iscomplexobj(as_numbers("generators", generators)):
-        raise ParameterError(
-            "generators",
-            "complex numbers: rotations of a body have real antisymmetric generators, as those of SO(n); for another "
-            "group give Lagrangian a positive definite matrix",
-        )
-    T = real_array("generators", generators, f"(d, {n}, {n})")
+    T = real_array("generators", generators, ("d", n, n))
     gap = np.abs(T + T.swapaxes(-1, -2)).max(axis=(-1, -2))
     worst = int(np.argmax(gap))
     if gap[worst] > _GENERATOR_ROUND_OFF * np.abs(T).max():

@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
-from lie_rigid_body.mechanics.array_input import real_array
 
 _TOLERANCE: Final = 1e-12
 _TIE: Final = 1e-8
@@ -90,7 +89,7 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     rows = np.swapaxes(condition, 1, 2).reshape(-1, group.dimension)
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
     scale = float(np.linalg.norm(m, 2)) * float(np.abs(f).max(initial=0.0))
-    conserved = directions[sizes <= real_array("tolerance", tolerance, "()") * scale] / size
+    conserved = directions[sizes <= real_array("tolerance", tolerance, ()) * scale] / size
     return canonical_basis(np.linalg.qr(conserved.T)[0].T)
 
 

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, shaped
 from lie_rigid_body.lie import series, vectors
 
 
 def _quaternions(q: ArrayLike) -> Array:
-    return vectors.shaped("quaternions", q, (4,), "give x, y, z, w on the last axis")
+    return shaped("quaternions", q, (..., 4))
 
 
 def _components(q: ArrayLike) -> tuple[Array, Array, Array, Array]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import TRANSPOSED, Array, Booleans, Integers, as_numbers
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, Shape, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -18,61 +18,6 @@ ROUND_OFF: Final = 64.0 * float(np.finfo(np.float64).eps)
 
 ORTHOGONAL_TOLERANCE: Final = 1e-9
 """Largest entry of AᵀA − 1 with which a matrix A still counts as a rotation."""
-
-
-def real_array(name: str, value: ArrayLike, form: str, *, empty: bool = False) -> Array:
-    """An argument as finite real numbers of some shape.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument in the error and its message; so in all functions of this module.
-    value : array_like
-    form : str
-        Shape: the length of each axis as a number or, for any length, as a letter, as ``"(N, 3)"``; the same letter
-        stands for the same length. An ellipsis at the beginning stands for any number of axes.
-    empty : bool, optional
-        Whether an array without any number will do.
-
-    Returns
-    -------
-    ndarray
-        A copy.
-
-    Raises
-    ------
-    ParameterError
-        If the argument is not numbers, complex, not finite, or has another shape.
-    """
-    given, remedy = as_numbers(name, value), f"give finite real numbers of shape {form}"
-    if np.iscomplexobj(given):
-        raise ParameterError(name, f"complex numbers: {remedy}")
-    if not (given.size or empty) or not _fits(given.shape, form):
-        is_transposed = given.ndim == 2 and given.size and _fits(given.shape[::-1], form)
-        raise ParameterError(name, f"shape {given.shape} is not {form}: {TRANSPOSED if is_transposed else remedy}")
-    with np.errstate(over="ignore"):  # what is finite in more digits may be none in double precision
-        array = given.astype(np.float64)
-    require_finite(name, array)
-    return array
-
-
-def _fits(shape: tuple[int, ...], form: str) -> bool:
-    axes = [axis.strip() for axis in form.strip("()").split(",") if axis.strip()]
-    if axes[:1] == ["…"]:
-        axes = axes[1:]
-        shape = shape[max(0, len(shape) - len(axes)) :]
-    lengths = dict(zip(axes, shape, strict=False))
-    return len(axes) == len(shape) and all(
-        axis == str(length) if axis.isdecimal() else lengths[axis] == length
-        for axis, length in zip(axes, shape, strict=True)
-    )
-
-
-def require_finite(name: str, array: NDArray[Any]) -> None:
-    """Refuse numbers that are infinite or NaN, with the first of them in the message."""
-    bad = array[~np.isfinite(array)]
-    if bad.size:
-        raise ParameterError(name, f"{bad[0]} is not finite: give finite numbers")
 
 
 def require_share(name: str, values: Array, unit: str) -> None:
@@ -87,7 +32,7 @@ def require_share(name: str, values: Array, unit: str) -> None:
         raise ParameterError(name, f"{worst:.9g}{unit} is not allowed: give values of at least 0, some above 0")
 
 
-def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
+def positive(name: str, value: ArrayLike, unit: str, shape: Shape = ()) -> Array:
     """An argument as finite real numbers above 0; see `real_array`.
 
     Parameters
@@ -96,8 +41,8 @@ def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
     value : array_like
     unit : str
         Unit in the message.
-    form : str, optional
-        Shape; a single number by default.
+    shape : tuple, optional
+        A single number by default.
 
     Returns
     -------
@@ -107,7 +52,7 @@ def positive(name: str, value: ArrayLike, unit: str, form: str = "()") -> Array:
     ------
     ParameterError
     """
-    array = real_array(name, value, form)
+    array = real_array(name, value, shape)
     if not array.min() > 0.0:
         raise ParameterError(name, f"{array.min():.9g} {unit} is not positive: give more than 0 {unit}")
     return array
@@ -131,7 +76,7 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
     ParameterError
         If the argument is not a finite square matrix, or not symmetric within round-off.
     """
-    matrix = real_array(name, value, "(n, n)")
+    matrix = real_array(name, value, ("n", "n"))
     gap, limit = float(np.abs(matrix - matrix.T).max()), ROUND_OFF * float(np.abs(matrix).max())
     if gap > limit:
         raise ParameterError(
@@ -165,7 +110,7 @@ def orthogonal_matrix(name: str, value: ArrayLike, n: int) -> Array:
     ParameterError
         If the shape is another or AᵀA is not 1 within `ORTHOGONAL_TOLERANCE`.
     """
-    matrices = real_array(name, value, f"(…, {n}, {n})")
+    matrices = real_array(name, value, (..., n, n))
     worst = float(np.abs(matrices.swapaxes(-1, -2) @ matrices - np.eye(n)).max())
     if not worst <= ORTHOGONAL_TOLERANCE:
         raise ParameterError(

@@ -8,9 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.mechanics.array_input import real_array
 
 _NAME: Final = "inertia"
 MOMENT_ROUND_OFF: Final = 8.0 * float(np.finfo(np.float64).eps)
@@ -40,7 +39,7 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
         If the shape is none of these, a number is not finite, or entries across the diagonal differ by more than
         `SYMMETRY_ULPS`. Below that the mean of the two is taken.
     """
-    array = real_array(_NAME, inertia, "(…)", empty=True)
+    array = real_array(_NAME, inertia, (...,), empty=True)
     if array.shape == (3,):
         return np.diag(array)
     if array.shape == (6,):
@@ -82,7 +81,7 @@ def diagonal_matrix(moments: ArrayLike) -> Array:
     ParameterError
         If the shape is another or a number is not finite.
     """
-    return np.asarray(real_array(_NAME, moments, "(…, 3)")[..., np.newaxis] * np.eye(3))
+    return np.asarray(real_array(_NAME, moments, (..., 3))[..., np.newaxis] * np.eye(3))
 
 
 def principal_decomposition(matrix: Array) -> tuple[Array, Array]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.mechanics.array_input import orthogonal_matrix, positive, real_array, symmetrised
+from lie_rigid_body.mechanics.array_input import orthogonal_matrix, positive, symmetrised
 from lie_rigid_body.mechanics.second_moment import second_moment_matrix
 
 
@@ -51,7 +51,7 @@ class MassMoments:
 
     def __post_init__(self) -> None:
         mass, central = float(positive("mass", self.mass, "kg")), second_moment_matrix(self.central_second_moment)
-        centre = real_array("centre", self.centre, f"({len(central)},)")
+        centre = real_array("centre", self.centre, (len(central),))
         centre.setflags(write=False)
         central.setflags(write=False)
         vars(self).update(mass=mass, centre=centre, central_second_moment=central)
@@ -93,8 +93,8 @@ class MassMoments:
         ParameterError
             If A is not an orthogonal n×n matrix or t has another size.
         """
-        A = orthogonal_matrix("rotation", real_array("rotation", rotation, "(n, n)"), self.dimension)
-        t = real_array("translation", translation, f"({self.dimension},)")
+        A = orthogonal_matrix("rotation", real_array("rotation", rotation, ("n", "n")), self.dimension)
+        t = real_array("translation", translation, (self.dimension,))
         return MassMoments(self.mass, A @ self.centre + t, symmetrised(A @ self.central_second_moment @ A.T))
 
     def rotated(self, rotation: ArrayLike) -> MassMoments:
@@ -120,7 +120,7 @@ class MassMoments:
         ParameterError
             If the origin has another size.
         """
-        o = real_array("origin", origin, f"({self.dimension},)")
+        o = real_array("origin", origin, (self.dimension,))
         return MassMoments(self.mass, self.centre - o, self.central_second_moment)
 
     def __add__(self, other: MassMoments) -> MassMoments:

@@ -9,12 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.mechanics.array_input import (
     ROUND_OFF,
     orthogonal_matrix,
-    real_array,
     symmetric_matrix,
     symmetrised,
 )
@@ -124,8 +123,8 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
     ParameterError
         If sizes differ, or K is less than m c cᵀ, which no distribution of this mass and centre has.
     """
-    K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, "()"))
-    c, o = (real_array(name, point, f"({len(K)},)") for name, point in (("centre", centre), ("origin", origin)))
+    K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, ()))
+    c, o = (real_array(name, point, (len(K),)) for name, point in (("centre", centre), ("origin", origin)))
     require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
     # written without c cᵀ, which would cancel
     return np.asarray(K + m * (np.outer(o, o) - np.outer(c, o) - np.outer(o, c)))

@@ -64,7 +64,7 @@ def ellipsoid(mass: float, semi_axes: ArrayLike) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    a = positive("semi-axes", semi_axes, "m", "(n,)")
+    a = positive("semi-axes", semi_axes, "m", ("n",))
     return _centred(mass, a**2 / (len(a) + 2))
 
 
@@ -88,7 +88,7 @@ def box(mass: float, edges: ArrayLike) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    return _centred(mass, positive("edges", edges, "m", "(n,)") ** 2 / 12)
+    return _centred(mass, positive("edges", edges, "m", ("n",)) ** 2 / 12)
 
 
 def box_sides(principal_moments: ArrayLike) -> Array:

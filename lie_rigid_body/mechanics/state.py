@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.array_input import ArraysOnly, real_array
+from lie_rigid_body.mechanics.array_input import ArraysOnly
 
 UNIT_NORM_TOLERANCE: Final = 1e-6
 """Largest deviation of a quaternion from unit norm: within it the quaternion is normalised, beyond it refused."""
@@ -46,8 +46,8 @@ class State(ArraysOnly):
     body_rate: Array
 
     def __init__(self, attitude_xyzw: ArrayLike, body_rate: ArrayLike) -> None:
-        attitude = real_array("attitude_xyzw", attitude_xyzw, "(…, 4)", empty=True)
-        rate = real_array("body_rate", body_rate, "(…, 3)", empty=True)
+        attitude = real_array("attitude_xyzw", attitude_xyzw, (..., 4), empty=True)
+        rate = real_array("body_rate", body_rate, (..., 3), empty=True)
         if attitude.shape[:-1] != rate.shape[:-1]:
             raise ParameterError(
                 "body_rate",

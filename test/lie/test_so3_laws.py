@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import quaternion, so3
 
 components = st.floats(-3.0, 3.0)
@@ -94,25 +93,18 @@ def test_a_batch_gives_the_bits_of_its_rows():
 
 
 @pytest.mark.parametrize(
-    ("function", "name", "said"),
+    ("function", "name"),
     [
-        *((f, "rotation vectors", "(..., 3): put the components") for f in (so3.hat, so3.exp, so3.left_jacobian)),
-        (quaternion.exp, "rotation vectors", "(..., 3): put the components"),
-        (quaternion.log, "quaternions", "(..., 4): give x, y, z, w"),
-        (so3.vee, "rotation matrices", "(..., 3, 3): put rows and columns"),
+        *((f, "rotation vectors") for f in (so3.hat, so3.exp, so3.left_jacobian, quaternion.exp)),
+        (quaternion.log, "quaternions"),
+        (so3.vee, "rotation matrices"),
     ],
 )
-def test_a_wrong_shape_is_refused(function, name, said):
-    """The one table of this room's sentences."""
+@pytest.mark.parametrize("given", [np.zeros(5), "x", {}, [10**400]], ids=range(4))
+def test_a_wrong_shape_is_refused(function, name, given):
     with pytest.raises(ParameterError) as caught:
-        function(np.zeros(5))
+        function(given)
     assert caught.value.name == name
-    assert str(caught.value).startswith(f"{name}: shape (5,) is not {said} on the last")
-    others: tuple[object, ...] = ("x", {}, [10**400])
-    for other in others:
-        with pytest.raises(ParameterError) as caught:
-            function(other)
-        assert str(caught.value).startswith(f"{name}: {shown(other)} is not numbers: ")
 
 
 def test_importing_the_room_does_not_wait_for_scipy():

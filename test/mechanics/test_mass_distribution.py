@@ -88,27 +88,6 @@ def test_a_density_that_jumps_inside_is_refused_and_its_parts_are_exact():
     assert_same(parts, left.moved(np.eye(2), [0.15, 0.5]) + right.moved(np.eye(2), [0.65, 0.5]))
 
 
-def test_a_wedge_and_a_line_whose_density_is_linear():
-    """ρ = x on 0 < y < x < 1: m = 1/3, ∫ρ y² = 1/15 and ∫ρ x y = 1/10; the inner coordinate keeps its polynomials."""
-    body = moments_of_density(lambda x: x[:, 0], [(0.0, 1.0), lambda x: (0 * x[:, 0], x[:, 0])])
-    np.testing.assert_allclose(body.second_moment, [[1 / 5, 1 / 10], [1 / 10, 1 / 15]], rtol=0, atol=1e-13)
-    assert body.mass == pytest.approx(1 / 3, rel=1e-13)
-    line = moments_of_density(lambda x: 1.0 + x[:, 0], [lambda x: (np.zeros(1), np.ones(1))], nodes=4, tolerance=1e-14)
-    np.testing.assert_allclose(line.second_moment, [[1 / 3 + 1 / 4]], rtol=1e-14)
-
-
-def test_a_ball_that_is_denser_inside():
-    """ρ = 2 − r² in the unit ball: m = 4π(2/3 − 1/5) and K = (4π/3)(2/5 − 1/7), by shells."""
-
-    def ends(earlier):
-        reach = np.sqrt(1.0 - np.sum(earlier**2, axis=1))
-        return -reach, reach
-
-    body = moments_of_density(lambda x: 2.0 - np.sum(x**2, axis=1), [ends] * 3)
-    assert body.mass == pytest.approx(4 * np.pi * (2 / 3 - 1 / 5), rel=1e-12)
-    np.testing.assert_allclose(body.second_moment, 4 * np.pi / 3 * (2 / 5 - 1 / 7) * np.eye(3), rtol=0, atol=1e-12)
-
-
 def test_a_hollow_ball_turned_and_shifted_by_quadrature_of_its_shells():
     """A thick shell between radii a and b: K = (4π/15)(b⁵ − a⁵) ρ."""
     a, b, rho = 0.6, 1.0, 3.0
@@ -137,16 +116,10 @@ def test_a_hollow_ball_turned_and_shifted_by_quadrature_of_its_shells():
         (lambda: OF_DENSITY(gaussian, "ab"), "limits"),
         *((lambda nodes=nodes: OF_DENSITY(gaussian, [(0, 1)], nodes), "nodes") for nodes in ("x", [1], 4.5)),
         (lambda: moments_of_density(gaussian, [(0, 1)] * 2, 10**4000), "nodes"),
-        *(
-            (lambda limit=limit: OF_DENSITY(gaussian, [(0, 1)], 4, limit), "tolerance")
-            for limit in ("x", [1, 2, 3], np.nan)
-        ),
-        (lambda: moments_of_density(gaussian, [(0, 1)], nodes=3), "nodes"),
+        (lambda: moments_of_density(gaussian, [(0, 1)], nodes=2), "nodes"),
         (lambda: moments_of_density(gaussian, [(0, 1)] * 6), "nodes"),
         (lambda: moments_of_density(gaussian, [(1, 0)]), "limits"),
         (lambda: moments_of_density(gaussian, [(0, np.inf)]), "limits"),
-        (lambda: moments_of_density(gaussian, [(0, 1), lambda x: ([0.0], [1.0])]), "limits"),
-        (lambda: moments_of_density(gaussian, [(0, 1), lambda x: (x[:, 0], 0.5 + 0 * x[:, 0])]), "limits"),
         (lambda: moments_of_density(lambda x: x[:, 0], [(-1, 1)]), "density"),
         (lambda: moments_of_density(lambda x: 1.0, [(-1, 1)]), "density"),
         (lambda: moments_of_density(lambda x: np.ones(3), [(-1, 1)]), "density"),

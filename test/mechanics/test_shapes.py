@@ -10,7 +10,7 @@ from mpmath import mp, quad
 from scipy.integrate import nquad
 
 from lie_rigid_body import ParameterError, RigidBody
-from lie_rigid_body.mechanics import ball, box, cylinder, disc, ellipsoid, moments_of_density, rod
+from lie_rigid_body.mechanics import ball, box, cylinder, disc, ellipsoid, rod
 from lie_rigid_body.mechanics.shapes import THINNEST, box_sides
 
 DIMENSIONS = range(1, 7)
@@ -126,25 +126,6 @@ def test_inertias_of_textbooks(body, moments):
     """2/5 m r², m (b² + c²)/12, m (b² + c²)/5, m (3 r² + h²)/12 and m r²/2, m r²/4 and m r²/2."""
     found = RigidBody.from_second_moment(body.second_moment).inertia
     np.testing.assert_allclose(found, np.diag(moments), rtol=1e-15, atol=0)
-
-
-@pytest.mark.parametrize("n", range(1, 6))
-def test_our_quadrature_agrees_over_curved_regions(n):
-    semi_axes = 0.5 + 0.3 * np.arange(n)
-
-    def limit(k):
-        def ends(earlier):
-            reach = semi_axes[k] * np.sqrt(1.0 - np.sum((earlier / semi_axes[:k]) ** 2, axis=1))
-            return -reach, reach
-
-        return ends
-
-    found = moments_of_density(lambda x: np.full(len(x), 2.0), [limit(k) for k in range(n)])
-    expected = ellipsoid(found.mass, semi_axes)
-    np.testing.assert_allclose(found.second_moment, expected.second_moment, rtol=0, atol=1e-11 * found.mass)
-    with mp.workdps(30):
-        volume = mp.pi ** (mp.mpf(n) / 2) / mp.gamma(mp.mpf(n) / 2 + 1)
-    assert found.mass == pytest.approx(2.0 * float(volume) * np.prod(semi_axes), rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -44,13 +44,6 @@ def torus() -> MatrixLieGroup:
     return from_generators([np.diag([1j, np.sqrt(2.0) * 1j])])
 
 
-def noisy_line() -> list[np.ndarray]:
-    """Points of a line, measured twice."""
-    rng = np.random.default_rng(0)
-    line = np.outer(rng.normal(size=9), [1.0, 2.0, 3.0])
-    return [line + 1e-3 * rng.normal(size=line.shape) for _ in range(2)]
-
-
 REFUSED = {
     LieRigidBodyError: [
         lambda: mass_matrix(box(mass=2.0, edges=[0.3, 0.2, 0.1]), SO(3).generators),
@@ -90,7 +83,7 @@ REFUSED = {
         lambda: from_generators(2j * SU(2).generators),
         lambda: from_generators(SO(3).generators).log(np.diag([-1.0, -1.0, 1.0])),
         lambda: torus().log(np.diag(np.exp([4j, 4j * np.sqrt(2.0)]))),
-        lambda: torus().project(np.diag(np.exp([4j, 4j * np.sqrt(2.0)]))),
+        lambda: torus().project(np.eye(2)),
         lambda: Lagrangian(SO(3), np.eye(2)),
         lambda: Lagrangian(SO(3), np.diag([1.0, -1.0, 2.0])),
         lambda: mass_matrix(np.eye(3), np.stack([np.eye(3)])),
@@ -107,7 +100,6 @@ REFUSED = {
         lambda: chasles(np.eye(3), np.eye(3), [1.0, 1.0, -0.5]),
         lambda: chasles(np.eye(3), np.eye(3), [1.0, 1.0, 0.0]),
         lambda: chasles(OCTAHEDRON, -OCTAHEDRON),
-        lambda: chasles(*noisy_line()),
         lambda: double_cover.lift(np.eye(3)),
         lambda: double_cover.lift(SO(3).exp([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]])),
         lambda: double_cover.from_quaternion([0.0, 0.0, 0.0, 1.1]),
