@@ -19,7 +19,6 @@ DEADLINE = 120.0
 LAST_LINE = "Ctrl-C ends it."
 CATCHING_UP = "late, catching up"
 """Words of the log about what is the machine's."""
-CLIENT = Path(__file__).with_name("stream_client.py")
 RAW_CLIENT = Path(__file__).with_name("raw_client.py")
 
 
@@ -117,10 +116,6 @@ class SimulatorProcess:
         return status
 
 
-def start_client(*arguments: str) -> subprocess.Popen[str]:
-    return subprocess.Popen([sys.executable, str(CLIENT), *arguments], stderr=subprocess.PIPE, text=True)
-
-
 class RawClient:
     """A process that keeps the bytes of every message; leaving the context kills it if it still runs."""
 
@@ -169,14 +164,6 @@ class RawClient:
         assert self._process.returncode == 0, complaint
         seen: dict[str, list[bytes]] = pickle.loads(self._out.read_bytes())
         return seen
-
-
-def finish_client(client: subprocess.Popen[str]) -> None:
-    try:
-        _, complaint = client.communicate(timeout=DEADLINE)
-    finally:
-        client.kill()
-    assert client.returncode == 0, complaint
 
 
 def cpu_seconds(pid: int) -> float:

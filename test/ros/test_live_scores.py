@@ -123,7 +123,7 @@ def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int
 @pytest.mark.ros
 @pytest.mark.long
 def test_hostile_messages_cost_themselves(domain: int) -> None:
-    """Wrong stamps, frames and attitudes, texts that are no scenario, and a second publisher; all else is in process."""
+    """Wrong stamps, frames and attitudes, texts that are no scenario, a second publisher; the rest is in process."""
     run = simulate("tumbling_cubesat", duration=3.0, initial_body_rate=[0.4, 0.6, -0.3], rate=20.0)
     turn = np.radians([3.0, -4.0, -5.0])
     attitudes = quaternion.multiply(quaternion.exp(turn), run.truth.attitude_xyzw)

@@ -115,82 +115,53 @@ def test_batches_are_bounded_by_their_work(max_step: float, most: int) -> None:
     assert most * 0.01 / max_step <= STEPS_PER_BATCH or most == 1
 
 
-def test_call_from_another_thread_is_carried_out_by_the_owner() -> None:
-    mailbox = Mailbox()
-    results: list[object] = []
-    asking = Thread(target=lambda: results.append(mailbox.request(lambda: 42)))
-    asking.start()
-    call = mailbox.wait(10.0)
-    assert call is not None
-    call.carry_out()
-    asking.join(10.0)
-    assert results == [42]
-
-
-def test_closed_mailbox_refuses_what_waits_and_what_comes() -> None:
-    mailbox = Mailbox()
-    errors: list[BaseException] = []
+def asked(mailbox: Mailbox) -> tuple[Thread, list[object]]:
+    """A thread that asks for 42, and what it gets."""
+    got: list[object] = []
 
     def ask() -> None:
         try:
-            mailbox.request(lambda: None)
+            got.append(mailbox.request(lambda: 42))
         except ClosedError as error:
-            errors.append(error)
+            got.append(error)
 
-    asking = Thread(target=ask)
-    asking.start()
+    thread = Thread(target=ask, daemon=True)
+    thread.start()
+    return thread, got
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_call_from_another_thread_is_carried_out_by_the_owner_whose_end_keeps_the_answer(closed: bool) -> None:
+    mailbox = Mailbox()
+    thread, got = asked(mailbox)
+    call = mailbox.wait(10.0)
+    assert call is not None
+    call.carry_out()
+    if closed:
+        mailbox.close()
+    thread.join(10.0)
+    assert got == [42]
+
+
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_closed_mailbox_refuses_what_waits_what_was_taken_and_what_comes(taken: bool) -> None:
+    """A signal may come just after the owner has taken a call."""
+    mailbox = Mailbox()
+    thread, got = asked(mailbox)
     while mailbox._calls.empty():
         pass
+    if taken:
+        assert mailbox.wait(10.0) is not None
     mailbox.close()
-    asking.join(10.0)
-    ask()
-    assert len(errors) == 2
+    thread.join(10.0)
+    later, refused = asked(mailbox)
+    later.join(10.0)
+    assert [type(each) for each in (*got, *refused)] == [ClosedError, ClosedError]
 
 
 def test_a_run_that_has_ended_refuses_what_comes() -> None:
     time = FakeTime({})
     run(time, 5)
-    errors: list[BaseException] = []
-
-    def ask() -> None:
-        try:
-            time.request(int)
-        except ClosedError as error:
-            errors.append(error)
-
-    asking = Thread(target=ask, daemon=True)
-    asking.start()
-    asking.join(10.0)
-    assert len(errors) == 1
-
-
-def test_call_that_was_taken_but_not_carried_out_is_refused_at_the_end() -> None:
-    """A signal may come just after the owner has taken a call."""
-    mailbox = Mailbox()
-    errors: list[BaseException] = []
-
-    def ask() -> None:
-        try:
-            mailbox.request(lambda: None)
-        except ClosedError as error:
-            errors.append(error)
-
-    asking = Thread(target=ask, daemon=True)
-    asking.start()
-    assert mailbox.wait(10.0) is not None
-    mailbox.close()
-    asking.join(10.0)
-    assert len(errors) == 1
-
-
-def test_closing_keeps_answers() -> None:
-    mailbox = Mailbox()
-    results: list[object] = []
-    asking = Thread(target=lambda: results.append(mailbox.request(lambda: 42)))
-    asking.start()
-    call = mailbox.wait(10.0)
-    assert call is not None
-    call.carry_out()
-    mailbox.close()
-    asking.join(10.0)
-    assert results == [42]
+    thread, got = asked(time)
+    thread.join(10.0)
+    assert [type(each) for each in got] == [ClosedError]
