@@ -26,6 +26,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
+from lie_rigid_body.foundation.wording import shown
 
 _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
@@ -82,8 +83,8 @@ def _require_short_name(arguments: Sequence[str]) -> None:
     for argument in arguments:
         if (rule := _NAME.fullmatch(argument)) and len(rule[1]) > LONGEST_NODE_NAME:
             raise InputError(
-                f"{argument}: this node would have a name of {len(rule[1])} characters: at most {LONGEST_NODE_NAME} "
-                "leave room for those of its services"
+                f"{shown(argument)}: this node would have a name of {len(rule[1])} characters: at most "
+                f"{LONGEST_NODE_NAME} leave room for those of its services"
             )
 
 
