@@ -16,7 +16,6 @@ from tempfile import TemporaryDirectory
 
 from bag_tasks import Run, Spent, alone, arguments, mean, messages_of, plain_reading, record, runs, tell
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.residuals import WORK
 from lie_rigid_body.motion.closed_form.solution import compile_all
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.recording.bag_reader import Bag
@@ -24,7 +23,7 @@ from lie_rigid_body.recording.bag_reader import Bag
 
 def compile_loops() -> bool:
     """Compile, or load, all that checking can use; whether numba is there to do it."""
-    return all([WORK.compile(), LOOP.compile(), compile_all()])
+    return all([LOOP.compile(), compile_all()])
 
 
 def recorded(run: Run, path: Path) -> int:

@@ -108,7 +108,6 @@ def side(module: str) -> str:
         "motion": "contract",
         "closed_form": "closed form",
         "description": "closed form",
-        "taylor_flow": "Taylor flow",
     }.get(name, "moving chart")
 
 

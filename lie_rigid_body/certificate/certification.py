@@ -7,27 +7,25 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.certificate import whole_bag
 from lie_rigid_body.certificate.law_result import LawResult, Watch
-from lie_rigid_body.certificate.laws import HeldLaws, SegmentLaws
+from lie_rigid_body.certificate.laws import SegmentLaws, SegmentResults
+from lie_rigid_body.certificate.limits import CLOSED_FORM_ERROR
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor, survey
-from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP, CLOSED_FORM, ENERGY_CAP
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.foundation.wording import counted, listed
-from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
-_BETTER: Final = "record with motion closed_form, a higher order or a smaller max_step"
 Blocks: TypeAlias = Iterator[tuple[int, Block]]
 """Samples in the order of their stamps, each block with its segment's place."""
 
@@ -54,7 +52,7 @@ class SegmentCertificate:
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
-        verdict = _verdict(self.laws, self.law("closed form").worst + CLOSED_FORM)
+        verdict = _verdict(self.laws, self.law("attitude").worst + CLOSED_FORM_ERROR)
         return f"<SegmentCertificate: {verdict}; {counted(self.samples, 'sample')} from {self.segment.start_ns} ns>"
 
     @property
@@ -118,8 +116,9 @@ class Certificate(Shown):
 
     @property
     def residuals(self) -> dict[str, tuple[float, float]]:
-        """The worst residual of each law, and its limit, by the law's name with the unit."""
-        return {f"{law.name} [{law.unit}]" if law.unit else law.name: (law.worst, law.limit) for law in self.laws}
+        """The worst residual of each law that is judged, and its limit, by the law's name with the unit."""
+        judged = [law for law in self.laws if law.is_judged]
+        return {f"{law.name} [{law.unit}]" if law.unit else law.name: (law.worst, law.limit) for law in judged}
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -132,7 +131,7 @@ class Certificate(Shown):
     @property
     def attitude_accuracy(self) -> float:
         """Bound of the attitude's error, rad: the largest angle to the closed form, and the closed form's own error."""
-        return self.accuracy("closed form") + CLOSED_FORM
+        return self.accuracy("attitude") + CLOSED_FORM_ERROR
 
     def accuracy(self, name: str) -> float:
         """The worst residual of a law over all segments."""
@@ -141,7 +140,7 @@ class Certificate(Shown):
     @property
     def farthest(self) -> tuple[int, SegmentCertificate]:
         """The segment with the largest attitude error: its number from 1, and its certificate."""
-        return max(enumerate(self.segments, 1), key=lambda item: item[1].law("closed form").worst)
+        return max(enumerate(self.segments, 1), key=lambda item: item[1].law("attitude").worst)
 
 
 def _verdict(laws: Iterable[LawResult], accuracy: float) -> str:
@@ -150,12 +149,14 @@ def _verdict(laws: Iterable[LawResult], accuracy: float) -> str:
 
 
 def certify(
-    bag: Bag | Recording | str | Path, inertia: Sequence[float] | None = None, watch: Watch | None = None
+    bag: Bag | Recording | str | Path,
+    inertia: Sequence[float] | None = None,
+    watch: Watch | None = None,
+    max_attitude: float | None = None,
 ) -> Certificate:
     """Hold every law against every segment of a bag.
 
-    The limits depend on a survey of the bag. A whole bag is read once, as its survey is known in advance. Any other is
-    read twice.
+    A whole bag is read once, as its survey is known in advance. Any other is read twice.
 
     Parameters
     ----------
@@ -165,6 +166,8 @@ def certify(
         To be used in place of the declared one, kg m².
     watch : Watch, optional
         It is told of the residuals of all samples, and of all readings of sensors.
+    max_attitude : float, optional
+        Limit L of the attitude's error, rad, in place of that of the declared motion; see `limits`.
 
     Returns
     -------
@@ -189,18 +192,18 @@ def certify(
         return Certificate((), (LawResult.of_faults("declaration", 1, fault),))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
         if foreseen is not None:
-            held, of_sensors = _held(bag, foreseen, surveyor.blocks, watch)
+            held, of_sensors = _held(bag, foreseen, surveyor.blocks, watch, max_attitude)
             surveyed = surveyor.result()
         if foreseen is None or not surveyed.is_as(foreseen):
             segments = [found.segment for found in surveyed.segments]
-            held, of_sensors = _held(bag, surveyed, partial(numbered_blocks, bag, segments), watch)
+            held, of_sensors = _held(bag, surveyed, partial(numbered_blocks, bag, segments), watch, max_attitude)
         sensors = of_sensors.findings()
     return Certificate(
         tuple(
             SegmentCertificate(
                 found.segment,
                 found.count,
-                (found.stamps, *laws.results, *of_its_sensors),
+                (found.stamps, *laws.laws, *of_its_sensors),
                 (*_notes(found, laws, as_written=surveyed.as_written), *notes),
             )
             for found, laws, of_its_sensors, notes in zip(
@@ -224,7 +227,7 @@ def passes(bag: Bag, watch: Watch | None = None) -> int:
 
 
 def _to_the_bit(
-    bag: Bag | Recording, surveyed: Survey, held: Iterable[HeldLaws], sensors: SensorFindings
+    bag: Bag | Recording, surveyed: Survey, held: Iterable[SegmentResults], sensors: SensorFindings
 ) -> bool | None:
     """Whether a bag of the closed form and of this version is equal to the bit to what is computed here."""
     motions = {segment.scenario.motion for segment in surveyed.declared}
@@ -234,44 +237,38 @@ def _to_the_bit(
 
 
 def _held(
-    bag: Bag | Recording, surveyed: Survey, read: Callable[..., Blocks], watch: Watch | None
-) -> tuple[list[HeldLaws], SensorLaws]:
+    bag: Bag | Recording,
+    surveyed: Survey,
+    read: Callable[..., Blocks],
+    watch: Watch | None,
+    max_attitude: float | None,
+) -> tuple[list[SegmentResults], SensorLaws]:
     """Laws held against the samples and the sensors of a surveyed bag, as they come."""
-    of_sensors = SensorLaws(bag, surveyed, watch)
-    return list(_of_segments(surveyed, read(of_sensors.wanted, of_sensors.add), watch)), of_sensors
+    of_sensors = SensorLaws(bag, surveyed, watch, max_attitude)
+    return list(_of_segments(surveyed, read(of_sensors.wanted, of_sensors.add), watch, max_attitude)), of_sensors
 
 
-def _of_segments(surveyed: Survey, blocks: Blocks, watch: Watch | None) -> Iterator[HeldLaws]:
+def _of_segments(
+    surveyed: Survey, blocks: Blocks, watch: Watch | None, max_attitude: float | None
+) -> Iterator[SegmentResults]:
     """One segment after the other, as their samples come: the laws of many would not fit into memory."""
     pending = next(blocks, None)
     for i, found in enumerate(surveyed.segments):
-        laws = SegmentLaws(found, watch)
+        laws = SegmentLaws(found.segment, max_attitude, watch)
         while pending is not None and pending[0] == i:
             laws.add(pending[1])
             pending = next(blocks, None)
-        yield laws.held()
+        yield laws.results()
     for _ in blocks:
         pass  # displaced beyond a reset: their sensors' messages still count
 
 
-def _notes(found: SurveyedSegment, held: HeldLaws, *, as_written: bool) -> Iterator[str]:
-    segment, broken = found.segment, {law.name: law.limit for law in held.results if not law.holds}
+def _notes(found: SurveyedSegment, held: SegmentResults, *, as_written: bool) -> Iterator[str]:
+    segment = found.segment
+    broken = any(not law.holds for law in held.laws)
     if found.first is not None and found.first > segment.first_sample and found.begins_late:
         late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
         yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
-    turn = found.longest_span * segment.scenario.rate_bound()
-    if turn > LONGEST_TURN:
-        yield f"the body may turn {turn:.3g} rad between samples: neighbours are not held against each other"
-    if held.motion_error > ATTITUDE_CAP and "closed form" in broken:
-        yield (
-            f"the declared motion errs by up to {held.motion_error:.2g} rad here, a ground truth by {ATTITUDE_CAP:g} "
-            f"at most: {_BETTER}, or a slower body"
-        )
-    elif ENERGY_CAP in broken.values():
-        yield (
-            "the declared stepper may keep energy and momentum less well than a ground truth has to, to "
-            f"{ENERGY_CAP:g}: {_BETTER}"
-        )
     if found.stamps.unit == GAP and not as_written and not broken:  # all go on as if none were missing
         yield (
             f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "

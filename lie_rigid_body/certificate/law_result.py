@@ -27,7 +27,7 @@ class LawResult:
     worst : float
         The largest residual; of a broken law the one that went farthest beyond its limit.
     limit : float
-        Its limit.
+        Its limit; infinite where the residual is reported and not judged.
     sample : int or None
         Number of the sample where that was.
     stamp_ns : int or None
@@ -61,8 +61,15 @@ class LawResult:
         return self.broken == 0
 
     @property
+    def is_judged(self) -> bool:
+        """Whether residuals have a limit; otherwise they are reported alone."""
+        return self.limit < np.inf
+
+    @property
     def share(self) -> float:
         """The largest residual as a share of its limit; above 1 where the law is broken, and infinite for NaN."""
+        if not self.is_judged:
+            return 0.0
         if self.limit > 0.0:
             return np.inf if np.isnan(self.worst) else self.worst / self.limit
         return 0.0 if self.holds else np.inf
@@ -121,7 +128,7 @@ class LawTally:
             self._watch(self.name, self._unit, residuals, limits, stamps_ns)
         limits = np.broadcast_to(np.asarray(limits, dtype=np.float64), residuals.shape)
         self._checked += residuals.size
-        holds = residuals <= limits
+        holds = (residuals <= limits) | np.isinf(limits)
         if holds.all():
             self._largest.add(residuals, residuals, limits, samples, stamps_ns)
         else:

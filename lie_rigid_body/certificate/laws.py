@@ -1,112 +1,48 @@
-"""The laws of torque-free motion, held against the samples of one segment block by block."""
+"""The laws of a segment: its samples beside the exact motion from the declared start, block by block."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, TypeAlias
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
-from lie_rigid_body.certificate.residuals import WORK, Residuals
-from lie_rigid_body.certificate.survey import SurveyedSegment
-from lie_rigid_body.certificate.tolerance import NORM_LIMIT, READING, Tolerance, tolerance
-from lie_rigid_body.foundation.arrays import Array, Booleans, same_bits
-from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.taylor_flow import LONGEST_TURN
+from lie_rigid_body.certificate.limits import MAX_NORM_ERROR, RATE_FACTOR, closed_form_error, max_attitude_error, remedy
+from lie_rigid_body.foundation.arrays import Array, Integers, same_bits
+from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.samples import Block
+from lie_rigid_body.simulation import Segment
 
-_BLOCK: Final = 65_536
-"""Largest number of samples compared at once; a batch of a bag has fewer, unless its chunks are large."""
-
-
+_BLOCK: Final = 8192
+"""Largest number of samples compared at once: arrays of so many stay in a processor's cache."""
+_ATTITUDE: Final = "attitude"
+_RATE: Final = "body rate"
 _LAWS: Final = (
+    (_ATTITUDE, "rad", "the attitude is {worst} rad off the exact motion (limit {limit}) at {where}"),
+    (_RATE, "rel", "the body rate is {worst} of the largest one off the exact motion (limit {limit}) at {where}"),
     ("unit norm", "1", "the norm of the quaternion is {worst} off 1 (limit {limit}) at {where}"),
-    (
-        "kinetic energy",
-        "rel",
-        "kinetic energy is {worst} off its value at the start (relative, limit {limit}) at {where}",
-    ),
-    *(
-        (
-            f"world momentum {axis}",
-            "rel",
-            f"world angular momentum {axis} is {{worst}} off its start (relative to |L|, limit {{limit}}) at {{where}}",
-        )
-        for axis in "xyz"
-    ),
-    (
-        "twist is the attitude's derivative",
-        "rad",
-        "the attitude's step differs by {worst} rad (limit {limit}) from what the twist makes it, up to {where}",
-    ),
-    (
-        "Euler's equations",
-        "rel",
-        "the twist's step differs by {worst} (of its largest, limit {limit}) from Euler's equations, up to {where}",
-    ),
-    ("sign continuity", "1", "the quaternion changes sign without turning, at {where} ({count})"),
-    ("closed form", "rad", "the attitude is {worst} rad off the exact solution (limit {limit}) at {where}"),
-    ("exact rate", "rad/s", "the body rate is {worst} rad/s off the exact solution (limit {limit}) at {where}"),
+    ("sign continuity", "1", "the quaternion has not the sign with which it goes on, at {where} ({count})"),
+    ("kinetic energy", "rel", ""),
+    ("world momentum", "rel", ""),
 )
-"""Name of each law, unit of its residuals, and the message where it is broken."""
-_Residuals: TypeAlias = tuple[Array, Array | float]
-"""Residuals of a law for the last samples of a block, as many as they are, and their limits."""
+"""Name of each law, unit of its residuals, and the message where it is broken. The last two are reported, not judged:
+they follow from the first two."""
 
 
 @dataclass(frozen=True)
-class ComparedSamples:
-    """Samples beside the motion that the bag declares, which the laws compare.
+class SegmentResults:
+    """Results of the laws of a segment.
 
     Parameters
     ----------
-    body : RigidBody
-    start : State
-    tolerance : Tolerance
-    t : ndarray, shape (N,)
-        Seconds since the segment's start.
-    spans : ndarray, shape (N − 1,)
-        Time between neighbours, s.
-    resolved : ndarray of bool, shape (N − 1,)
-        Whether the flow is followed over it.
-    found : Residuals
-    rate_error : ndarray, shape (N,)
-        Distance of the body rates from those of the exact motion, rad/s.
-    speed : ndarray, shape (N,)
-        Size of the exact body rates, rad/s.
-    follows : bool
-        Whether the first sample is the last one of the block before it, and only its interval is new.
-    """
-
-    body: RigidBody
-    start: State
-    tolerance: Tolerance
-    t: Array
-    spans: Array
-    resolved: Booleans
-    found: Residuals
-    rate_error: Array
-    speed: Array
-    follows: bool
-
-
-@dataclass(frozen=True)
-class HeldLaws:
-    """The laws of a segment, after all its samples.
-
-    Parameters
-    ----------
-    results : tuple of LawResult
-        How near each law came to its limit.
-    motion_error : float
-        How far the declared motion may err until the last sample, rad, before any cap.
+    laws : tuple of LawResult
     is_exact : bool
         Whether all attitudes and body rates are equal to those of the closed form, to the bit.
     """
 
-    results: tuple[LawResult, ...]
-    motion_error: float
+    laws: tuple[LawResult, ...]
     is_exact: bool
 
 
@@ -115,138 +51,68 @@ class SegmentLaws:
 
     Parameters
     ----------
-    found : SurveyedSegment
-        Of which duration and longest spans decide on limits.
+    segment : Segment
+    max_attitude : float, optional
+        Limit of the attitude's error, rad, in place of that of the declared motion.
     watch : Watch, optional
-        It is told of all residuals.
+        Receiver of all residuals.
     """
 
-    def __init__(self, found: SurveyedSegment, watch: Watch | None = None) -> None:
-        self._found, scenario = found, found.segment.scenario
-        self._body, self._start = scenario.body(), scenario.start()
+    def __init__(self, segment: Segment, max_attitude: float | None = None, watch: Watch | None = None) -> None:
+        self._segment = segment
+        scenario = segment.scenario
+        self._body = scenario.body()
         self._motion = scenario.exact_motion()
-        self._tolerance = tolerance(scenario, found.duration)
-        WORK.compiled_for(found.count)
-        self._judgements = [LawTally(*law, watch=watch) for law in _LAWS]
-        self._before: Block | None = None
+        self._limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
+        start = scenario.start()
+        self._energy = float(self._body.kinetic_energy(start))
+        self._momentum = self._body.angular_momentum(start)
+        self._largest_rate = 0.0
+        self._tallies = [LawTally(*law, watch=watch) for law in _LAWS]
         self._is_exact = True
 
     def add(self, block: Block) -> None:
         """Hold the laws against the samples that come next."""
-        for i in range(0, len(block.stamps_ns), _BLOCK):
-            self._add(block[i : i + _BLOCK])
+        for first in range(0, len(block.stamps_ns), _BLOCK):
+            part = block[first : first + _BLOCK]
+            elapsed_ns = part.stamps_ns - self._segment.start_ns
+            exact = self._motion.at(elapsed_ns)
+            limits = (self._limit, RATE_FACTOR * self._limit, MAX_NORM_ERROR, 1.0, np.inf, np.inf)
+            residuals = self._residuals(part.states, exact, elapsed_ns)
+            for tally, own, limit in zip(self._tallies, residuals, limits, strict=True):
+                tally.add(own, limit, part.samples, part.stamps_ns)
 
-    def _add(self, new: Block) -> None:
-        block = new if self._before is None else Block.joined([self._before, new])
-        for judgement, (values, limits) in zip(self._judgements, _all_laws(self._compared(block)), strict=True):
-            count = min(len(values), len(new.stamps_ns))  # the sample before the new ones was judged with its own
-            own, last = slice(len(values) - count, None), slice(len(block.stamps_ns) - count, None)
-            of_own = np.broadcast_to(limits, values.shape)[own]
-            judgement.add(values[own], of_own, block.samples[last], block.stamps_ns[last])
-        self._before = block[-1:]
-
-    def _compared(self, block: Block) -> ComparedSamples:
-        elapsed = block.stamps_ns - self._found.segment.start_ns
-        spans = np.diff(block.stamps_ns) * 1e-9
-        fastest = self._tolerance.fastest
-        resolved = spans * fastest <= LONGEST_TURN
-        followed = np.where(resolved, spans, 0.0)
-        exact = self._motion.at(elapsed)
-        self._is_exact &= same_bits(block.states.attitude_xyzw, exact.attitude_xyzw)
-        self._is_exact &= same_bits(block.states.body_rate, exact.body_rate)
-        return ComparedSamples(
-            self._body,
-            self._start,
-            self._tolerance,
-            np.asarray(elapsed * 1e-9, dtype=np.float64),
-            spans,
-            resolved,
-            Residuals.of(self._body, block.states, exact, followed, fastest, self._found.followed_span),
-            so3.norm(block.states.body_rate - exact.body_rate),
-            so3.norm(exact.body_rate),
-            self._before is not None,
+    def _residuals(self, recorded: State, exact: State, elapsed_ns: Integers) -> tuple[Array, ...]:
+        """Residuals in the order of `_LAWS`, shape (N,) each."""
+        self._is_exact &= same_bits(recorded.attitude_xyzw, exact.attitude_xyzw)
+        self._is_exact &= same_bits(recorded.body_rate, exact.body_rate)
+        norm = quaternion.norm(recorded.attitude_xyzw)
+        unit = State.trusted(recorded.attitude_xyzw / norm[:, np.newaxis], recorded.body_rate)
+        x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.attitude_xyzw.T)
+        angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
+        # the largest rate so far, so that one pass through the bag is enough
+        speeds = np.maximum(np.maximum.accumulate(so3.norm(exact.body_rate)), self._largest_rate)
+        self._largest_rate = float(speeds[-1])
+        momentum = self._body.angular_momentum(unit)
+        return (
+            angle + closed_form_error(speeds, elapsed_ns),
+            _relative(so3.norm(recorded.body_rate - exact.body_rate), speeds),
+            np.abs(norm - 1.0),
+            np.where(cosine < 0.0, 2.0, 0.0),
+            _relative(np.abs(self._body.kinetic_energy(unit) - self._energy), self._energy),
+            _relative(so3.norm(momentum - self._momentum), so3.norm(self._momentum)),
         )
 
-    def held(self) -> HeldLaws:
+    def results(self) -> SegmentResults:
         """Results of the laws, after all samples of the segment."""
-        t = np.array([self._found.duration] if self._found.count else [])
-        expected = float(self._tolerance.attitude_uncapped(t).max(initial=0.0))
-        return HeldLaws(tuple(judgement.result() for judgement in self._judgements), expected, self._is_exact)
+        laws = [tally.result() for tally in self._tallies]
+        broken = next((i for i in range(2) if not laws[i].holds), None)
+        if broken is not None:
+            law = laws[broken]
+            laws[broken] = replace(law, message=law.message + remedy(self._segment.scenario, law.worst, law.limit))
+        return SegmentResults(tuple(laws), self._is_exact)
 
 
-def _all_laws(compared: ComparedSamples) -> tuple[_Residuals, ...]:
-    """Residuals in the order of `_LAWS`."""
-    return (
-        _unit_norm(compared),
-        _kinetic_energy(compared),
-        *_world_momentum(compared),
-        *_neighbours(compared),
-        _sign_continuity(compared),
-        _closed_form(compared),
-        _exact_rate(compared),
-    )
-
-
-def _unit_norm(compared: ComparedSamples) -> _Residuals:
-    """The attitude is a unit quaternion, |q| = 1."""
-    return np.abs(compared.found.norm - 1.0), NORM_LIMIT
-
-
-def _kinetic_energy(compared: ComparedSamples) -> _Residuals:
-    """The kinetic energy ½ ω·Mω is that of the start."""
-    start = float(compared.body.kinetic_energy(compared.start))
-    return _relative(np.abs(compared.found.energy - start), start), compared.tolerance.energy(compared.t)
-
-
-def _world_momentum(compared: ComparedSamples) -> list[_Residuals]:
-    """Each component of the angular momentum in the world, A M ω, is that of the start."""
-    start = compared.body.angular_momentum(compared.start)
-    scale = float(so3.norm(start))
-    limits = compared.tolerance.world_momentum(compared.t)
-    return [
-        (_relative(np.abs(component - its_start), scale), limits)
-        for component, its_start in zip(compared.found.momentum, start, strict=True)
-    ]
-
-
-def _neighbours(compared: ComparedSamples) -> list[_Residuals]:
-    """Each sample follows from the one before by the Taylor flow.
-
-    The attitude follows from the twist, the twist from Euler's equations.
-    """
-    found, resolved, spans = compared.found, compared.resolved, compared.spans
-    if spans.size and spans.min() == spans.max():
-        spans = spans[:1]  # one limit for all
-    changed = _relative(found.step_changed, compared.tolerance.fastest)
-    return [
-        (np.where(resolved, found.step_turned, 0.0), compared.tolerance.attitude_step(spans)),
-        (np.where(resolved, changed, 0.0), compared.tolerance.rate_step(spans)),
-    ]
-
-
-def _sign_continuity(compared: ComparedSamples) -> _Residuals:
-    """Each quaternion has the sign of the continuous path from the one before.
-
-    The first, and any after a long gap, has that of the path from the segment's start.
-    """
-    by_start = compared.found.by_start
-    continued = np.where(compared.resolved, compared.found.by_neighbour, by_start[1:])
-    agreement = continued if compared.follows else np.concatenate([by_start[:1], continued])
-    return np.where(agreement < 0.0, 2.0, 0.0), 1.0
-
-
-def _closed_form(compared: ComparedSamples) -> _Residuals:
-    """The attitude is that of the closed form from the segment's start, with the closed form's own error."""
-    return compared.found.turned + compared.tolerance.phases(compared.t), compared.tolerance.attitude(compared.t)
-
-
-def _exact_rate(compared: ComparedSamples) -> _Residuals:
-    """The body rate is that of the closed form from the segment's start."""
-    return compared.rate_error, READING * compared.speed + compared.tolerance.stepper_rate(compared.t)
-
-
-def _relative(residuals: Array, scale: float) -> Array:
+def _relative(residuals: Array, scale: Array | float) -> Array:
     """Residuals over their scale; where the scale is 0 (a body at rest) any residual is infinitely large."""
-    if scale > 0.0:
-        return residuals / scale
-    return np.where(residuals == 0.0, 0.0, np.inf)
+    return np.where(residuals == 0.0, 0.0, residuals / scale)

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.certificate.certification import Certificate
+from lie_rigid_body.certificate.limits import max_attitude_error
 from lie_rigid_body.certificate.survey import survey
-from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_reader import Bag, Recording
@@ -91,7 +91,11 @@ def require_count(count: int) -> None:
 
 
 def prove(
-    bag: Bag | Recording, certificate: Certificate, count: int, inertia: Sequence[float] | None = None
+    bag: Bag | Recording,
+    certificate: Certificate,
+    count: int,
+    inertia: Sequence[float] | None = None,
+    max_attitude: float | None = None,
 ) -> Iterator[ProvedSample]:
     """Enclose samples spread evenly over a bag, its ends among them, and the worst sample of each segment.
 
@@ -104,6 +108,8 @@ def prove(
         How many samples to spread, of all segments together.
     inertia : sequence of float, optional
         To be used in place of the declared one, kg m².
+    max_attitude : float, optional
+        As for `certify`.
 
     Yields
     ------
@@ -113,22 +119,21 @@ def prove(
     if not certificate.segments:
         return
     surveyed = survey(bag, inertia).segments
-    limits = [tolerance(found.segment.scenario, found.duration) for found in surveyed]
     total = sum(found.count for found in surveyed)
     spread = np.unique(np.rint(np.linspace(0, total - 1, count)).astype(np.int64))
     first = 0
     for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):
         own = spread[(spread >= first) & (spread < first + len(block.samples))] - first
-        worst = np.flatnonzero(block.samples == certificate.segments[i].law("closed form").sample)
-        yield from _prove_samples(i + 1, surveyed[i].segment, block[np.union1d(own, worst)], limits[i])
+        worst = np.flatnonzero(block.samples == certificate.segments[i].law("attitude").sample)
+        yield from _prove_samples(i + 1, surveyed[i].segment, block[np.union1d(own, worst)], max_attitude)
         first += len(block.samples)
 
 
-def _prove_samples(number: int, segment: Segment, chosen: Block, limits: Tolerance) -> Iterator[ProvedSample]:
+def _prove_samples(number: int, segment: Segment, chosen: Block, max_attitude: float | None) -> Iterator[ProvedSample]:
     from lie_rigid_body.proof import enclose
 
     scenario = segment.scenario
-    t = np.asarray((chosen.stamps_ns - segment.start_ns) * 1e-9, dtype=np.float64)
+    limit = max_attitude_error(scenario) if max_attitude is None else max_attitude
     for i, stamp_ns in enumerate(chosen.stamps_ns.tolist()):
         truth = enclose(
             scenario.inertia,
@@ -140,8 +145,8 @@ def _prove_samples(number: int, segment: Segment, chosen: Block, limits: Toleran
             number,
             int(chosen.samples[i]),
             stamp_ns,
-            float(t[i]),
+            (stamp_ns - segment.start_ns) * 1e-9,
             *truth.attitude_error(chosen.states.attitude_xyzw[i]),
             truth.rate_error(chosen.states.body_rate[i])[1],
-            float(limits.attitude(t[i : i + 1])[0]),
+            limit,
         )

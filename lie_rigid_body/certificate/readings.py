@@ -1,18 +1,13 @@
 """Readings of a sensor, replayed with the exact motion, and the bounds of a faithful reading.
 
-A reading is computed by the simulation's own instruments, from the exact motion. It may differ from the recorded one
-
-- by round-off: `ROUNDINGS` u times the sum of the sizes of the parts that were added up for it, as they were drawn;
-- by what the declared stepper errs, δA of the attitude and δω of the body rate, as far as they reach the signal.
-
-No declared parameter widens the bounds otherwise: an effect that does not occur adds nothing. Rounding and saturation
-in the sensor are monotonic. So a faithful reading lies between the two bounds after rounding and saturation. These are
-one number unless a step of the converter lies between them.
+A reading is computed by the simulation's own instruments, from the exact motion. Before saturation and rounding the
+recorded signal may differ from it by t = max(L, 1e-12) (m + 1/Δt). Here L is the limit of the attitude's error, m the
+largest size of the signal up to then, and 1/Δt stands for gyros that integrate over an interval Δt. Saturation and
+rounding keep the order of numbers. So a faithful reading lies between the two that the ends of this range become.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,16 +15,14 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.certificate.tolerance import Tolerance, tolerance
+from lie_rigid_body.certificate.limits import max_attitude_error
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.motion.drift import U
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.samples import Measurement
 
-ROUNDINGS: Final = 64.0
-"""Limit of the round-off of a reading, in units of u and of the summed sizes of its parts. At most 53 were needed, with
-normal deviates 16 u off, as in another library, and states off by 1e-15 rad and 12 u."""
+MIN_READING_ERROR: Final = 1e-12
+"""Least limit of a signal's relative error: libraries differ in last bits, and parts of a sum may cancel."""
 REPLAY_BLOCK: Final = 8192
 """Largest number of readings replayed at once."""
 MOST_DRAWN: Final = 200_000_000
@@ -37,7 +30,7 @@ MOST_DRAWN: Final = 200_000_000
 takes 5 s."""
 _LONGEST_GAP: Final = 256
 """Largest gap between two recorded readings, in readings, that is replayed; a longer gap is skipped."""
-_PIECES_KEPT: Final = 4
+_MAX_PIECES: Final = 4
 """Number of replayed pieces kept for a topic that lags behind the sensor's others, or for a message out of order."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
@@ -50,22 +43,17 @@ class Expected:
     ----------
     signal : ndarray, shape (N, K)
         Values before saturation and quantisation, unit of the reading.
-    bound : callable
-        Function that computes the `uncertainty`: costly, so called only where readings differ.
+    uncertainty : ndarray, shape (N, 1)
+        Largest difference of a faithful recording's signal from this one, unit of the reading.
     converter : Converter
     """
 
     signal: Array
-    bound: Callable[[], Array]
+    uncertainty: Array
     converter: Converter = _CONTINUOUS
 
     def __getitem__(self, rows: slice | Integers) -> Expected:
-        return Expected(self.signal[rows], lambda: self.uncertainty[rows], self.converter)
-
-    @cached_property
-    def uncertainty(self) -> Array:
-        """Largest difference of a faithful recording's signal from this one, unit of the reading, shape (N, K)."""
-        return self.bound()
+        return Expected(self.signal[rows], self.uncertainty[rows], self.converter)
 
     @cached_property
     def values(self) -> Array:
@@ -116,16 +104,24 @@ class Piece:
 
 
 class Replays:
-    """Replays of a bag, for each sensor that of its latest segment, with a limit of the deviates drawn."""
+    """Replays of a bag, for each sensor that of its latest segment, with a limit of the deviates drawn.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    max_attitude : float, optional
+        Limit of the attitude's error, rad, in place of that of the declared motion.
+    """
+
+    def __init__(self, max_attitude: float | None = None) -> None:
+        self._max_attitude = max_attitude
         self._left, self._last = MOST_DRAWN, dict[str, Replay]()
 
-    def of(self, segment: Segment, name: str, duration: float) -> Replay:
+    def of(self, segment: Segment, name: str) -> Replay:
         """The replay of a sensor in a segment; see `Replay` for the parameters."""
         known = self._last.get(name)
         if known is None or known.segment is not segment:
-            known = self._last[name] = Replay(segment, name, duration, self)
+            limit = max_attitude_error(segment.scenario) if self._max_attitude is None else self._max_attitude
+            known = self._last[name] = Replay(segment, name, limit, self)
         return known
 
     def allow(self, count: int) -> bool:
@@ -144,14 +140,16 @@ class Replay:
     segment : Segment
     name : str
         Name of the sensor.
-    duration : float
-        Time of the truth's last sample since the segment's start, s.
+    limit : float
+        Limit L of the attitude's error, rad.
     replays : Replays
         Replays of the whole bag, which limit the deviates.
     """
 
-    def __init__(self, segment: Segment, name: str, duration: float, replays: Replays) -> None:
-        self.segment, self._name, self._duration, self._replays = segment, name, duration, replays
+    def __init__(self, segment: Segment, name: str, limit: float, replays: Replays) -> None:
+        self.segment, self._name, self._replays = segment, name, replays
+        self._relative_error = max(limit, MIN_READING_ERROR)
+        self._largest = dict[str, float]()
         self._measurement = self._begun()
         self._pieces: list[Piece] = []
 
@@ -171,41 +169,20 @@ class Replay:
         near = numbers[: np.searchsorted(numbers, first + REPLAY_BLOCK)]
         gaps = np.flatnonzero(np.diff(near) > _LONGEST_GAP)
         last = int(near[gaps[0]] if len(gaps) else near[-1])
-        self._pieces = [*self._pieces[1 - _PIECES_KEPT :], self._replayed(first, last + 1 - first)]
+        self._pieces = [*self._pieces[1 - _MAX_PIECES :], self._replayed(first, last + 1 - first)]
         return self._pieces[-1]
 
     def _replayed(self, first: int, count: int) -> Piece:
         self._measurement.begin_at(first)
-        times, elapsed, signals = self._measurement.replay(count)
-        t = np.asarray(elapsed * 1e-9, dtype=np.float64)
-        limits = self._limits(float(t[-1]))
-        return Piece(first, times, {name: _expected(signal, t, limits) for name, signal in signals.items()})
+        times, _, signals = self._measurement.replay(count)
+        return Piece(first, times, {name: self._expected(name, signal) for name, signal in signals.items()})
 
-    def _limits(self, until: float) -> Tolerance:
-        """Limits of the motion until a time, s. The recorder may have lost the truth before; errors then grow on."""
-        duration = self._duration if until <= self._duration else 2.0 ** math.ceil(math.log2(until))
-        return limits_of(self.segment, self._name, duration)
-
-
-def _expected(signal: Signal, t: Array, limits: Tolerance) -> Expected:
-    """Expected readings of a signal at times t, s, with their uncertainty."""
-    values = signal.values.reshape(len(t), -1)
-
-    def bound() -> Array:
-        conditioning = signal.conditioning()
-        span = conditioning.span
-        rate = limits.stepper_mean_rate(t, span) if span else limits.stepper_rate(t)
-        size, per_attitude, per_rate = conditioning.numbers
-        carried = per_attitude * limits.stepper_attitude(t)[:, np.newaxis] + per_rate * rate[:, np.newaxis]
-        return np.broadcast_to(ROUNDINGS * U * size + carried, values.shape)
-
-    return Expected(values, bound, signal.converter or _CONTINUOUS)
-
-
-def limits_of(segment: Segment, name: str, duration: float) -> Tolerance:
-    """Limits of the motion that a sensor measures, whose integrator steps follow from the sensor's rate."""
-    scenario = segment.scenario
-    rate = scenario.sensors.on[name].rate
-    own, truth = (1.0 / (f * scenario.steps_per_sample(f)) for f in (rate, scenario.rate))
-    has_same = scenario.motion == "closed_form" or math.isclose(own, truth)
-    return tolerance(scenario if has_same else scenario.resampled(rate=rate), duration)
+    def _expected(self, name: str, signal: Signal) -> Expected:
+        """Expected readings of a signal, with their uncertainty."""
+        values = signal.values.reshape(len(signal.values), -1)
+        sizes = np.sqrt(np.einsum("ij,ij->i", values, values))
+        largest = np.maximum(np.maximum.accumulate(sizes), self._largest.get(name, 0.0))
+        self._largest[name] = float(largest[-1])
+        turn = 1.0 / signal.interval if signal.interval else 0.0
+        uncertainty = self._relative_error * (largest + turn)
+        return Expected(values, uncertainty[:, np.newaxis], signal.converter or _CONTINUOUS)

@@ -10,9 +10,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
-from lie_rigid_body.certificate.readings import Piece, Replays, limits_of
+from lie_rigid_body.certificate.readings import Piece, Replays
 from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
-from lie_rigid_body.certificate.tolerance import ATTITUDE_CAP
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, same_bits
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.messages import ReadingEncoder
@@ -152,7 +151,7 @@ class SegmentSensor:
         watch: Watch | None = None,
     ) -> None:
         self._segment, self._last_ns, self._name = segment, last_ns, name
-        self._replays, self._duration, self.is_too_far = replays, (last_ns - segment.start_ns) * 1e-9, False
+        self._replays, self.is_too_far = replays, False
         self._delivery = segment.scenario.sensors.on[name].delivery
         self._end_ns = successors[0].start_ns - 1 if successors else MAX_EPOCH_NS
         self._goes_on = all(name in later.scenario.sensors.on for later in successors)
@@ -235,7 +234,7 @@ class SegmentSensor:
         off = sum(int(np.count_nonzero(own.numbers < self.first)) for own in placed.values())
         numbers = numbers[np.searchsorted(numbers, self.first) :]
         while len(numbers) and not self.is_too_far:
-            piece = self._replays.of(self._segment, self._name, self._duration).piece(numbers)
+            piece = self._replays.of(self._segment, self._name).piece(numbers)
             self.is_too_far = piece is None
             if piece is not None:
                 off += sum(self.topics[name].compare(piece, own) for name, own in placed.items())
@@ -243,20 +242,13 @@ class SegmentSensor:
         return off
 
     def results(self, topic: TopicLaws) -> Iterator[LawResult]:
-        """The laws of a topic's content; a broken one tells topic, time, and whether the stepper is to blame."""
+        """The laws of a topic's content; a broken one tells topic and time."""
         for law in topic.results(with_values=not self.is_too_far):
             if law.holds or law.stamp_ns is None:
                 yield law
                 continue
             time_s = (law.stamp_ns - self._segment.start_ns) / 1e9
             message = f"{topic.topic:.60}: {law.message}, {time_s:.9g} s after the start"
-            duration = max(self._duration, time_s)  # of one sample 0
-            erring = float(limits_of(self._segment, self._name, duration).attitude_uncapped(np.array([duration]))[0])
-            if law.name in value_laws() and erring > ATTITUDE_CAP:
-                message += (
-                    f": between these readings the declared stepper errs by up to {erring:.2g} rad, "
-                    f"a ground truth by {ATTITUDE_CAP:g} at most"
-                )
             yield replace(law, message=message)
 
 

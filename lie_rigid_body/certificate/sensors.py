@@ -76,10 +76,19 @@ class SensorLaws:
         Of the same bag.
     watch : Watch, optional
         It is told of the residuals of all readings that are compared.
+    max_attitude : float, optional
+        Limit of the attitude's error, rad, in place of that of the declared motion.
     """
 
-    def __init__(self, bag: Bag | Recording, surveyed: Survey, watch: Watch | None = None) -> None:
-        self._bag, self._surveyed, self._replays, self._watch = bag, surveyed, Replays(), watch
+    def __init__(
+        self,
+        bag: Bag | Recording,
+        surveyed: Survey,
+        watch: Watch | None = None,
+        max_attitude: float | None = None,
+    ) -> None:
+        self._bag, self._surveyed, self._watch = bag, surveyed, watch
+        self._replays = Replays(max_attitude)
         self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
         self._held = {name for name in self._declared if surveyed.as_written or name in bag.sensors}
         self._clocks = {

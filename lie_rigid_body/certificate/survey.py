@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +13,6 @@ from lie_rigid_body.certificate.law_result import LawResult
 from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
-from lie_rigid_body.motion.taylor_flow import LONGEST_TURN, substeps_and_terms
 from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Batches, Block, numbered, paired, require_samples
 from lie_rigid_body.recording.segments import (
@@ -47,10 +45,6 @@ class SurveyedSegment:
         Whether it may begin after the segment's start, as a recorder that subscribed to a running node does.
     unpaired : int
         Stamps between the first and the last sample that only one of the two topics has.
-    longest_span : float
-        Longest time between neighbours, s.
-    followed_span : float
-        The longest over which the flow is followed, s.
     """
 
     segment: Segment
@@ -60,20 +54,11 @@ class SurveyedSegment:
     stamps: LawResult
     begins_late: bool
     unpaired: int
-    longest_span: float = 0.0
-    followed_span: float = 0.0
-
-    @property
-    def duration(self) -> float:
-        """Time of the last sample since the segment's start, s."""
-        return 0.0 if self.last_ns is None else (self.last_ns - self.segment.start_ns) * 1e-9
 
     @classmethod
     def whole(cls, segment: Segment, count: int) -> SurveyedSegment:
         """A segment that has its first samples, so many, and no other."""
         clock, first = segment.clock(), segment.first_sample
-        span = (count > 1) * math.ceil(clock.period_ns) * 1e-9
-        followed = span if span * segment.scenario.rate_bound() <= LONGEST_TURN else 0.0
         stamps = stamp_result("stamps", clock, [], 2 * count)
         last_ns = clock.stamp_ns(first + count - 1)
         return cls(
@@ -84,15 +69,12 @@ class SurveyedSegment:
             stamps,
             begins_late=False,
             unpaired=0,
-            longest_span=span,
-            followed_span=followed,
         )
 
     @property
-    def held_by(self) -> tuple[int, int | None, tuple[int, int]]:
-        """What decides on limits of its laws and on steps of the flow: the very segment, its end, steps and terms."""
-        steps = substeps_and_terms(self.segment.scenario.rate_bound() * self.followed_span)
-        return id(self.segment), self.last_ns, steps
+    def held_by(self) -> tuple[int, int | None]:
+        """What the laws of its sensors depend on: the very segment, and its end."""
+        return id(self.segment), self.last_ns
 
 
 class SegmentTally:
@@ -115,8 +97,6 @@ class SegmentTally:
         self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
         self._count = self._unpaired = self._alone_since = 0
         self._first = self._last_ns = 0
-        self._fastest = segment.scenario.rate_bound()
-        self._longest = self._followed = 0.0
         self.logged_ns = MAX_EPOCH_NS
 
     @property
@@ -129,9 +109,6 @@ class SegmentTally:
         if not len(common):
             self._alone_since += len(alone) if self._count else 0
             return
-        spans = np.diff(common, prepend=self._last_ns if self._count else common[0]) * 1e-9
-        self._longest = max(self._longest, float(spans.max()))
-        self._followed = max(self._followed, float(np.max(spans[spans * self._fastest <= LONGEST_TURN], initial=0.0)))
         if self._count:
             self._unpaired += self._alone_since + int(np.count_nonzero(alone < common[0]))
         else:
@@ -162,8 +139,6 @@ class SegmentTally:
             law,
             late_start,
             self._unpaired,
-            self._longest,
-            self._followed,
         )
 
 

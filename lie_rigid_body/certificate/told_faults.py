@@ -15,10 +15,9 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.readings import REPLAY_BLOCK, ROUNDINGS
+from lie_rigid_body.certificate.readings import MIN_READING_ERROR, REPLAY_BLOCK
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.motion.drift import U
 from lie_rigid_body.sensors import Fault
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.loop import FaultLog
@@ -206,4 +205,4 @@ def _are_alike(expected: Fault, told: Fault) -> bool:
     """Whether two faults have equal sizes, within round-off if normal deviates made them."""
     if expected.kind not in _DRAWN or expected.size is None or told.size is None:
         return expected.size == told.size
-    return abs(expected.size - told.size) <= ROUNDINGS * U * abs(expected.size)
+    return abs(expected.size - told.size) <= MIN_READING_ERROR * abs(expected.size)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from pathlib import Path
 from threading import TIMEOUT_MAX
-from typing import Final
+from typing import Final, TypeAlias
 
-from lie_rigid_body.certificate.certification import certify, passes
+from lie_rigid_body.certificate.certification import Certificate, certify, passes
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.command_line import topic_names
+from lie_rigid_body.evaluation import Limits
 from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.mechanics import RigidBody
@@ -30,15 +32,20 @@ from lie_rigid_body.system.portable import cores, real_path
 
 _KILLED: Final = "the process that read it was killed, perhaps for its memory: free some, and check it alone"
 
+Judged: TypeAlias = Callable[[Bag], Certificate]
+"""A function that makes the certificate of a bag."""
+
 
 def check(given: argparse.Namespace) -> int:
     """Certify what the arguments name, and return the exit status."""
     topics = topic_names(given.topic, topic_types())
     inertia = None if given.inertia is None else _inertia(given.inertia)
+    max_attitude = None if given.max_attitude is None else _angle(given.max_attitude)
+    judged = partial(certify, inertia=inertia, max_attitude=max_attitude)
     require_outputs(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
     if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):
         _refuse_proof(given)
-        return _answer(given, judge_all(_bags_of(given.bags), inertia, topics))
+        return _answer(given, judge_all(_bags_of(given.bags), judged, topics))
     if given.prove is not None:
         require_count(given.prove)
     name, residuals = given.bags[0], None if given.report is None else ResidualsOverTime()
@@ -50,15 +57,16 @@ def check(given: argparse.Namespace) -> int:
             bar.total = console.bytes_of(name) * (
                 1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag))
             )
-            verdicts = judge_bodies(name, bodies, inertia)
+            verdicts = judge_bodies(name, bodies, judged)
             bar.close()
             return _answer(given, verdicts)
         bar.total = console.bytes_of(name) * (1 + passes(first, residuals) + (residuals is not None))
-        certificate = certify(first, inertia, residuals)
+        certificate = judged(first, watch=residuals)
         pieces = thinned_segments(first, certificate) if residuals and certificate.segments else []
     proof = None
     if given.prove is not None:
-        proof = Proof(tuple(console.progress(prove(first, certificate, given.prove, inertia), unit=" samples")))
+        proved = prove(first, certificate, given.prove, inertia, max_attitude)
+        proof = Proof(tuple(console.progress(proved, unit=" samples")))
     return answer(
         given,
         {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
@@ -80,6 +88,14 @@ def _inertia(text: str) -> list[float]:
     except ParameterError as error:
         raise InputError(f"--inertia {text}: {error}") from None
     return numbers
+
+
+def _angle(text: str) -> float:
+    """The angle, rad, that an option gives."""
+    try:
+        return math.radians(Limits.parse(text).max_rms_deg or 0.0)
+    except InputError as error:
+        raise InputError(f"--max-attitude: {error}") from None
 
 
 def _is_folder_of_bags(name: str) -> bool:
@@ -118,51 +134,47 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
     return max(verdict.status for verdict in verdicts)
 
 
-def judge_all(
-    bags: Sequence[str], inertia: Sequence[float] | None = None, topics: Mapping[str, str] | None = None
-) -> list[Verdict]:
+def judge_all(bags: Sequence[str], judged: Judged = certify, topics: Mapping[str, str] | None = None) -> list[Verdict]:
     """Judge bags by as many processes as there are cores; the verdicts come in the order of the bags.
 
     Parameters
     ----------
     bags : sequence of str
-    inertia : sequence of float, optional
-        To be used in place of the declared one, kg m².
+    judged : callable, optional
+        Makes the certificate of a bag.
     topics : mapping of str to str, optional
         Topics that are called otherwise, by their relative names.
     """
 
-    def judged(interpreter: Interpreter, bag: str) -> list[Verdict]:
+    def asked(interpreter: Interpreter, bag: str) -> list[Verdict]:
         try:
-            return interpreter.ask(partial(judge, inertia, topics or {}, bag), TIMEOUT_MAX)  # type: ignore[no-any-return]
+            return interpreter.ask(partial(judge, judged, topics or {}, bag), TIMEOUT_MAX)  # type: ignore[no-any-return]
         except EOFError:
             return [Verdict(bag, None, None, f"{bag}: {_KILLED}")]
 
     with closing(Interpreters(min(cores(), len(bags)))) as pool:
-        found = console.progress(pool.map(judged, bags), total=len(bags), unit=" bags")
+        found = console.progress(pool.map(asked, bags), total=len(bags), unit=" bags")
         return [verdict for verdicts in found for verdict in verdicts]
 
 
-def judge(inertia: Sequence[float] | None, topics: Mapping[str, str], bag: str) -> list[Verdict]:
+def judge(judged: Judged, topics: Mapping[str, str], bag: str) -> list[Verdict]:
     """Judge all bodies of a bag; whatever is wrong with the bag is its verdict."""
     try:
-        return judge_bodies(bag, Bag.all_of(bag, lambda count: None, topics), inertia)
+        return judge_bodies(bag, Bag.all_of(bag, lambda count: None, topics), judged)
     except Exception as error:
         return [_unusable(bag, None, error)]
 
 
-def judge_bodies(
-    bag: str, bodies: Mapping[str, Bag | BagError], inertia: Sequence[float] | None = None
-) -> list[Verdict]:
+def judge_bodies(bag: str, bodies: Mapping[str, Bag | BagError], judged: Judged = certify) -> list[Verdict]:
     """Judge the bodies of a bag, as `Bag.all_of` finds them; what is wrong with one is its verdict."""
-    return [_of_body(bag, name if len(bodies) > 1 else None, found, inertia) for name, found in bodies.items()]
+    return [_of_body(bag, name if len(bodies) > 1 else None, found, judged) for name, found in bodies.items()]
 
 
-def _of_body(bag: str, body: str | None, found: Bag | BagError, inertia: Sequence[float] | None) -> Verdict:
+def _of_body(bag: str, body: str | None, found: Bag | BagError, judged: Judged) -> Verdict:
     try:
         if isinstance(found, BagError):
             raise found
-        return Verdict(bag, body, certify(found, inertia))
+        return Verdict(bag, body, judged(found))
     except Exception as error:
         return _unusable(bag, body, error)
 

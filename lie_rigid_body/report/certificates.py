@@ -50,9 +50,9 @@ def as_table(bag: str, certificate: Certificate, proof: Proof | None = None) -> 
     for i, segment in enumerate(certificate.segments, 1):
         first, *others = segment_facts(i, len(certificate.segments), segment)
         lines += ["", first, *(f"  {fact}" for fact in others), "", LAW_ROW.format(*LAW_HEADINGS).rstrip()]
-        lines += [LAW_ROW.format(*law_cells(law, segment.time_s(law))) for law in segment.laws]
+        lines += [LAW_ROW.format(*law_cells(law, segment.time_s(law))).rstrip() for law in segment.laws]
         lines += [wrapped(note, " note: ") for note in segment.notes]
-    lines += [*(LAW_ROW.format(*law_cells(law, None)) for law in certificate.whole), "", verdict(certificate)]
+    lines += [*(LAW_ROW.format(*law_cells(law, None)).rstrip() for law in certificate.whole), "", verdict(certificate)]
     if certificate.not_certified:
         lines.append(wrapped("; ".join(certificate.not_certified) + ".", "Not certified: "))
     if proof is not None:
@@ -72,7 +72,7 @@ def verdict(certificate: Certificate) -> str:
         f"  kinetic energy to {told['kinetic_energy_relative']:.2g}, "
         f"world momentum to {told['world_momentum_relative']:.2g} (relative).",
     ]
-    if worst["sample"] is not None and certificate.accuracy("closed form") != 0.0:
+    if worst["sample"] is not None and certificate.accuracy("attitude") != 0.0:
         where = f" of segment {worst['segment']}" if len(certificate.segments) > 1 else ""
         lines.append(
             f"  Attitude is worst at sample {worst['sample']}{where}, {worst['time_s']:.7g} s after the start."
@@ -151,12 +151,13 @@ def as_json(bag: str, certificate: Certificate, proof: Proof | None = None) -> d
 def _accuracy(certificate: Certificate) -> dict[str, Any]:
     """How exact a certified bag is, and where it is so least."""
     number, segment = certificate.farthest
-    law = segment.law("closed form")
+    law = segment.law("attitude")
     return {
         "attitude_rad": certificate.attitude_accuracy,
-        "attitude_limit_rad": max(each.law("closed form").limit for each in certificate.segments),
+        "attitude_limit_rad": max(each.law("attitude").limit for each in certificate.segments),
+        "body_rate_relative": certificate.accuracy("body rate"),
         "kinetic_energy_relative": certificate.accuracy("kinetic energy"),
-        "world_momentum_relative": max(certificate.accuracy(f"world momentum {axis}") for axis in "xyz"),
+        "world_momentum_relative": certificate.accuracy("world momentum"),
         "attitude_worst": {
             "segment": number,
             "sample": law.sample,
@@ -214,6 +215,8 @@ def law_cells(law: LawResult, time_s: float | None) -> tuple[str, ...]:
     is_long, is_count = len(law.unit) > _UNIT, _COUNTS[0] < law.worst < _COUNTS[1] and law.worst.is_integer()
     name, unit = (f"{law.name}, {law.unit}", "") if is_long else (law.name, law.unit)
     worst = f"{law.worst:.0f}" if is_count else f"{law.worst:.2g}"
+    if not law.is_judged:
+        return name, worst, "", unit, sample, time, ""
     return name, worst, f"{law.limit:.2g}", unit, sample, time, "holds" if law.holds else "BROKEN"
 
 

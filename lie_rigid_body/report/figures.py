@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import groupby, product
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -323,37 +322,34 @@ def residuals_over_time(
         HTML. Laws that have no residual but 0 are left out.
     """
     watched = [law for law in certificate.laws if law.name in residuals.laws]
-    for name, laws in groupby(watched, lambda law: re.sub(" [xyz]$", "", law.name)):
-        own = [(law, residuals.laws[law.name]) for law in laws]
-        if traces := list(_traces(own, int(pieces[0].stamps_ns[0]))):
-            unit = own[0][0].unit
-            label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(unit, f"residual [{unit}]")
+    for law in watched:
+        if traces := list(_traces(law, residuals.laws[law.name], int(pieces[0].stamps_ns[0]))):
+            label = {"rel": "relative residual", "1": "residual", "": "residual"}.get(
+                law.unit, f"residual [{law.unit}]"
+            )
             time = axis("time [s]", range=[0.0, max(float(trace["x"][-1]) for trace in traces)])
             size = logarithmic(label, np.concatenate([trace["y"] for trace in traces]))
-            yield figure(name, drawn(traces, xaxis=time, yaxis=size, shapes=resets(pieces), showlegend=len(own) > 1))
+            yield figure(law.name, drawn(traces, xaxis=time, yaxis=size, shapes=resets(pieces), showlegend=False))
 
 
-def _traces(laws: Sequence[tuple[LawResult, LawOverTime]], origin_ns: int) -> Iterator[dict[str, Any]]:
-    """Curves of a law, or of its components, marks at what is broken and at the worst, and their limit."""
-    limits = []
-    for i, (worst, law) in enumerate(laws):
-        t, residuals, limit, broken = law.series(origin_ns)
-        if not (residuals > 0.0).any():
-            continue
-        if (limit > 0.0).any():
-            limits.append(_over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT))
-        finite = np.isfinite(residuals)
-        top = _BEYOND * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
-        heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
-        name, colour = (worst.name[-1], COLOURS[i]) if len(laws) > 1 else ("largest residual", COLOURS[2])
-        yield _over_time(t, heights, name, colour)
-        if broken.any():
-            yield _over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
-        if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
-            at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
-            circle = {"symbol": "circle-open", "size": 11, "color": colour, "line": {"width": 2}}
-            yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
-    yield from limits[-1:]
+def _traces(worst: LawResult, law: LawOverTime, origin_ns: int) -> Iterator[dict[str, Any]]:
+    """Curve of a law, marks at what is broken and at the worst, and its limit, if it has a residual but 0."""
+    t, residuals, limit, broken = law.series(origin_ns)
+    if not (residuals > 0.0).any():
+        return
+    limit = np.where(np.isfinite(limit), limit, 0.0)
+    finite = np.isfinite(residuals)
+    top = _BEYOND * max(float(residuals[finite].max(initial=0.0)), float(limit.max())) or 1.0
+    heights = np.where(finite, np.where(residuals > 0.0, residuals, np.nan), top)
+    yield _over_time(t, heights, "largest residual", COLOURS[2])
+    if broken.any():
+        yield _over_time(t[broken], heights[broken], "broken", RED, mode="markers", showlegend=False)
+    if worst.stamp_ns is not None and 0.0 < worst.worst < np.inf:
+        at = np.array([(worst.stamp_ns - origin_ns) * 1e-9, worst.worst])
+        circle = {"symbol": "circle-open", "size": 11, "color": COLOURS[2], "line": {"width": 2}}
+        yield {**mark(at, f"worst: number {worst.sample}", **circle), "showlegend": False, "cliponaxis": False}
+    if (limit > 0.0).any():
+        yield _over_time(t, np.where(limit > 0.0, limit, np.nan), "limit", GREY, **_LIMIT)
 
 
 def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> Iterator[str]:

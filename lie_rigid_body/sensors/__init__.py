@@ -18,7 +18,7 @@ from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
 from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, graded
 from lie_rigid_body.sensors.pointing import AttitudeSensor, AttitudeSensorModel, SunSensor, SunSensorModel
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic
-from lie_rigid_body.sensors.signal import Conditioning, Signal
+from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.sensors.table import SENSORS, Sensors, frame_parameters, without_effect
 
 __all__ = [
@@ -28,7 +28,6 @@ __all__ = [
     "SENSORS",
     "AttitudeSensor",
     "AttitudeSensorModel",
-    "Conditioning",
     "Delivery",
     "Fault",
     "Field",

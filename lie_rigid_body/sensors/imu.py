@@ -28,13 +28,11 @@ from lie_rigid_body.sensors.parameters import (
 )
 from lie_rigid_body.sensors.pointing import OrientationModel
 from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
-from lie_rigid_body.sensors.signal import Conditioning, Signal
+from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 
 LARGEST_TURN_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
-_PER_RATE: Final = math.sqrt(2.0) + 2.0
-"""Change of the acceleration of a point per change of the body rate, in units of the rate and of the lever arm."""
 _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
 
@@ -186,14 +184,11 @@ class SpecificForce:
         self._to_principal = body.principal_axes.T
         self._across = -so3.hat(lever_arm)
         self._principal_across = self._across @ body.principal_axes
-        self._has_lever_arm, self._arm = any(lever_arm), float(so3.norm(np.array(lever_arm)))
+        self._has_lever_arm = any(lever_arm)
         self._support = support
 
-    def signal(self, states: State) -> Signal:
+    def of(self, states: State) -> Array:
         """The specific force in the body frame, m/s², shape (N, 3): exactly 0 at the mass centre in free fall.
-
-        The quotients of moments in Euler's equations are of size 1 at most. So an error δω of the rate changes ω̇×r by
-        at most √2 ‖ω‖‖r‖ δω, and ω×(ω×r) by twice ‖ω‖‖r‖ δω; one of the attitude turns the support.
 
         Parameters
         ----------
@@ -207,13 +202,7 @@ class SpecificForce:
             x, y, z, w = states.attitude_xyzw.T
             up = 2.0 * np.stack([x * z - y * w, y * z + x * w, 0.5 - (x * x + y * y)], axis=-1)
             force = force + self._support * up
-
-        def conditioning() -> Conditioning:
-            speed = so3.norm(rate)
-            size = 3.0 * speed * speed * self._arm + self._support
-            return Conditioning.of(size, self._support, _PER_RATE * speed * self._arm)
-
-        return Signal(force, condition=conditioning)
+        return force
 
     def _of_rotation(self, rate: Array) -> Array:
         """Acceleration of the point relative to the mass centre, body frame, m/s²: ω̇×r + ω×(ω×r)."""
@@ -249,12 +238,10 @@ class Imu(Instrument):
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings before their converters; see `Instrument.measure`."""
-        rate = Signal(
-            self._rate.over(times_ns, states) if self._integrates else states.body_rate,
-            condition=lambda: self._rate_conditioning(states),
-        )
-        gyro, gyro_bias = self._gyro.signals(first, times_ns, rate)
-        force, force_bias = self._accelerometer.signals(first, times_ns, self._force.signal(states))
+        rate = self._rate.over(times_ns, states) if self._integrates else states.body_rate
+        interval = 1.0 / self._model.rate if self._integrates else 0.0
+        gyro, gyro_bias = self._gyro.signals(first, times_ns, rate, interval)
+        force, force_bias = self._accelerometer.signals(first, times_ns, self._force.of(states))
         told = self._model.orientation
         return {
             "gyro": gyro,
@@ -263,13 +250,6 @@ class Imu(Instrument):
             "accelerometer_bias": force_bias,
             **({} if told is None else {"orientation_xyzw": told.signal(states, self._turn, first)}),
         }
-
-    def _rate_conditioning(self, states: State) -> Conditioning:
-        """How far the true rates may differ; an integrated one is the difference of two attitudes over the interval."""
-        speed, rate = so3.norm(states.body_rate), self._model.rate
-        if not self._integrates:
-            return Conditioning.of(speed, per_rate=1.0)
-        return Conditioning.of(speed + rate, per_rate=1.0, span=1.0 / rate)
 
 
 def _fixed(model: ImuModel) -> dict[str, tuple[float, ...]]:

@@ -13,6 +13,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import (
@@ -170,11 +171,11 @@ class Magnetometer(Instrument):
         if model.disturbance is not None:
             world_field = world_field + model.disturbance.field(times_ns)
         field = quaternion.rotate(quaternion.conjugate(states.attitude_xyzw), world_field)
-        distorted = Signal(field, model.converter).through(self._soft_iron).plus(np.array(model.hard_iron))
-        signal = distorted.plus(self._noise.draw(first, count))
+        distorted = apply_tensor(self._soft_iron, field) + np.array(model.hard_iron)
+        signal = distorted + self._noise.draw(first, count)
         if model.faults is not None and self._faulty is not None:
-            signal = self._faulty.disturbed(first, times_ns, signal.plus(model.faults.drift(times_ns)))
-        return {"field": signal}
+            signal = self._faulty.disturbed(first, times_ns, signal + model.faults.drift(times_ns))
+        return {"field": Signal(signal, model.converter)}
 
 
 def _fixed(model: MagnetometerModel) -> dict[str, tuple[float, ...]]:

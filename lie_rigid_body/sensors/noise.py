@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.sensors.signal import Conditioning, Signal
 
 _FEW: Final = 256
 """Largest number of random numbers that are drawn and not used; beyond it the counter of the generator is set."""
@@ -28,9 +27,6 @@ _WORDS_PER_COUNT: Final = 4
 """Random words that Philox 4×64 makes of one value of its counter."""
 _SKIPPED_AT_ONCE: Final = 65_536
 """Number of vectors drawn at once for values of a random walk that are left out, which bounds the memory."""
-_WALK: Final = 0.5
-"""Roundings of a random walk, as a share of its largest size so far times the square root of the number of its steps.
-It is the sum of so many errors at random, each of the rounding of the sum and of its step's deviate."""
 _ONE: Final = np.float64(1.0).view(np.uint64)
 """Bits of the double 1."""
 
@@ -125,10 +121,11 @@ class RandomWalk:
     """
 
     def __init__(self, start: Array, steps: WhiteNoise) -> None:
-        self._steps, self._number = steps, 0
-        self._next, self._largest = start[np.newaxis], np.zeros((1, 3))
+        self._steps = steps
+        self._number = 0
+        self._next = start[np.newaxis]
 
-    def signal(self, first: int, count: int) -> Signal:
+    def values(self, first: int, count: int) -> Array:
         """The values from number ``first`` on, which does not lie before what was asked for, shape (count, 3).
 
         Where values are left out, their steps are drawn all the same, unless all of them are 0.
@@ -140,22 +137,10 @@ class RandomWalk:
                 self._number = first  # after so many zeros of either sign, their sum is +0
         return self._following(count)
 
-    def _following(self, count: int) -> Signal:
+    def _following(self, count: int) -> Array:
         steps = self._steps.draw(self._number, count)
         # accumulate adds one step after the other, so that where a block begins changes no bit
         path = np.add.accumulate(np.concatenate([self._next, steps]), axis=0)
-        values, largest, first = path[:count], self._largest, self._number
-        self._next, self._number = path[count:], first + count
-        walks = self._steps.sigma > 0.0
-        if walks and count:
-            self._largest = np.maximum(largest, np.abs(values).max(axis=0))
-
-        def conditioning() -> Conditioning:
-            sizes, nothing = np.abs(values), np.zeros((2, *values.shape))
-            if walks:
-                so_far = np.maximum.accumulate(np.concatenate([largest, sizes]), axis=0)[1:]
-                steps = np.arange(first, first + count, dtype=np.float64)[:, np.newaxis]
-                sizes = sizes + _WALK * np.sqrt(steps) * so_far
-            return Conditioning(np.concatenate([sizes[np.newaxis], nothing]))
-
-        return Signal(values, condition=conditioning)
+        self._next = path[count:]
+        self._number += count
+        return path[:count]

@@ -15,7 +15,7 @@ from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
 from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
-from lie_rigid_body.sensors.signal import Conditioning, Signal
+from lie_rigid_body.sensors.signal import Signal
 
 
 @short_dataclass(frozen=True)
@@ -41,18 +41,12 @@ class OrientationModel:
 
     def signal(self, states: State, noise: WhiteNoise, first: int) -> Signal:
         """The orientations that it tells, world-from-body, scalar last, shape (N, 4), from unit noise."""
-        attitude, error = states.attitude_xyzw, np.zeros((len(states.attitude_xyzw), 3))
+        attitude = states.attitude_xyzw
         sigma = np.array([self.inclination_noise, self.inclination_noise, self.heading_noise])
         if sigma.any():
             error = sigma * noise.draw(first, len(attitude))
             attitude = quaternion.multiply(quaternion.exp(error), attitude)
-        return Signal(attitude, condition=lambda: _turned(error))
-
-
-def _turned(error: Array) -> Conditioning:
-    """The conditioning of attitudes that are turned by small rotations."""
-    # half of an angle is what a component of a quaternion changes by at most
-    return Conditioning.of(1.0 + so3.norm(error), 0.5)
+        return Signal(attitude)
 
 
 @short_dataclass(frozen=True)
@@ -137,20 +131,16 @@ class AttitudeSensor(Instrument):
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings; see `Instrument.measure`."""
-        attitude, error = states.attitude_xyzw, np.zeros((len(times_ns), 3))
-        across, about = self._model.cross_boresight_noise, self._model.roll_noise
+        attitude = states.attitude_xyzw
+        across = self._model.cross_boresight_noise
+        about = self._model.roll_noise
         if across or about:
             drawn, b = self._noise.draw(first, len(times_ns)), self._boresight
             roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
             error = across * drawn + (about - across) * roll[:, np.newaxis] * b
             attitude = quaternion.multiply(attitude, quaternion.exp(error))
 
-        def of_covariance() -> Conditioning:
-            # the boresight turns by twice what a quaternion errs by, and stands in the covariance twice
-            return _turned(error).scaled(4.0 * abs(about**2 - across**2)).enlarged(across**2 + about**2)
-
-        covariance = Signal(self._model.covariance(attitude), condition=of_covariance)
-        return {"attitude_xyzw": Signal(attitude, condition=lambda: _turned(error)), "covariance": covariance}
+        return {"attitude_xyzw": Signal(attitude), "covariance": Signal(self._model.covariance(attitude))}
 
 
 @short_dataclass(frozen=True)
@@ -203,8 +193,7 @@ class SunSensor(Instrument):
         if not self._noise.sigma:
             return {"direction": Signal(sun)}
         error = self._noise.draw(first, len(sun))
-        turned = quaternion.rotate(quaternion.exp(error), sun)
-        return {"direction": Signal(turned, condition=lambda: Conditioning.of(1.0 + so3.norm(error), 1.0))}
+        return {"direction": Signal(quaternion.rotate(quaternion.exp(error), sun))}
 
 
 _ROTATION: Final = tuple(6 * row + column for row in (3, 4, 5) for column in (3, 4, 5))

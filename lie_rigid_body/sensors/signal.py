@@ -1,18 +1,15 @@
-"""Signals: the quantity that an instrument measures, its converter, and how far another computer's value may differ."""
+"""Signals: the quantity that an instrument measures, and the converter that makes readings of it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.lie import so3
-from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.parameters import Values, values_of
 
 FINEST_RESOLUTION: Final = 1e-18
@@ -90,41 +87,6 @@ class Converter:
 
 
 @short_dataclass(frozen=True)
-class Conditioning:
-    """Sensitivity of a signal to round-off and to errors of the body's state.
-
-    Parameters
-    ----------
-    numbers : ndarray, shape (3, N, 1) or (3, N, 3)
-        For each reading, on all axes alike or on each. First the sum of the absolute values of the parts that the
-        signal is added up from, as they were drawn, of which the round-off is a multiple. Then the change of the signal
-        per rad of an error of the attitude, and its change per rad/s of an error of the body rate.
-    span : float
-        Time over which that rate is a mean, s; 0: it is that of an instant.
-    """
-
-    numbers: Array
-    span: float = 0.0
-
-    @classmethod
-    def of(
-        cls, size: Array, per_attitude: Array | float = 0.0, per_rate: Array | float = 0.0, span: float = 0.0
-    ) -> Conditioning:
-        """The conditioning of given numbers for each reading, shape (N,), all axes alike."""
-        return cls(np.stack(np.broadcast_arrays(size, per_attitude, per_rate))[..., np.newaxis], span)
-
-    def scaled(self, gains: Array | float) -> Conditioning:
-        """The conditioning of a signal that is multiplied by a number, or by one on each axis."""
-        return replace(self, numbers=gains * self.numbers)
-
-    def enlarged(self, part: Array | float) -> Conditioning:
-        """The conditioning of a signal that has one more part of this size on each axis."""
-        parts = np.zeros((3, *np.broadcast_shapes(self.numbers.shape[1:], np.shape(part))))
-        parts[0] = part
-        return replace(self, numbers=self.numbers + parts)
-
-
-@short_dataclass(frozen=True)
 class Signal:
     """One quantity of an instrument before its converter.
 
@@ -134,71 +96,14 @@ class Signal:
         In the unit of the reading.
     converter : Converter or None
         What makes readings of the values; None: the readings are the values.
-    condition : callable or None
-        Makes the `Conditioning` of the values, which only a certificate asks for. None: that of a vector which is known
-        in the world.
+    interval : float
+        Time over which each value is a mean, s; 0: it is that of an instant.
     """
 
     values: Array
     converter: Converter | None = None
-    condition: Callable[[], Conditioning] | None = None
+    interval: float = 0.0
 
     def read(self) -> Array:
         """The readings, of the shape of the values."""
         return self.values if self.converter is None else self.converter.read(self.values)
-
-    def conditioning(self) -> Conditioning:
-        """Sensitivity of the values to round-off and to errors of the body's state."""
-        if self.condition is not None:
-            return self.condition()
-        size = np.sqrt(np.sum(self.values * self.values, axis=-1))
-        return Conditioning.of(size, per_attitude=size)
-
-    def through(self, matrix: Array) -> Signal:
-        """The signal on axes whose sensitivities are the rows of a matrix, shape (3, 3)."""
-        gains = so3.norm(matrix)
-        values = apply_tensor(matrix, self.values)
-        return replace(self, values=values, condition=lambda: self.conditioning().scaled(gains))
-
-    def plus(self, part: Array, roundings: Callable[[], Array | float] = lambda: 0.0) -> Signal:
-        """The signal with one more part.
-
-        Parameters
-        ----------
-        part : ndarray, shape (N, 3) or (3,)
-        roundings : callable, optional
-            Makes the size, shape (N, 3), of which the part has roundings beside those of its own size.
-        """
-        values = self.values + part
-        return replace(self, values=values, condition=lambda: self.conditioning().enlarged(np.abs(part) + roundings()))
-
-    def held(self, rows: Integers, before: Signal | None) -> Signal:
-        """The signal with the values of other rows, chosen for each axis.
-
-        Parameters
-        ----------
-        rows : ndarray of int64, shape (N, 3)
-            Number of the other row; −1: the last row of the signal before.
-        before : Signal or None
-            Signal before this one; None if no row asks for it.
-        """
-        earlier = self[:1] if before is None else before
-
-        def conditioning() -> Conditioning:
-            own = self.conditioning()
-            return replace(own, numbers=_held(earlier.conditioning().numbers, own.numbers, rows))
-
-        return replace(self, values=_held(earlier.values, self.values, rows), condition=conditioning)
-
-    def __getitem__(self, rows: slice) -> Signal:
-        """Some readings as a copy, which does not keep the others in memory."""
-        whole = self.conditioning()
-        some = replace(whole, numbers=whole.numbers[:, rows].copy())
-        return replace(self, values=self.values[rows].copy(), condition=lambda: some)
-
-
-def _held(before: Array, values: Array, rows: Integers) -> Array:
-    """The rows of values, shape (..., N, 1) or (..., N, 3), on each axis; −1 is the last row before."""
-    shape = (*values.shape[:-2], *rows.shape)
-    wide = [np.broadcast_to(part, (*shape[:-2], part.shape[-2], 3)) for part in (before[..., -1:, :], values)]
-    return np.asarray(np.take_along_axis(np.concatenate(wide, axis=-2), np.broadcast_to(rows + 1, shape), axis=-2))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import so3
+from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty, nanoseconds, stream
 from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, values_of
@@ -168,35 +169,33 @@ class FaultyTriad:
         self._model, self._converter = model, converter
         sigma = model.noise_burst_density * math.sqrt(rate)
         self._burst = WhiteNoise(model.seed, stream(model.sensor, "noise_burst", 1), sigma)
-        self._last: Signal | None = None
+        self._last: Array | None = None
 
-    def disturbed(self, first: int, times_ns: Integers, signal: Signal) -> Signal:
-        """The signal of readings with bursts, spikes, saturation and what is stuck; see `Instrument.signals`."""
+    def disturbed(self, first: int, times_ns: Integers, signal: Array) -> Array:
+        """The signal of readings with bursts, spikes, saturation and what is stuck, shape (N, 3)."""
         model, count = self._model, len(times_ns)
         if model.noise_burst is not None:
             inside = model.noise_burst.at(times_ns)[:, np.newaxis] >= 0
-            signal = signal.plus(np.where(inside, self._burst.draw(first, count), 0.0))
-        signal = signal.plus(model.spikes(first, times_ns))
+            signal = signal + np.where(inside, self._burst.draw(first, count), 0.0)
+        signal = signal + model.spikes(first, times_ns)
         if model.saturation is not None:
-            # to clip keeps the order of numbers, and adds no round-off
             inside = model.saturation.at(times_ns)[:, np.newaxis] >= 0
-            clipped = self._converter.limited(signal.values, model.saturation_level)
-            signal = replace(signal, values=np.where(inside, clipped, signal.values))
+            signal = np.where(inside, self._converter.limited(signal, model.saturation_level), signal)
         return signal if model.stuck is None or not count else self._held(model.stuck, times_ns, signal)
 
-    def _held(self, stuck: Episodes, times_ns: Integers, signal: Signal) -> Signal:
+    def _held(self, stuck: Episodes, times_ns: Integers, signal: Array) -> Array:
         """The signal that repeats, on a stuck axis, that of the reading before: so whatever the converter."""
+        before = signal[:1] if self._last is None else self._last
         numbers = stuck.at(times_ns)
         axes = stuck_axes(stuck, numbers)
         rows = np.repeat(np.arange(len(times_ns))[:, np.newaxis], 3, axis=1)
         for number in np.unique(numbers[numbers >= 0]):
             inside = np.flatnonzero(numbers == number)
-            axis, before = axes[inside[0]], inside[0] - 1
-            # of the very first reading there is none before
-            rows[inside, axis] = rows[before, axis] if before >= 0 else 0 if self._last is None else -1
-        signal = signal.held(rows, self._last)
-        self._last = signal[-1:]
-        return signal
+            axis = axes[inside[0]]
+            rows[inside, axis] = rows[inside[0] - 1, axis] if inside[0] else -1
+        held = np.take_along_axis(np.concatenate([before, signal]), rows + 1, axis=0)
+        self._last = held[-1:].copy()
+        return held
 
 
 @short_dataclass(frozen=True)
@@ -298,15 +297,17 @@ class Triad:
         self._model, self._sensitivity = model, model.sensitivity
         self._faulty = None if model.faults is None else FaultyTriad(model.faults, rate, model.converter)
 
-    def signals(self, first: int, times_ns: Integers, truth: Signal) -> tuple[Signal, Signal]:
+    def signals(self, first: int, times_ns: Integers, truth: Array, interval: float = 0.0) -> tuple[Signal, Signal]:
         """Readings before the converter, and the biases in them; see `Instrument.signals`.
 
         Parameters
         ----------
         first : int
         times_ns : ndarray of int64, shape (N,)
-        truth : Signal
-            The true quantity in the body frame, shape (N, 3).
+        truth : ndarray, shape (N, 3)
+            The true quantity in the body frame.
+        interval : float, optional
+            Time over which it is a mean, s.
 
         Returns
         -------
@@ -315,9 +316,10 @@ class Triad:
         bias : Signal
             What it adds to them.
         """
-        bias = self._bias.signal(first, len(times_ns))
+        bias = self._bias.values(first, len(times_ns))
         if self._model.faults is not None:
-            bias = bias.plus(self._model.faults.drift(times_ns))
-        signal = truth.through(self._sensitivity).plus(bias.values, lambda: bias.conditioning().numbers[0])
-        signal = replace(signal.plus(self._noise.draw(first, len(times_ns))), converter=self._model.converter)
-        return (signal if self._faulty is None else self._faulty.disturbed(first, times_ns, signal)), bias
+            bias = bias + self._model.faults.drift(times_ns)
+        signal = apply_tensor(self._sensitivity, truth) + bias + self._noise.draw(first, len(times_ns))
+        if self._faulty is not None:
+            signal = self._faulty.disturbed(first, times_ns, signal)
+        return Signal(signal, self._model.converter, interval), Signal(bias)

@@ -106,8 +106,8 @@ def test_a_page_shows_the_runs_and_their_residuals(
         assert f"<td>{row['gyro_noise_density']:.4g}</td>" in text
     drawn = re.findall(r'<h3>(.*?)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
     counts = {name: sum(json.loads(content)["data"][0]["y"]) for name, content in drawn}
-    assert {"kinetic energy [rel]", "world momentum x [rel]", "closed form [rad]"} <= counts.keys()
-    assert counts["closed form [rad]"] == 6
+    assert {"body rate [rel]", "attitude [rad]"} <= counts.keys()
+    assert counts["attitude [rad]"] == 6
     assert main(given) == 2
 
 

@@ -31,7 +31,7 @@ from lie_rigid_body.simulation import Simulation
 COUNT = 200
 FLIPS = 1000
 """Of each kind of bag."""
-WITHIN = 1e-14
+WITHIN = 1e-10
 """By how much, relative to its vector, a number may differ in bags that are both certified: some limits of the laws."""
 UNCERTIFIED = {"software", "motion", "method", "max_step", "gravity"}
 """Names of the scenario that docs/reference/fields.md says are not certified, or that no reading of this one shows."""

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from phrases import refused, telling
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.bag_reader import Recording
 from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.scenario import Scenario
@@ -46,33 +44,6 @@ def part(simulation: Simulation, count: int) -> tuple[str, int, Samples]:
 
 def run(parameters: dict[str, object], count: int) -> Recording:
     return recording(part(Simulation(Scenario.from_parameters(parameters)), count))
-
-
-semi_axes = st.tuples(*[st.floats(0.1, 3.0)] * 3)
-rates = st.tuples(*[st.floats(-2.0, 2.0)] * 3).filter(lambda w: np.linalg.norm(w) > 0.1)
-
-
-@pytest.mark.long
-@settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
-@given(semi_axes, rates, st.sampled_from([*METHODS, "closed_form"]), st.floats(1e-4, 3e-2))
-def test_errors_of_honest_runs_stay_below_their_derived_limits(axes, rate, how, step):
-    """The limits before capping must cover every stepper at every step, or an honest bag would be called a forgery."""
-    a, b, c = (x * x for x in axes)
-    speed = float(np.linalg.norm(rate))
-    parameters = {
-        "inertia": [b + c, a + c, a + b],
-        "initial_body_rate": [w / speed for w in rate],
-        "max_step": step,
-        "rate": 1.0 / (2 * step),
-        **({"motion": "closed_form"} if how == "closed_form" else {"method": how}),
-    }
-    try:
-        scenario = Scenario.from_parameters(parameters)
-    except ValueError:
-        return  # a thin body may turn too fast for the step: refused
-    found = certify(recording(part(Simulation(scenario), 100))).segments[0]
-    uncapped = [law for law in found.laws if law.limit < 0.999e-9]
-    assert all(law.holds for law in uncapped), [law.message for law in uncapped]
 
 
 @pytest.mark.parametrize(
@@ -113,38 +84,21 @@ def test_slow_bodies_repeat_their_roundings_at_every_step(parameters, count):
     assert found.passed, found.messages
 
 
-def test_limits_are_near_the_real_errors_also_of_fast_bodies():
-    """The truncation is measured on the motion, so that a spinning disc is held as tightly as it deserves."""
-    disc = {"inertia": [1.22e-3, 1.22e-3, 2.35e-3], "initial_body_rate": [2.0, 0.0, 40.0], "max_step": 2.5e-4}
-    found = certify(run({**disc, "rate": 500.0}, 2000)).segments[0]
-    assert found.passed
-    assert found.law("kinetic energy").limit < 2e-10
-    assert found.law("twist is the attitude's derivative").limit < 2e-12
-
-
 def test_a_single_sample():
     assert certify(run({}, 1)).passed
 
 
-def test_coarse_samples_say_that_neighbours_were_not_compared():
-    found = certify(run({"motion": "closed_form", "rate": 0.01}, 50))
-    assert found.passed
-    assert telling(found, "coarse")
-
-
 @pytest.mark.parametrize("rate", [[1e6, 1.0, 1e-6], [0.4, 0.6, -0.3]])
-def test_limits_that_overflow_are_their_caps(rate):
-    """Of a rod without thickness, which may turn 5e148 rad between samples."""
+def test_a_rod_without_thickness(rate):
+    """By its energy it may turn 5e148 rad between samples."""
     found = certify(run({"motion": "closed_form", "inertia": [1e-300, 1.0, 1.0], "initial_body_rate": rate}, 10))
     assert found.passed
-    assert all(np.isfinite(law.limit) for law in found.segments[0].laws)
 
 
 def test_what_turns_farther_than_phases_are_kept_is_not_certified():
     """Though equal to the bit: the closed form itself is some 1e-5 rad off there, as enclosures of the motion prove."""
     found = certify(run({"motion": "closed_form", "initial_body_rate": [1e45, 1e45, 1e45]}, 10))
-    assert [law.name for law in found.laws if not law.holds] == ["closed form"]
-    assert telling(found, "motion errs")
+    assert [law.name for law in found.laws if not law.holds] == ["attitude"]
 
 
 @pytest.mark.parametrize(("size", "rate"), [(1e-279, 3e-26), (1.0, 1e-200)])
@@ -158,7 +112,7 @@ def test_a_body_whose_energy_underflows(size, rate):
 def test_millions_of_steps_that_are_rounded_alike(inertia):
     """In a steady rotation every step has the same increment."""
     pytest.importorskip("numba", reason="millions of steps need numba")
-    found = certify(run({"rate": 0.17, "inertia": inertia, "initial_body_rate": [0.0, 0.0, 2e4]}, 9))
+    found = certify(run({"rate": 0.17, "inertia": inertia, "initial_body_rate": [0.0, 0.0, 2e4]}, 5))
     assert found.passed, found.messages
 
 
@@ -258,17 +212,19 @@ def test_samples_before_the_first_declaration_are_refused():
         certify(early)
 
 
-def test_a_stepper_that_keeps_the_momentum_too_badly_is_told_as_the_reason():
-    found = certify(run({"method": "rkmk2", "inertia": [1.0, 2.0, 3.0], "initial_body_rate": [2.0, 3.0, 1.0]}, 2))
-    assert {law.name.partition(" ")[0] for law in found.laws if not law.holds} <= {"kinetic", "world"}
-    assert telling(found, "keeps less")
+def test_a_poor_stepper_is_told_how_far_it_is_and_what_would_do():
+    found = certify(
+        run({"method": "rkmk4", "rate": 20.0, "max_step": 0.05, "initial_body_rate": [2.0, 3.0, 1.0]}, 1000)
+    )
+    law = found.segments[0].law("attitude")
+    assert not law.holds
+    [message] = [message for message in found.messages if "attitude" in message]
+    [step] = [float(number) for number in numbers_after(message, "max_step of ")]
+    assert 1e-3 < step < 0.05
+    given = {"method": "rkmk4", "rate": 20.0, "max_step": step, "initial_body_rate": [2.0, 3.0, 1.0]}
+    assert certify(run(given, 1000)).passed
+    assert not certify(run({"method": "rkmk1"}, 1000)).passed
 
 
-def test_a_poor_stepper_is_not_called_ground_truth():
-    """The limits never grow beyond 1e-7 rad and 1e-9 relative: a first-order bag fails, and is told why."""
-    found = certify(run({"method": "rkmk1"}, 1000))
-    assert not found.passed
-    assert not found.segments[0].law("closed form").holds
-    assert found.segments[0].law("closed form").limit <= 1e-7
-    assert found.segments[0].law("kinetic energy").limit <= 1e-9
-    assert len(found.segments[0].notes) == 1
+def numbers_after(text: str, mark: str) -> list[str]:
+    return re.findall(f"{mark}([-+.e0-9]+)", text)

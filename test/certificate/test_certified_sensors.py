@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.special
-from phrases import telling
-from sensor_bags import BIAS, COARSE, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
+from sensor_bags import BIAS, COARSE, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, laws, recorded, write
 from tampering import tamper
 
 from lie_rigid_body.certificate import certify
@@ -92,15 +91,6 @@ def test_resets_begin_the_noise_anew(tmp_path, change):
     assert found.sensors == (IMU, BIAS, MAG)
 
 
-@pytest.mark.parametrize(("motion", "narrow"), [("closed form", 2e-13), ("dmv20", 2e-13), ("rkmk4", 1e-9)])
-def test_the_limits_are_as_narrow_as_the_motion_allows(tmp_path, motion, narrow):
-    """Relative to the largest reading."""
-    found = certify(Bag(write(tmp_path / "a.mcap", ({**MOTIONS[motion], **FORCE, **NOISY}, 1.0))))
-    for name, size in zip(VALUES, (1.5, 10.0, 0.01, 0.05, 5e-5), strict=True):
-        [law] = laws(found, name)
-        assert law.limit <= narrow * size
-
-
 def test_last_bits_of_another_library_are_certified(tmp_path, monkeypatch):
     """Of the closed form too: a bag is checked on other machines than the one that made it."""
     ndtri = scipy.special.ndtri
@@ -110,11 +100,3 @@ def test_last_bits_of_another_library_are_certified(tmp_path, monkeypatch):
     found = certify(Bag(path))
     assert found.passed, found.messages
     assert all(law.worst > 0.0 for name in VALUES for law in laws(found, name))
-
-
-@pytest.mark.parametrize("rate", [100.0, 1.0])
-def test_a_poor_stepper_is_to_blame(tmp_path, rate):
-    """Also where the truth has one sample, and the sensor many readings behind it."""
-    found = certify(Bag(write(tmp_path / "a.mcap", ({"method": "rkmk1", "rate": rate, **FORCE}, 0.9))))
-    assert "gyro" in broken(found)
-    assert any(said.startswith(IMU) for said in telling(found, "stepper"))

@@ -199,20 +199,20 @@ FORGERIES: dict[tuple[str, str], Forgery] = {
     },
     ("PoseWithCovarianceStamped", "pose.position"): in_payload("/attitude/pose", patched(-344, "<d", lambda v: 1.0), 2),
     ("PoseWithCovarianceStamped", "pose.orientation"): in_payload(
-        "/attitude/pose", patched(-320, "<d", lambda v: v + 1e-12), 2
+        "/attitude/pose", patched(-320, "<d", lambda v: v + 1e-9), 2
     ),
     ("PoseWithCovarianceStamped", "pose.covariance"): in_payload(
         "/attitude/pose", patched(-8, "<d", lambda v: 1.001 * v), 2
     ),
-    ("Vector3Stamped", "vector"): in_payload("/sun/direction", patched(-8, "<d", lambda v: v + 1e-12), 2),
+    ("Vector3Stamped", "vector"): in_payload("/sun/direction", patched(-8, "<d", lambda v: v + 1e-9), 2),
     ("Imu", "orientation"): in_payload("/imu/data_raw", patched(-37 * 8, "<d", lambda v: 0.1), 2),
     ("Imu", "orientation_covariance"): in_payload("/imu/bias", patched(-33 * 8, "<d", lambda v: 0.0), 2),
-    ("Imu", "angular_velocity"): in_payload("/imu/data_raw", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
-    ("Imu", "angular_velocity, a bias"): in_payload("/imu/bias", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("Imu", "angular_velocity"): in_payload("/imu/data_raw", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-8)), 2),
+    ("Imu", "angular_velocity, a bias"): in_payload("/imu/bias", patched(-23 * 8, "<d", lambda v: v * (1 + 1e-8)), 2),
     ("Imu", "angular_velocity_covariance"): in_payload("/imu/data_raw", patched(-17 * 8, "<d", lambda v: 2 * v), 2),
-    ("Imu", "linear_acceleration"): in_payload("/imu/data_raw", patched(-12 * 8, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("Imu", "linear_acceleration"): in_payload("/imu/data_raw", patched(-12 * 8, "<d", lambda v: v * (1 + 1e-8)), 2),
     ("Imu", "linear_acceleration_covariance"): in_payload("/imu/data_raw", patched(-8, "<d", lambda v: 1e-9), 2),
-    ("MagneticField", "magnetic_field"): in_payload("/imu/mag", patched(-80, "<d", lambda v: v * (1 + 1e-12)), 2),
+    ("MagneticField", "magnetic_field"): in_payload("/imu/mag", patched(-80, "<d", lambda v: v * (1 + 1e-8)), 2),
     ("MagneticField", "magnetic_field_covariance"): in_payload("/imu/mag", patched(-72, "<d", lambda v: 2 * v), 2),
     ("String", "length"): in_payload("/lie_rigid_body/scenario", patched(4, "<I", lambda v: v + 9), 0),
     ("String", "data"): in_payload("/lie_rigid_body/scenario", lambda data: data[:9] + b"\xff" + data[10:], 0),

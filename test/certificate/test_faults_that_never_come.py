@@ -11,10 +11,7 @@ from tampering import Change, at, on, tamper, with_numbers
 from test_certified_faults import ATTITUDE, EVERY, LATER, SUN
 
 from lie_rigid_body.certificate import Certificate, certify
-from lie_rigid_body.certificate.readings import Replay, Replays
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation
 from sampled import sampled
 
 LARGEST = 1e9
@@ -81,7 +78,7 @@ def test_an_accelerometer_that_is_off_is_refused(tmp_path, fault):
 def test_a_bias_that_is_off_is_refused(tmp_path, topic):
     parameters = {**MOTIONS["dmv20"], **NOISY, **of_axes("gyro")["drift"], **of_axes("accelerometer")["drift"]}
     name = "gyro bias" if topic == GYRO else "accelerometer bias"
-    assert broken(verdict(honest(tmp_path, parameters), on(BIAS, moved(topic, 1e-14)))) == {name}
+    assert broken(verdict(honest(tmp_path, parameters), on(BIAS, moved(topic, 1e-10)))) == {name}
 
 
 @pytest.mark.parametrize("fault", sampled(["disturbance", *of_axes("magnetometer")], every=3))
@@ -90,28 +87,14 @@ def test_a_magnetometer_of_zeros_is_refused_and_one_that_is_off(tmp_path, fault)
     parameters = {**MOTIONS["dmv20"], **NOISY, **{**of_axes("magnetometer"), "disturbance": disturbance}[fault]}
     zeros: Change = lambda ms: [with_numbers(m, 12, lambda x: np.concatenate([0.0 * x[:3], x[3:]])) for m in ms]  # noqa: E731
     path = honest(tmp_path, parameters)
-    for change in (zeros, moved(12, 1e-9), moved(12, 1e-18)):
+    for change in (zeros, moved(12, 1e-9), moved(12, 1e-14)):
         assert broken(verdict(path, on(MAG, change))) == {"magnetometer"}
 
 
 @pytest.mark.parametrize(("topic", "end", "law"), [(ATTITUDE, 40, "attitude sensor"), (SUN, 3, "sun sensor")])
 def test_directions_beside_all_faults_are_refused(tmp_path, topic, end, law):
     parameters = {**MOTIONS["dmv20"], **NOISY, **EVERY, **LATER, **of_axes("gyro")["all"]}
-    assert broken(verdict(honest(tmp_path, parameters), on(topic, moved(end, 3e-14)))) == {law}
-
-
-@pytest.mark.parametrize("size", [1e3, 1e9])
-def test_what_happens_widens_the_limit_of_its_own_readings_alone(size):
-    """A spike stands in one reading on one axis, and its round-off in the limit of that reading, on that axis."""
-    spikes = {"gyro_spike_probability": 0.02, "gyro_spike_size": size, "motion": "closed_form", "imu_rate": 300.0}
-    segment = Simulation(Scenario.from_parameters(spikes)).segment
-    piece = Replay(segment, "imu", 2.0, Replays()).piece(np.arange(600))
-    assert piece is not None
-    gyro = piece.arrays["gyro"]
-    hit = np.abs(gyro.signal) > 0.5 * size
-    assert 3 <= np.count_nonzero(hit) <= 30
-    np.testing.assert_allclose(gyro.uncertainty[hit], 64.0 * 2.0**-53 * size, rtol=0.01)
-    assert gyro.uncertainty[~hit].max() < 1e-14
+    assert broken(verdict(honest(tmp_path, parameters), on(topic, moved(end, 3e-12)))) == {law}
 
 
 STEPS: dict[str, tuple[str, int, dict[str, object]]] = {
@@ -144,5 +127,5 @@ def test_the_rates_of_slender_bodies_are_held(tmp_path, body, motion):
     parameters = {**MOTIONS[motion], **RATES, "inertia": BODIES[body]}
     off = lambda m: with_numbers(m, 3, lambda x: x + 1e-9 * np.eye(3)[axis])  # noqa: E731
     path = honest(tmp_path, parameters)
-    assert "exact rate" in broken(verdict(path, on("/twist", lambda ms: list(map(off, ms)))))
+    assert "body rate" in broken(verdict(path, on("/twist", lambda ms: list(map(off, ms)))))
     assert broken(verdict(path, on(IMU, moved(GYRO - axis, 1e-9)))) == {"gyro"}

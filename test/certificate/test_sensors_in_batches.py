@@ -35,7 +35,7 @@ def test_batches_change_no_number(bag, tmp_path, monkeypatch, change):
     monkeypatch.setattr(samples, "_HELD_BACK", 4)
     monkeypatch.setattr(readings, "REPLAY_BLOCK", 7)
     monkeypatch.setattr(readings, "_LONGEST_GAP", 2)
-    monkeypatch.setattr(readings, "_PIECES_KEPT", 2)
+    monkeypatch.setattr(readings, "_MAX_PIECES", 2)
     assert certify(Bag(path)) == whole
 
 

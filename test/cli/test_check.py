@@ -48,8 +48,10 @@ def test_json_is_for_programs(bag, capsys):
     assert content["passed"] is True
     assert 0 < content["certified"]["attitude_rad"] < 1e-10
     laws = {law["name"]: law for law in content["segments"][0]["laws"]}
-    assert laws["kinetic energy"]["holds"]
-    assert laws["kinetic energy"]["worst"] <= laws["kinetic energy"]["limit"]
+    for name in ("attitude", "body rate"):
+        assert laws[name]["holds"]
+        assert laws[name]["worst"] <= laws[name]["limit"]
+    assert laws["kinetic energy"]["limit"] is None
     assert content["segments"][0]["scenario"]["inertia"] == [1.0, 2.0, 3.0]
 
 
@@ -57,12 +59,12 @@ def test_the_worst_sample_of_each_law_is_named(bag, capsys):
     assert main([str(bag), "--json"]) == 0
     content = json.loads(capsys.readouterr().out)
     laws = {law["name"]: law for law in content["segments"][0]["laws"]}
-    for name in ("kinetic energy", "world momentum x", "Euler's equations", "closed form"):
+    for name in ("kinetic energy", "world momentum", "body rate", "attitude"):
         law = laws[name]
         assert law["holds"]
         assert law["stamp_ns"] == law["sample"] * 10_000_000
         assert law["time_s"] == law["sample"] / 100
-    worst = laws["closed form"]
+    worst = laws["attitude"]
     assert content["certified"]["attitude_worst"] == {
         "segment": 1,
         "sample": worst["sample"],
@@ -71,7 +73,7 @@ def test_the_worst_sample_of_each_law_is_named(bag, capsys):
     }
     assert main([str(bag)]) == 0
     out = capsys.readouterr().out
-    row = next(line.split() for line in out.splitlines() if line.startswith(" closed form"))
+    row = next(line.split() for line in out.splitlines() if line.startswith(" attitude"))
     assert row[-3:] == [str(worst["sample"]), f"{worst['time_s']:.7g}", "holds"]
 
 
@@ -111,8 +113,17 @@ def test_a_bag_that_breaks_a_law(tmp_path, capsys):
     assert content["certified"] is None
     broken = [law for law in content["segments"][0]["laws"] if not law["holds"]]
     assert content["messages"] == [law["message"] for law in broken]
-    [motion] = [law for law in broken if law["name"] == "closed form"]
+    [motion] = [law for law in broken if law["name"] == "attitude"]
     assert (motion["sample"], motion["broken"] > 300) == (399, True)
+
+
+def test_a_wider_limit_may_be_given(tmp_path, capsys):
+    bag = write_bag(tmp_path / "poor.mcap", method="rkmk1")
+    assert main([str(bag)]) == 1
+    assert main([str(bag), "--max-attitude", "1deg"]) == 0
+    assert main([str(bag), str(bag), "--max-attitude", "1e-9rad"]) == 1
+    capsys.readouterr()
+    assert "--max-attitude" in refused(capsys, [str(bag), "--max-attitude", "1"])
 
 
 SENSORS: dict[str, Any] = {"imu_rate": 200.0, "magnetometer_rate": 30.0, "sensor_grade": "mems"}

@@ -10,7 +10,7 @@ pytest.importorskip("flint", reason="python-flint is not installed")
 from motions_of_each_regime import REGIMES, motion
 
 from lie_rigid_body import ClosedForm, MovingChart
-from lie_rigid_body.certificate.tolerance import CLOSED_FORM, tolerance
+from lie_rigid_body.certificate.limits import CLOSED_FORM_ERROR, max_attitude_error
 from lie_rigid_body.proof import enclose
 from lie_rigid_body.scenario import Scenario
 
@@ -29,18 +29,8 @@ def test_the_closed_form_is_proved(regime):
         size = float(np.linalg.norm(drawn.rate))
         for t_ns, attitude, rate in zip(stamps, states.attitude_xyzw, states.body_rate, strict=True):
             truth = enclose(*drawn, int(t_ns))
-            assert truth.attitude_error(attitude)[1] < CLOSED_FORM
+            assert truth.attitude_error(attitude)[1] < CLOSED_FORM_ERROR
             assert truth.rate_error(rate)[1] < RATE_BOUND * max(size, float(np.linalg.norm(rate)))
-
-
-@pytest.mark.parametrize("regime", REGIMES)
-@pytest.mark.parametrize(("size", "t_ns"), [(1e20, 999 * 10**15), (1e33, 492 * 10**6), (1e40, 499 * 10**6)])
-def test_the_closed_form_is_proved_to_keep_its_certificate_however_far_it_turns(regime, size, t_ns):
-    drawn = motion(regime, 0)
-    fast = drawn._replace(rate=drawn.rate * (size / max(float(np.linalg.norm(drawn.rate)), 1e-3)))
-    phases = tolerance(scenario_of(fast, motion="closed_form"), 1e-9 * t_ns).phases(np.array([1e-9 * t_ns]))
-    truth = enclose(*fast, t_ns)
-    assert truth.attitude_error(ClosedForm(fast.body, fast.start).at(t_ns).attitude_xyzw)[1] < CLOSED_FORM + phases[0]
 
 
 def scenario_of(drawn, **parameters):
@@ -68,7 +58,5 @@ def test_the_default_stepper_is_proved_to_keep_its_certificate(steps, regime):
     states = MovingChart(scenario.body(), scenario.start(), method=scenario.method, max_step=scenario.max_step).at(
         stamps
     )
-    t = np.asarray(stamps * 1e-9, dtype=np.float64)
-    limits = tolerance(scenario, float(t[-1])).attitude(t)
-    for t_ns, attitude, limit in zip(stamps, states.attitude_xyzw, limits, strict=True):
-        assert enclose(*drawn, int(t_ns)).attitude_error(attitude)[1] <= limit
+    for t_ns, attitude in zip(stamps, states.attitude_xyzw, strict=True):
+        assert enclose(*drawn, int(t_ns)).attitude_error(attitude)[1] <= 0.1 * max_attitude_error(scenario)

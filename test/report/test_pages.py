@@ -64,7 +64,7 @@ def test_one_file_holds_everything(report: Path) -> None:
 
     text = report.read_text(encoding="utf-8")
     assert report.stat().st_size <= LARGEST
-    for wanted in ("CERTIFIED", "closed form", "&quot;inertia&quot;", "default-src 'none'"):
+    for wanted in ("CERTIFIED", "attitude", "&quot;inertia&quot;", "default-src 'none'"):
         assert wanted in text
     drawn = figures(text)
     assert {"The body", "Body rate", "Polhode", "Herpolhode", "kinetic energy", "world momentum"} <= drawn.keys()
@@ -178,7 +178,7 @@ def test_a_broken_bag_says_so(tmp_path: Path) -> None:
     assert main([str(bag), "--report", str(out)]) == 1
     text = out.read_text(encoding="utf-8")
     assert '"badge broken"' in text
-    assert "broken" in [trace["name"] for trace in figures(text)["closed form"]["data"]]
+    assert "broken" in [trace["name"] for trace in figures(text)["attitude"]["data"]]
 
 
 @pytest.mark.filterwarnings("error")
@@ -282,7 +282,7 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
     ).decode()
     assert re.search(r">1 of 2 \w+ CERTIFIED", text)
     assert "<b>poor" not in text
-    drawn = figures(text)["closed form [rad]"]["data"]
+    drawn = figures(text)["attitude [rad]"]["data"]
     assert len({trace["name"] for trace in drawn[:2]}) == 2
     assert [sum(trace["y"]) for trace in drawn[:2]] == [1, 1]
     bound = certify(read_bag(bag)).attitude_accuracy

@@ -80,11 +80,11 @@ def test_batches_of_any_size_give_the_same_bits_wherever_they_begin(parts: list[
     start = np.array([0.1, -3.0, 1e9])
     noise, walk, at = white(sigma=sigma), RandomWalk(start, white(sigma=sigma)), 0
     vectors = white(sigma=sigma).draw(0, 5000)
-    values = RandomWalk(start, white(sigma=sigma)).signal(0, 5000).values
+    values = RandomWalk(start, white(sigma=sigma)).values(0, 5000)
     for left_out, count in parts:
         rows = slice(at + left_out, at + left_out + count)
         assert noise.draw(rows.start, count).tobytes() == vectors[rows].tobytes()
-        assert walk.signal(rows.start, count).values.tobytes() == values[rows].tobytes()
+        assert walk.values(rows.start, count).tobytes() == values[rows].tobytes()
         at = rows.stop
     assert noise.draw(7, 3).tobytes() == vectors[7:10].tobytes()  # also once more
 
@@ -96,7 +96,7 @@ def test_a_walk_adds_one_step_after_the_other() -> None:
     for step in steps:
         path.append(at)
         at = [a + s for a, s in zip(at, step, strict=True)]
-    assert RandomWalk(np.array([0.1, 0.2, 0.3]), white(sigma=0.3)).signal(0, 1000).values.tolist() == path
+    assert RandomWalk(np.array([0.1, 0.2, 0.3]), white(sigma=0.3)).values(0, 1000).tolist() == path
 
 
 def test_deviates_are_standard_normal() -> None:
