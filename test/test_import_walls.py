@@ -91,14 +91,10 @@ def wall_around_mathematics(module: str, target: str) -> bool:
 
 
 def wall_around_referee(module: str, target: str) -> bool:
-    """The closed form, the moving chart and the Taylor flow know the contract, and nothing of each other.
-
-    The error of a step is where the moving chart is held against the Taylor flow.
-    """
+    """The closed form and the moving chart know the contract, and nothing of each other."""
     if not module.startswith(f"{MOTION}.") or not (target == MOTION or target.startswith(f"{MOTION}.")):
         return False
-    referee = "Taylor flow" if module == f"{MOTION}.step_error" else "contract"
-    return side(target) not in {side(module), "contract", referee}
+    return side(target) not in {side(module), "contract"}
 
 
 def side(module: str) -> str:
