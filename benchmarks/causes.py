@@ -29,10 +29,12 @@ import numpy as np
 from tqdm import tqdm
 
 from lie_rigid_body import Run, simulate
-from lie_rigid_body.evaluation import SampledTruth, evaluate
+from lie_rigid_body.evaluation import SampledTruth
 from lie_rigid_body.evaluation.attitudes import angles_between
+from lie_rigid_body.evaluation.estimate import Estimate
+from lie_rigid_body.evaluation.scoring import SensorLimits, score_estimate
 from lie_rigid_body.lie import quaternion, so3
-from lie_rigid_body.runs.truth import left_by_errors_of
+from lie_rigid_body.runs.bound import left_by_errors_of
 
 Array = np.ndarray[Any, Any]
 
@@ -425,7 +427,7 @@ def judged(number: int) -> Result:
     case = Case(number)
     r, stamps, q, fair, where, without_deg = prepared(case)
     begin = time.process_time()
-    findings = evaluate(stamps, q, r.truth, sensors=r.left).findings
+    findings = score_estimate(Estimate(q, stamps), r.truth, sensors=SensorLimits(left_rad=r.left)).findings
     seconds = time.process_time() - begin
     told = [f.code for f in findings]
     if "gaps" not in case.codes:  # stamps that are wrong lie outside of the truth

@@ -171,11 +171,11 @@ def test_faults_of_its_delivery_are_its_own() -> None:
 def test_it_bounds_the_error_of_every_estimator() -> None:
     given: dict[str, Any] = {"imu_rate": 20.0, "magnetometer_rate": 20.0, "sensor_grade": "tactical"}
     without, beside = simulate(duration=5.0, **given), simulate(duration=5.0, **given, **ON)
-    bounds = [run.unavoidable_error() for run in (without, beside)]
+    bounds = [run.cramer_rao_bound() for run in (without, beside)]
     assert bounds[0] is not None
     assert bounds[1] is not None
     assert np.trace(bounds[1].filtered[-1]) < 0.5 * np.trace(bounds[0].filtered[-1])
-    assert simulate(duration=5.0, **given, horizon_sensor_rate=5.0).unavoidable_error() is None  # it has no noise
+    assert simulate(duration=5.0, **given, horizon_sensor_rate=5.0).cramer_rao_bound() is None  # it has no noise
 
 
 def test_tables_list_it(capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,7 +74,7 @@ def score(number: int, case: Case, setting: Setting, seed: int = SEED) -> Result
 
 def bound(case: Case) -> float | None:
     """The unavoidable error of a case, degrees."""
-    found = run_of(case).unavoidable_error()
+    found = run_of(case).cramer_rao_bound()
     if found is None:
         return None
     late = found.stamps_ns - found.stamps_ns[0] >= SETTLED_S * 1e9

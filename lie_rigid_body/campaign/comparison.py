@@ -284,7 +284,7 @@ def _best_possible(campaign: Campaign, standings: Sequence[Standing]) -> Best | 
     if not runs:
         return None
     run = min(runs)
-    bound = simulate(campaign.scenario_of(run), duration=campaign.duration).unavoidable_error()
+    bound = simulate(campaign.scenario_of(run), duration=campaign.duration).cramer_rao_bound()
     if bound is None or bound.unobserved:
         return None
     return Best(run, float(np.degrees(bound.rms(bound.filtered))))

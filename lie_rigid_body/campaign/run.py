@@ -24,13 +24,13 @@ from lie_rigid_body.campaign.definition import Campaign, Contender
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
 from lie_rigid_body.evaluation.consistency import OTHER_AXES, factor_of
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
-from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system.interpreters import STARTING_S, Interpreter
 

@@ -12,7 +12,7 @@ import scipy  # whose parts are loaded where they are first called
 from lie_rigid_body.diagnosis.course import NOISE, REST, TINY, Course, readings
 from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.search import NEAR, Search
-from lie_rigid_body.evaluation import ExactTruth, UnavoidableError, evaluate
+from lie_rigid_body.evaluation import CramerRaoBound, ExactTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
 from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
@@ -220,9 +220,9 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
     single = Track(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course)
     answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
-    bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).unavoidable_error()
+    bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).cramer_rao_bound()
     assert bound
-    least = UnavoidableError.rms(bound.filtered[len(bound.filtered) // 3 :])
+    least = CramerRaoBound.rms(bound.filtered[len(bound.filtered) // 3 :])
     return limited(
         "with the noise of tactical sensors it errs by",
         answers[0].error(),

@@ -14,11 +14,11 @@ from lie_rigid_body.estimates.estimators import Estimator, called
 from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, angles_between, named
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.track import Track, Tracks, error_of
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.estimate import Estimate
 
 ALIKE: Final = 0.25
 """Largest ratio of the turn between two first attitudes of a filter to that between the true ones, where it does not

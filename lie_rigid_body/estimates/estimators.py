@@ -17,10 +17,10 @@ from typing import Any, Final, TypeAlias, TypeVar
 import numpy as np
 
 from lie_rigid_body.estimates.programs import CommandEstimator, time_limit
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, describe
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import shown
-from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.system.interpreters import STARTING_S, Interpreter, Interpreters
 

@@ -30,7 +30,7 @@ from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
 from lie_rigid_body.recording.segments import MOST_SEGMENTS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.truth import TrueMotion
+from lie_rigid_body.runs.true_motion import TrueMotion
 from lie_rigid_body.simulation import Segment
 
 RECENT: Final = 40

@@ -20,6 +20,7 @@ from typing import Any, BinaryIO, Final, NamedTuple
 import numpy as np
 
 from lie_rigid_body.evaluation.arguments import quantity
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -27,7 +28,6 @@ from lie_rigid_body.foundation.wording import listed, printable, shown
 from lie_rigid_body.messages.batch import ReadingEncoder
 from lie_rigid_body.messages.decoding import Frames
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
-from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.run import Run, require_run
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.sensors.imu import IMU_SENSOR

@@ -11,10 +11,12 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.estimates.buffers import DISORDERED, UNUSABLE, BiasBuffer, notes_on_left_out, scorable
-from lie_rigid_body.evaluation import Limits, Score, Truth, evaluate
+from lie_rigid_body.evaluation import Limits, Score, Truth
 from lie_rigid_body.evaluation.arguments import unit
 from lie_rigid_body.evaluation.consistency import covariance_fault, unknown_covariances
+from lie_rigid_body.evaluation.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.evaluation.score import BiasEstimate
+from lie_rigid_body.evaluation.scoring import ScoreOptions, score_estimate
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -34,9 +36,9 @@ from lie_rigid_body.recording.topic_messages import (
     topic_messages,
 )
 from lie_rigid_body.runs.bag_of_run import OWN_TOPICS
-from lie_rigid_body.runs.estimate import BIAS_SUFFIX, Estimate
+from lie_rigid_body.runs.bound import sensor_limits
 from lie_rigid_body.runs.run import Run
-from lie_rigid_body.runs.truth import TrueMotion, bound_of, left_by_errors_of
+from lie_rigid_body.runs.true_motion import TrueMotion
 from lie_rigid_body.simulation import Segment
 
 TRUE_TOPICS: Final = (POSE, SCENARIO)
@@ -95,20 +97,16 @@ class RecordedEstimate:
         bounded : bool, optional
             Whether the best that the sensors' noise allows is told as well.
         """
-        return replace(
-            evaluate(
-                self.track.stamps_ns,
-                self.track.attitude_xyzw,
-                self.truth,
-                limits=limits,
-                covariance=self.covariance,
-                covariance_axes=covariance_axes,
-                bound=bound_of(self.motion.segments, self.truth, self.track.stamps_ns) if bounded else None,
-                sensors=left_by_errors_of(self.motion.segments),
-                left_out=self.left_out,
-                due_ns=self.truth.last_ns if due_ns is None else due_ns,
-            ),
+        track = self.track
+        last_ns = int(track.stamps_ns.max()) if bounded else None
+        return score_estimate(
+            Estimate(track.attitude_xyzw, track.stamps_ns, self.covariance, covariance_axes),
+            self.truth,
+            ScoreOptions(limits),
+            sensor_limits(self.motion.segments, self.truth, last_ns),
             gyro_bias=self.gyro_bias,
+            left_out=self.left_out,
+            due_ns=self.truth.last_ns if due_ns is None else due_ns,
         )
 
 

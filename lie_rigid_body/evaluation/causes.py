@@ -202,21 +202,24 @@ def vector(c: Array) -> Array:
 def _misses(track: Track, undo: Callable[[Track, Array], Track], values: Array) -> Array:
     """Sum of the squared halves of the errors, rad², that a constant of the stamps leaves, for each of some values."""
     stamps = np.stack([undo(track, np.array([value])).stamps_ns for value in values])
-    cosine = np.einsum("lni,ni->ln", track.truth.at(stamps), track.attitude_xyzw)
+    truth = track.truth.at(np.clip(stamps, track.truth.first_ns, track.truth.last_ns))
+    cosine = np.einsum("lni,ni->ln", truth, track.attitude_xyzw)
     return np.asarray(np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1))
 
 
-def _of_time(code: str, values: Array, sign: float, tracks: Tracks, most: int = 200) -> Sequence[Array]:
-    """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values.
-
-    With a sign other than 0 it is a lag of more than a sample.
-    """
-    cause = BY_CODE[code]
+def fitted_in_time(cause: Cause, values: Array, tracks: Tracks, most: int = 200) -> Array:
+    """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values."""
     start = values[[np.argmin(sum(_misses(track.few(), cause.undo, values) for track in tracks))]]
     [(_, found)] = fit([track.few(most) for track in tracks], [(cause, start)])
+    return found
+
+
+def _lag(sign: float, tracks: Tracks) -> Sequence[Array]:
+    """A lag of that sign and of more than a sample, s; else 0."""
+    found = fitted_in_time(BY_CODE["lagging"], _LAGS, tracks)
     steps = np.diff(tracks[0].stamps_ns)
     least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
-    return [found if not sign or sign * found[0] > least else np.zeros(1)]
+    return [found if sign * found[0] > least else np.zeros(1)]
 
 
 Order = Literal["ZYX", "XYZ", "YXZ", "ZXY", "XZY", "YZX"]
@@ -233,6 +236,8 @@ _OF_BODY: Final = _right(np.roll(np.eye(4), 1, axis=0))
 _ABOUT_UP: Final = _OF_WORLD[[0, 3]]
 _LAGS: Final = np.linspace(-0.5, 0.5, 41)
 """Lags from which a fit begins, s."""
+_RATES: Final = np.geomspace(0.5, 2.0, 141)
+"""Rates of a clock from which a fit begins."""
 
 
 CAUSES: Final = (
@@ -317,7 +322,7 @@ CAUSES: Final = (
         "lagging",
         1,
         _moved,
-        partial(_of_time, "lagging", _LAGS, 1.0),
+        partial(_lag, 1.0),
         lambda c: f"The estimate is late by {c[0]:.4g} s: stamp it with the time of the readings it is made of",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
@@ -327,7 +332,7 @@ CAUSES: Final = (
         "leading",
         1,
         _moved,
-        partial(_of_time, "lagging", _LAGS, -1.0),
+        partial(_lag, -1.0),
         lambda c: f"The estimate is ahead by {-c[0]:.4g} s: stamp it with the end of the last gyro step it contains",
         lambda c: "With these stamps it leaves",
         slopes=lambda track, truth, rate: -rate[..., np.newaxis],
@@ -337,7 +342,7 @@ CAUSES: Final = (
         "clock_rate",
         1,
         _by_clock,
-        partial(_of_time, "clock_rate", np.geomspace(0.5, 2.0, 141), 0.0),
+        lambda tracks: [fitted_in_time(BY_CODE["clock_rate"], _RATES, tracks)],
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
         lambda c: "Stamped with the time of the readings it leaves",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],
@@ -366,7 +371,7 @@ CAUSES: Final = (
     ),
 )
 """The causes, in the order in which they are named where several do as well and cost as much."""
-BY_CODE: Final = {cause.code: cause for cause in CAUSES}
+BY_CODE: Final[dict[str, Cause]] = {cause.code: cause for cause in CAUSES}
 
 
 def late(lag_s: float) -> Part:

@@ -1,18 +1,18 @@
-"""The clock of an estimate's stamps: its lag with a standard error, a far lag, or another rate.
+"""The clock of an estimate's stamps: its lag with a standard error, or another rate.
 
-A lag is told where it is real, and slow errors cannot look like it. Another clock, as by a mistaken unit or by the time
-of day beside a replay, is looked for where nothing else explains a large error.
+A lag is told where it is real, and slow errors cannot look like it. Another rate, as by a mistaken period or a replay
+at another speed, is looked for where nothing else explains a large error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.evaluation.attitudes import sizes
-from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, late, undone, weights
+from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, fitted_in_time, late, undone, weights
 from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FULL,
@@ -24,8 +24,7 @@ from lie_rigid_body.evaluation.explanations import (
     Explanation,
 )
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.track import FEWEST, NEGLIGIBLE, SPIN, Track, counted, quarters, spins, still
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.evaluation.track import FEWEST, NEGLIGIBLE, Track, counted, quarters, spins, still
 from lie_rigid_body.lie import quaternion
 
 SIGNIFICANT: Final = 3.0
@@ -40,26 +39,16 @@ LEAST_BODY_RATE: Final = 1e-6
 """Least body rate, rad/s, at which the motion determines a lag."""
 LEFT_BY_CLOCK: Final = float(np.radians(5.0))
 """Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
-LEAST_COVERED: Final = {True: 0.25, False: 0.9}
-"""Least share of the samples that another clock puts within the truth's times: True for a lag, False for a rate."""
-GRID_TURN: Final = 0.2
-"""Turn of the body at its fastest, rad, between one clock that is tried and the next."""
-MOST_CLOCKS: Final = 5000
-"""Largest number of clocks of one kind that are tried; if the grid needs more, none of the kind is tried."""
-LEAST_CLOCK_TURN: Final = 0.1
-"""Least turn of the body in the whole run, rad, that determines a clock."""
-EVEN_SPIN: Final = 0.98
-"""Squared length of the mean axis of rotation above which a spin is even: lags a whole turn apart then look alike."""
+MIN_COVERED: Final = 0.9
+"""Smallest share of the samples that the rate of another clock puts within the truth's times."""
+MIN_OFF: Final = 2e-3
+"""Smallest difference of a clock's rate from 1 that is named: a lag explains a smaller one as well."""
 CLOCK_RATIO: Final = 1.5
-"""Ratio of two clock rates above which no error of a gyro looks like another rate."""
-LEAST_OFF: Final = 2e-3
-"""Least difference of a clock's rate from 1. A clock with a smaller one is left out, as the lag alone explains as
-much."""
+"""Ratio of two rates above which no error of a gyro looks like another rate."""
 MOSTLY_SPANNED: Final = 0.8
-"""Least share of the truth's time span that the stamps must fill by another rate, if the body turns about one axis."""
-
-Clock = list[Part]
-"""Clock that takes stamps to the truth's times: a rate and a lag, or a lag alone."""
+"""Smallest share of the truth's time span that the stamps fill by another rate, if the body turns about one axis."""
+RATES: Final = np.geomspace(1.0 / 16.0, 16.0, 557)
+"""Rates from which a fit begins, 1 % apart."""
 
 
 class Lag(NamedTuple):
@@ -167,98 +156,37 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     return max(*map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))
 
 
-def other_clock(track: Track, beyond_s: float = 0.0) -> tuple[Clock, Track] | None:
-    """Search for another clock by which an estimate follows the truth.
+def other_rate(track: Track, most: int = 300) -> tuple[Part, Track] | None:
+    """Fit the rate of another clock, by which an estimate follows the truth from its first stamp on.
 
     Parameters
     ----------
     track : Track
         All samples, also those outside of the truth's times.
-    beyond_s : float
-        Lags up to this were judged before, s.
+    most : int
+        Number of samples of the fit.
 
     Returns
     -------
-    tuple of Clock and Track, or None
-        The clock, and the samples that it puts within the truth's times.
+    tuple of Part and Track, or None
+        The rate, and the samples that it puts within the truth's times. None if it leaves much error in a quarter of
+        the run but the first: beside that by the given stamps, and beside the turn of the body. None as well where the
+        body turns about one axis and the scale of a gyro may do the same.
     """
-    truth = track.truth
-    some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
-    fastest = float(sizes(truth.states(some[truth.covers(some)])[1]).max(initial=0.0))
-    if fastest * (truth.last_ns - truth.first_ns) < 1e9 * LEAST_CLOCK_TURN or len(track.stamps_ns) < FEWEST:
+    few = track.few(most)
+    cause = BY_CODE["clock_rate"]
+    part = cause, fitted_in_time(cause, RATES, [few])
+    moved, own = undone(few, [part]).known(), few.known()
+    if len(moved.stamps_ns) < max(FEWEST, MIN_COVERED * len(few.stamps_ns)) or abs(part[1][0] - 1.0) < MIN_OFF:
         return None
-    found = []
-    for rates, lags in _grids(track, GRID_TURN / fastest):
-        for k in _lowest(_costs(track, rates, lags)):
-            rate = [] if rates[k] == 1.0 else [(BY_CODE["clock_rate"], np.array([rates[k]]))]
-            clock = [*rate, late(float(lags[k]))]
-            found += [one for one in _refined(track, clock) if len(clock) > 1 or abs(one[0][0][1][0]) > beyond_s]
-    # as good as each other: one constant before two
-    return min(found, key=lambda clock: len(clock[0]) * (NEGLIGIBLE + rms(clock[1].error().total)), default=None)
-
-
-def _grids(track: Track, step_s: float) -> Iterator[tuple[Array, Array]]:
-    """Rates and lags, s, that are tried: lags alone, then rates that keep the last sample in the truth."""
-    truth, first, last = track.truth, int(track.stamps_ns[0]), int(track.stamps_ns[-1])
-    begin, end = (first - truth.last_ns) / 1e9, (last - truth.first_ns) / 1e9
-    if end - begin <= MOST_CLOCKS * step_s:
-        lags = np.arange(begin, end, step_s)
-        yield np.ones(len(lags)), lags
-    for anchor in {first, truth.first_ns, 0}:
-        span = (truth.last_ns - anchor) / 1e9
-        if truth.first_ns <= anchor < last and step_s <= span <= MOST_CLOCKS * step_s:
-            rates = np.arange(step_s, span + step_s, step_s) * 1e9 / (last - anchor)
-            yield rates, (anchor - first) / 1e9 * (rates - 1.0)
-
-
-def _costs(track: Track, rates: Array, lags_s: Array, most: int = 60) -> Array:
-    """Mean sine of half of the error by each clock; infinite if too few samples are in the truth's times."""
-    few, truth = track.few(most), track.truth
-    since = (few.stamps_ns - track.stamps_ns[0]) / 1e9
-    found = []
-    for part in np.array_split(np.arange(len(rates)), len(rates) // 500 + 1):
-        since_ns = np.round(1e9 * (rates[part, np.newaxis] * since - lags_s[part, np.newaxis])).astype(np.int64)
-        stamps = track.stamps_ns[0] + since_ns
-        known, at = truth.covers(stamps), truth.at(np.clip(stamps, truth.first_ns, truth.last_ns))
-        sine = np.sqrt(np.maximum(1.0 - np.einsum("gni,ni->gn", at, few.attitude_xyzw) ** 2, 0.0))
-        cost = np.sum(sine, axis=1, where=known) / np.maximum(known.sum(axis=1), 1)
-        found.append(np.where(known.mean(axis=1) >= LEAST_COVERED[bool(np.all(rates == 1.0))], cost, np.inf))
-    return np.concatenate(found)
-
-
-def _lowest(costs: Array, most: int = 5) -> list[int]:
-    """Indices of the minima that are as low as the grid can tell, the lowest first."""
-    around = np.concatenate([[np.inf], costs, [np.inf]])
-    minima = np.flatnonzero(np.isfinite(costs) & (costs <= around[:-2]) & (costs <= around[2:]))
-    near = minima[costs[minima] <= costs[minima].min(initial=np.inf) + 0.25 * GRID_TURN]
-    return [int(k) for k in near[np.argsort(costs[near])][:most]]
-
-
-def _refined(track: Track, clock: Clock, most: int = 300) -> list[tuple[Clock, Track]]:
-    """Clock fitted to samples that it covers, with these samples; an empty list if it explains little.
-
-    The error that the clock leaves must be small in every quarter of the run but the first. This error is compared with
-    that by the given stamps, and with the turn of the body.
-    """
-    is_lag = len(clock) == 1
-    for _ in range(3):
-        covered = track.part(track.truth.covers(undone(track, clock).stamps_ns))
-        if len(covered.stamps_ns) < max(FEWEST, LEAST_COVERED[is_lag] * len(track.stamps_ns)):
-            return []
-        few = covered.few(most)
-        clock = fit([few], clock, steps=4)
-    moved, own = undone(few, clock).known(), few.known()
-    if len(moved.stamps_ns) < FEWEST:  # the last fit leaves the truth's times
-        return []
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
-    allowed = np.minimum(SHARE**2 * before, min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2))
-    seconds = 1.0 if is_lag else float(clock[0][1][0])  # of the truth in a second of the stamps
-    if (abs(seconds - 1.0) < LEAST_OFF and not is_lag) or np.any(quarters(moved) > counted(allowed)):
-        return []
-    if spins(rate, EVEN_SPIN if is_lag else SPIN):
-        span, whole = moved.stamps_ns[-1] - moved.stamps_ns[0], track.truth.last_ns - track.truth.first_ns
-        near = abs(float(clock[-1][1][0])) * float(sizes(rate).max()) < np.pi
-        if not (near if is_lag else max(seconds, 1.0 / seconds) > CLOCK_RATIO and span > MOSTLY_SPANNED * whole):
-            return []
-    return [(clock, undone(track, clock).known())]
+    most_left = min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2)
+    if np.any(quarters(moved) > counted(np.minimum(SHARE**2 * before, most_left))):
+        return None
+    if spins(rate):
+        seconds = float(part[1][0])  # of the truth in a second of the stamps
+        spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (track.truth.last_ns - track.truth.first_ns)
+        if max(seconds, 1.0 / seconds) < CLOCK_RATIO or spanned < MOSTLY_SPANNED:
+            return None
+    return part, undone(track, [part]).known()

@@ -116,11 +116,16 @@ def nees(errors: ArrayLike, covariance: ArrayLike, probability: float = 0.95) ->
         If a shape is wrong, a number not finite, a covariance not symmetric and positive definite, or errors are so
         large beside it that the NEES overflows. Also if the probability is not between 0 and 1.
     """
-    if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
-        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
-    e, P = errors_and_covariances(errors, covariance, "N", "d")
-    (values, _), d = nees_and_logarithm(e, P), e.shape[1]
-    tail, samples = 0.5 * (1.0 - probability), np.array([1, len(e)])
+    require_probability(probability)
+    return _nees(*errors_and_covariances(errors, covariance, "N", "d"), probability)
+
+
+def _nees(errors: Array, covariance: Array, probability: float) -> Consistency:
+    """NEES of errors and covariances that were read."""
+    values, _ = nees_and_logarithm(errors, covariance)
+    d = errors.shape[1]
+    tail = 0.5 * (1.0 - probability)
+    samples = np.array([1, len(errors)])
     low, mean_low = (scipy.stats.chi2.ppf(tail, d * samples) / samples).tolist()
     high, mean_high = (scipy.stats.chi2.isf(tail, d * samples) / samples).tolist()
     inside = float(np.mean((values >= low) & (values <= high)))
@@ -160,12 +165,27 @@ def attitude_nees(
     """
     require_axes(axes)
     estimate, truth = pairs(estimate_xyzw, truth_xyzw)
-    P, other = rotation_block(covariance), OTHER_AXES[axes]
-    found = nees(error_vectors(estimate, truth, axes), P, probability)
+    require_probability(probability)
+    _, P = errors_and_covariances(error_vectors(estimate, truth, axes), rotation_block(covariance), "N", "d")
+    return consistency_of(estimate, truth, P, axes, probability)
+
+
+def consistency_of(
+    estimate_xyzw: Array, truth_xyzw: Array, covariance: Array, axes: str, probability: float = 0.95
+) -> Consistency:
+    """NEES of attitudes and covariances that were read, and a remark where they suit the other axes better.
+
+    Raises
+    ------
+    InputError
+        If a covariance is not symmetric and positive definite, or the NEES overflows.
+    """
+    other = OTHER_AXES[axes]
+    found = _nees(error_vectors(estimate_xyzw, truth_xyzw, axes), covariance, probability)
     off = abs(np.log(found.mean / found.dimension)) if found.mean > 0.0 else 0.0
     if found.verdict == "consistent" or off < TELLING:
         return found
-    mean = nees(error_vectors(estimate, truth, other), P, probability).mean
+    mean = _nees(error_vectors(estimate_xyzw, truth_xyzw, other), covariance, probability).mean
     if abs(np.log(mean / found.dimension)) > BETTER * off:
         return found
     return replace(
@@ -173,6 +193,17 @@ def attitude_nees(
         remark=f"about the {other}'s axes it would be {mean:.4g}: if the covariance is about them, give "
         f"covariance_axes {other}",
     )
+
+
+def require_probability(probability: float) -> None:
+    """Refuse what is no probability between 0 and 1.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(probability, int | float | np.number) or not 0.0 < probability < 1.0:
+        raise InputError(f"probability: {shown(probability)} is not between 0 and 1: give for example probability=0.95")
 
 
 def require_axes(axes: str) -> None:

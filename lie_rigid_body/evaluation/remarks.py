@@ -9,7 +9,7 @@ attitudes that no constant rotation explains. Such a map explains their turns to
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from lie_rigid_body.evaluation.attitudes import (
 )
 from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import CLOCK_RATIO
-from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
 from lie_rigid_body.evaluation.track import FEWEST, SAMPLES, Track, spread
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
@@ -71,14 +70,21 @@ SCALES: Final = {
 """Ratios of the turns of an estimate to those of the body, each with its cause."""
 
 
-def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth) -> Iterator[Finding]:
+class Remark(NamedTuple):
+    """Code and message of a mistake that has no repair by attitudes: undone, nothing would be left to compare."""
+
+    code: str
+    message: str
+
+
+def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth) -> Iterator[Remark]:
     """Remarks on stamps, shape (N,), of which those count that come first, and on attitudes as they were given.
 
     Gaps are looked for in each smooth motion of the truth.
     """
     begin, doubles, kept = int(stamps[0]), stamps[~first], stamps[first]
     if doubles.size:
-        yield Finding(
+        yield Remark(
             "gaps",
             f"{doubles.size} of {len(stamps)} samples are doubles, of a stamp that another sample had before, first at "
             f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
@@ -88,7 +94,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:
         longest = wide[np.argmax(steps[wide])]
-        yield Finding(
+        yield Remark(
             "gaps",
             f"{wide.size} {'gap' if wide.size == 1 else 'gaps'} in the estimate, the longest of "
             f"{steps[longest] / 1e9:g} s after {(kept[longest] - begin) / 1e9:g} s, where samples come every "
@@ -97,7 +103,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
     norms = quaternion.norm(given_xyzw)
     off = (norms < np.sqrt(1.0 - NOT_UNIT)) | (norms > np.sqrt(1.0 + NOT_UNIT))  # the square of a large norm overflows
     if off.any():
-        yield Finding(
+        yield Remark(
             "not_unit",
             f"{np.count_nonzero(off)} of {len(norms)} quaternions are not of unit norm, the worst has "
             f"{norms[np.argmax(np.abs(norms - 1.0))]:.4g}; they were divided by it here, and tf2 refuses 0.005 more or "
@@ -105,7 +111,7 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
         )
 
 
-def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None) -> Iterator[Finding]:
+def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None) -> Iterator[Remark]:
     """Remarks on the parts of the truth's times that an estimate leaves out at either end, or exceeds.
 
     Estimates that are due longer than the truth goes on are absent too: in lock-step both end where a filter dies.
@@ -120,22 +126,22 @@ def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None)
     }
     for what, missing in absent.items():
         if missing > most:
-            yield Finding(
+            yield Remark(
                 "gaps", f"The estimate {what.format(missing / 1e9)}: that part of the run is not in the score."
             )
     outside = int(np.count_nonzero(~known))
     if outside > ABSENT * len(known):
-        yield Finding(
+        yield Remark(
             "gaps",
             f"{outside} of {len(known)} estimates lie where the truth is not known and are not in the score: "
             "compare with the truth of the same run, by the same clock and without gaps.",
         )
 
 
-def of_truth(uncertainty_deg: float, rms_deg: float) -> Iterator[Finding]:
+def of_truth(uncertainty_deg: float, rms_deg: float) -> Iterator[Remark]:
     """Remark that the truth between its samples is uncertain beside an error."""
     if uncertainty_deg > max(0.25 * rms_deg, SMALLEST_LIMIT):
-        yield Finding(
+        yield Remark(
             "gaps",
             f"Samples of the truth are so far apart that it is uncertain by {uncertainty_deg:.2g}° between them, "
             f"beside an error of {rms_deg:.2g}° rms: give the truth at a higher rate, or its scenario.",
@@ -158,7 +164,7 @@ class Turns:
         self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
         self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
 
-    def stuck(self) -> Finding | None:
+    def stuck(self) -> Remark | None:
         """Finding that the estimate does not turn, in all or for long, while the body does."""
         still = (self.ours_rad < STUCK * self.true_rad) | (self.ours_rad.sum() < STUCK * self.true_rad.sum())
         begins, ends = runs_of(0, still)
@@ -171,13 +177,13 @@ class Turns:
         is_long = until - since >= LONG * t_s[-1] and until >= t_s[-1] / 4.0  # in a quarter of a run a filter may begin
         if not is_long or len(self.first[every]) < FEWEST or turn < np.degrees(LEAST_TURN):
             return None
-        return Finding(
+        return Remark(
             "stuck",
             f"The estimate turns by {turned:.3g}° from {since:.4g} s to {until:.4g} s after its first stamp, the body "
             f"by {turn:.4g}°: see whether the filter gets its readings, and publishes what it makes of them.",
         )
 
-    def mixed(self, most: int = 4000) -> Finding | None:
+    def mixed(self, most: int = 4000) -> Remark | None:
         """Finding that the samples of the estimate belong to two attitudes in turns.
 
         Each of `most` samples belongs to the nearer of the two attitudes that came last.
@@ -195,13 +201,13 @@ class Turns:
         within = [angles_between(q[track[:-1]], q[track[1:]]) for track in tracks]
         if min(switches, *map(len, tracks)) < FEWEST or max(np.percentile(a, 90) for a in within) * JUMP > jump:
             return None
-        return Finding(
+        return Remark(
             "mixed",
             f"The estimate jumps by {np.degrees(jump):.3g}° and back, {np.count_nonzero(jumps)} times: its samples are "
             "of two attitudes in turns, as of two bodies, or of two filters, on one topic: give those of one.",
         )
 
-    def other(self) -> Finding | None:
+    def other(self) -> Remark | None:
         """Finding that the estimate turns as the body would at another rate, or about other axes."""
         few = spread(len(self.first), SAMPLES)
         ours, true = self.ours[few], self.true[few]
@@ -224,7 +230,7 @@ class Turns:
         if len(fitting) > 1:
             return None
         mirrored = ", which are right-handed; these are not" if np.linalg.det(SIGNED_PERMUTATIONS[axes]) < 0.0 else ""
-        return Finding(
+        return Remark(
             "turn_axes",
             f"The estimate turns about x, y, z as the body does about {named(SIGNED_PERMUTATIONS[axes])}"
             f"{f', {times(scale)} the body' if scale != 1.0 else ''}: give the filter its gyro on the "
@@ -232,9 +238,9 @@ class Turns:
         )
 
 
-def _turn_rate(scale: float) -> Finding:
+def _turn_rate(scale: float) -> Remark:
     remedy = SCALES.get(scale, "see the time step of the filter, and the unit of its gyro")
-    return Finding("turn_rate", f"The estimate turns {times(scale)} the body: {remedy}; {FEIGNED}.")
+    return Remark("turn_rate", f"The estimate turns {times(scale)} the body: {remedy}; {FEIGNED}.")
 
 
 def _missed(ours: Array, predicted: Array) -> Array:

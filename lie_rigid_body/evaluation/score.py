@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.consistency import Consistency
+from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound, mean_square
 from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics, bias_error
-from lie_rigid_body.evaluation.unavoidable import UnavoidableError, mean_square
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, data_frame, report
@@ -41,13 +41,13 @@ class Finding:
     message : str
         One sentence with numbers, and what to do.
     rms_deg_after : float
-        RMS of the total error that is left when this cause and those before it are undone, degrees. NaN of what cannot
-        be undone, until a score gives its own.
+        RMS of the total error that is left when this cause and those before it are undone, degrees. Of what cannot be
+        undone that of the estimate.
     """
 
     code: str
     message: str
-    rms_deg_after: float = np.nan
+    rms_deg_after: float
 
 
 @short_dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class BiasEstimate:
 
 
 @short_dataclass(frozen=True, eq=False)
-class BestPossible:
+class BoundComparison:
     """Bounds of the total error at the samples of a score.
 
     Attributes
@@ -85,7 +85,7 @@ class BestPossible:
         What no reading tells; then no bound is of use.
     beaten : bool
         Whether the estimate is nearer to the truth than the noise allows, even where the constants are known.
-    calibrated : BestPossible or None
+    calibrated : BoundComparison or None
         Bounds for known constants; None where there are no constants.
     """
 
@@ -94,10 +94,10 @@ class BestPossible:
     smoothed: Statistics | None
     unobserved: str
     beaten: bool
-    calibrated: BestPossible | None = None
+    calibrated: BoundComparison | None = None
 
     @classmethod
-    def of(cls, bound: UnavoidableError, stamps_ns: Integers, rms_deg: float) -> BestPossible:
+    def of(cls, bound: CramerRaoBound, stamps_ns: Integers, rms_deg: float) -> BoundComparison:
         """Interpolate the bound at stamps, ns, for an estimate whose total error has the given RMS, degrees."""
         calibrated = None if bound.calibrated is None else cls.of(bound.calibrated, stamps_ns, rms_deg)
         since, times = (stamps - bound.stamps_ns[0] for stamps in (stamps_ns, bound.stamps_ns))
@@ -153,7 +153,7 @@ class Score(Shown):
         Consistency of the covariance, where one was given.
     gyro_bias : BiasEstimate or None
         Estimated gyro bias beside the true one, where one was given.
-    best : BestPossible or None
+    best : BoundComparison or None
         Bounds that the sensors' noise sets, where it is known.
     limits : Limits
         Limits with which the errors were compared.
@@ -178,7 +178,7 @@ class Score(Shown):
     truth_uncertainty_deg: float
     consistency: Consistency | None = None
     gyro_bias: BiasEstimate | None = None
-    best: BestPossible | None = None
+    best: BoundComparison | None = None
     limits: Limits = field(default_factory=Limits)
     of_sensors_deg: float | None = None
     gyro_at_limit: float = 0.0
@@ -229,12 +229,6 @@ class Score(Shown):
             If pandas is not installed: ``to_dict(series=True)`` has the same numbers.
         """
         return data_frame(self.stamps_ns, self._columns())
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> NoReturn:
-            how = {"report": ": call write_report(score, 'score.html') of lie_rigid_body.report"}.get(name, "")
-            raise AttributeError(f"a score has no {name}{how}")
 
     def to_dict(self, *, series: bool = False) -> dict[str, object]:
         """JSON-serialisable data of the score, if wanted with stamps, ns, and the errors of every sample."""
@@ -300,82 +294,40 @@ def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
 
 
 def numbers(statistics: Statistics) -> list[str]:
-    """Statistics as text, in the order of `HEADINGS`."""
-    return [f"{value:.4g}" for value in asdict(statistics).values()]
-
-
-FACTS: Final[tuple[tuple[str, Callable[[Score], str | None]], ...]] = (
-    (
-        "converged",
-        lambda score: (
-            f"never: the last error is above {score.converged_deg:.4g}°"
-            if score.time_to_converge_s is None
-            else f"{score.time_to_converge_s:.4g} s after the first, to below {score.converged_deg:.4g}°"
-        ),
-    ),
-    (
-        "lag",
-        lambda score: (
-            "not told by this motion and these errors"
-            if score.lag_s is None
-            else f"{score.lag_s:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
-        ),
-    ),
-    (
-        "sensors",
-        lambda score: (
-            None
-            if score.of_sensors_deg is None
-            else f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°"
-        ),
-    ),
-    (
-        "gyro",
-        lambda score: (
-            f"at the limit of its range in {100.0 * score.gyro_at_limit:.3g} % of the readings: the body turns faster"
-            if score.gyro_at_limit
-            else None
-        ),
-    ),
-    (
-        "truth",
-        lambda score: (
-            f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
-            if score.truth_uncertainty_deg > SMALLEST_LIMIT
-            else None
-        ),
-    ),
-    ("NEES", lambda score: score.consistency.sentence if score.consistency else None),
-    ("remark", lambda score: score.consistency.remark if score.consistency else None),
-    (
-        "gyro bias",
-        lambda score: (
-            None
-            if (bias := score.gyro_bias_rad_s) is None
-            else f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
-        ),
-    ),
-    (
-        "best filter",
-        lambda score: (
-            f"not known: no sensor tells {score.best.unobserved}" if score.best and score.best.unobserved else None
-        ),
-    ),
-    (
-        "remark",
-        lambda score: (
-            "nearer than noise allows: it has seen the truth, or the noise is not as declared"
-            if score.best and score.best.beaten
-            else None
-        ),
-    ),
-)
-"""Other facts of a score by name, each a function that gives a sentence, or None if there is nothing to tell."""
+    """Statistics as text, degrees, in the order of `HEADINGS`: round-off, of 1e-13°, counts as 0."""
+    return [f"{round(value, 12):.4g}" for value in asdict(statistics).values()]
 
 
 def facts(score: Score) -> Iterator[tuple[str, str]]:
-    """Other facts of a score by name."""
-    return ((name, sentence) for name, tell in FACTS if (sentence := tell(score)))
+    """Other facts of a score by name, each a sentence."""
+    limit = f"{score.converged_deg:.4g}°"
+    if score.time_to_converge_s is None:
+        yield "converged", f"never: the last error is above {limit}"
+    else:
+        yield "converged", f"{score.time_to_converge_s:.4g} s after the first, to below {limit}"
+    if score.lag_s is None:
+        yield "lag", "not told by this motion and these errors"
+    else:
+        # stamps are whole nanoseconds
+        yield "lag", f"{round(score.lag_s, 9):+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+    if score.of_sensors_deg is not None:
+        left = f"{score.of_sensors_deg:.2g}°"
+        yield "sensors", f"a constant turn is about what these sensors leave to a right filter, {left}"
+    if score.gyro_at_limit:
+        share = f"{100.0 * score.gyro_at_limit:.3g} %"
+        yield "gyro", f"at the limit of its range in {share} of the readings: the body turns faster"
+    if score.truth_uncertainty_deg > SMALLEST_LIMIT:
+        yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
+    if score.consistency:
+        yield "NEES", score.consistency.sentence
+        if score.consistency.remark:
+            yield "remark", score.consistency.remark
+    if bias := score.gyro_bias_rad_s:
+        yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
+    if score.best and score.best.unobserved:
+        yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
+    if score.best and score.best.beaten:
+        yield "remark", "nearer than noise allows: it has seen the truth, or the noise is not as declared"
 
 
 def verdict(score: Score) -> list[str]:

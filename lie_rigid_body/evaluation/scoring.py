@@ -5,25 +5,27 @@ The diagnosis says which causes are named, and each in one sentence, with number
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, Final, Protocol, cast, runtime_checkable
+from dataclasses import dataclass, field
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.evaluation import remarks
-from lie_rigid_body.evaluation.arguments import quantity, read_series, real_numbers
-from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, period_ns
-from lie_rigid_body.evaluation.causes import Part, fit, late, undone
-from lie_rigid_body.evaluation.clock import Clock, Lag, lag_of, other_clock, standard_error
-from lie_rigid_body.evaluation.consistency import attitude_nees, require_axes
-from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BestPossible, Finding, Score
+from lie_rigid_body.evaluation.arguments import quantity, unit
+from lie_rigid_body.evaluation.attitudes import Truth, period_ns
+from lie_rigid_body.evaluation.causes import Part, fit, undone
+from lie_rigid_body.evaluation.clock import Lag, lag_of, other_rate
+from lie_rigid_body.evaluation.consistency import consistency_of
+from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
+from lie_rigid_body.evaluation.estimate import Estimate
+from lie_rigid_body.evaluation.explanations import Evidence, Explanation
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BiasEstimate, BoundComparison, Finding, Score
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
 from lie_rigid_body.evaluation.track import FEWEST, Track
-from lie_rigid_body.evaluation.unavoidable import UnavoidableError
-from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, as_double, whole_number
+from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 
@@ -31,71 +33,92 @@ UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
 
 
-@runtime_checkable
-class HasScore(Protocol):
-    """Something that scores an estimate against its own truth, as a run does."""
+class ScoresEstimates(ABC):
+    """Something that scores an estimate against its own truth, as a `Run` does."""
 
+    @abstractmethod
     def score(self, *given: Any, **how: Any) -> Score:
         """The score of an estimate, as `evaluate` makes it."""
 
 
-class HasAttitude(Protocol):
-    """Something with attitudes, as an `Estimate`; a run scores it."""
+@dataclass(frozen=True)
+class ScoreOptions:
+    """How an estimate is scored; see `evaluate`.
 
-    @property
-    def attitude_xyzw(self) -> Any:
-        """The attitudes."""
+    Raises
+    ------
+    InputError
+        If one is no such number.
+    """
+
+    limits: Limits = field(default_factory=Limits)
+    converged_deg: float | None = None
+    longest_lag_s: float | None = None
+    diagnosed: bool = True
+
+    def __post_init__(self) -> None:
+        if self.longest_lag_s is not None:
+            quantity("longest_lag_s", self.longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
+        if self.converged_deg is not None:
+            quantity("converged_deg", self.converged_deg, "degrees", "converged_deg=1.0")
+        if not isinstance(self.limits, Limits):
+            raise InputError(f"limits: {shown(self.limits)} is none: give for example Limits.parse('1deg', '10s:2deg')")
+
+
+@dataclass(frozen=True, eq=False)
+class SensorLimits:
+    """What the sensors of a run tell about any estimate of it.
+
+    Attributes
+    ----------
+    bound : CramerRaoBound or None
+        Bound that their noise sets, on the clock of the truth.
+    left_rad : float
+        Largest constant attitude error that their declared errors cause in a right filter, rad. A smaller one is no
+        mistake.
+    gyro_at_limit : float
+        Share of the gyro's readings that are at the limit of its range.
+    """
+
+    bound: CramerRaoBound | None = None
+    left_rad: float = 0.0
+    gyro_at_limit: float = 0.0
 
 
 def evaluate(
-    stamps_ns: ArrayLike,
-    attitude_xyzw: ArrayLike | HasAttitude,
-    truth: Truth | HasScore,
+    stamps_ns: ArrayLike | None,
+    attitude_xyzw: ArrayLike | Estimate,
+    truth: Truth | ScoresEstimates,
     *,
     limits: Limits | None = None,
     covariance: ArrayLike | None = None,
-    covariance_axes: str = "world",
+    covariance_axes: str | None = None,
     converged_deg: float | None = None,
     longest_lag_s: float | None = None,
     diagnosed: bool = True,
-    bound: UnavoidableError | None = None,
-    sensors: float = 0.0,
-    left_out: int = 0,
-    due_ns: int | None = None,
 ) -> Score:
     """Score and diagnose an attitude estimate against the truth at its stamps.
 
     Parameters
     ----------
-    stamps_ns : array_like of int, shape (N,)
-        Stamps of the estimate, ns, on the clock of the truth, never decreasing.
-    attitude_xyzw : array_like, shape (N, 4)
-        The estimate, taken to be world-from-body, scalar last; beside a run also an `Estimate`.
-    truth : Truth or HasScore
-        An `ExactTruth`, a `SampledTruth`, or a `Run`. A run scores the estimate by its method ``score``; it knows
-        `bound` and `sensors`, and takes no `left_out` or `due_ns`.
+    stamps_ns : array_like of int, shape (N,), or None
+        Stamps of the estimate, ns, on the clock of the truth, never decreasing. None: those of the `Estimate`.
+    attitude_xyzw : array_like, shape (N, 4), or Estimate
+        The estimate, taken to be world-from-body, scalar last. What is given beside an `Estimate` takes the place of
+        its own; its gyro bias has a score beside a run.
+    truth : Truth or Run
+        An `ExactTruth`, a `SampledTruth`, or a `Run`, which scores the estimate by its method ``score``.
     limits : Limits, optional
     covariance : array_like, shape (N, 3, 3), (N, 6, 6), (3, 3) or (6, 6), optional
         Covariance that the estimator claims; see `attitude_nees`. A single one is that of every sample.
-    covariance_axes : str
+    covariance_axes : str, optional
         ``"world"`` or ``"body"``.
     converged_deg : float, optional
         Total error below which the estimate counts as converged, degrees.
     longest_lag_s : float, optional
-        Longest lag that is looked for, s; at most a quarter of the run. By default 1 s, and a quarter of the run if a
-        lag of 1 s seems to be too short.
+        Longest lag that is looked for, s; at most a quarter of the run. By default 1 s.
     diagnosed : bool
         Whether lag and mistaken conventions are looked for, which takes most of the time.
-    bound : UnavoidableError, optional
-        What the sensors' noise leaves at best, on the same clock.
-    sensors : float
-        Largest constant attitude error, rad, that the declared sensor errors cause in a right filter. A smaller one is
-        no mistake.
-    left_out : int
-        Number of estimates that were left out before this call. Limits are broken where most were left out.
-    due_ns : int, optional
-        The stamp until which estimates are due: limits are broken by those that end before half of the time from the
-        first on. By default they may end at any time.
 
     Returns
     -------
@@ -107,40 +130,59 @@ def evaluate(
         If the estimate is empty, out of order, not finite or zero somewhere, or shares no time with the truth. Also if
         another argument is no such number.
     """
-    require_axes(covariance_axes)
-    if longest_lag_s is not None:
-        longest_lag_s = quantity("longest_lag_s", longest_lag_s, "seconds", "longest_lag_s=1.0", or_zero=True)
-    if converged_deg is not None:
-        quantity("converged_deg", converged_deg, "degrees", "converged_deg=1.0")
-    if not isinstance(limits, Limits | None):
-        raise InputError(f"limits: {shown(limits)} is none: give for example Limits.parse('1deg', '10s:2deg')")
-    if isinstance(truth, HasScore):
-        if (bound, sensors, left_out, due_ns) != (None, 0.0, 0, None):
-            raise InputError(
-                "bound, sensors, left_out, due_ns: a run tells them: leave them out, or give run.attitude()"
-            )
+    if isinstance(truth, ScoresEstimates):
         return truth.score(
             attitude_xyzw,
             stamps_ns,
             limits=limits,
             covariance=covariance,
-            covariance_axes=None if covariance is None else covariance_axes,
+            covariance_axes=covariance_axes,
             converged_deg=converged_deg,
             longest_lag_s=longest_lag_s,
             diagnosed=diagnosed,
         )
     if not isinstance(truth, Truth):
         raise InputError(f"truth: {shown(truth)} has no stamps: give the run, an ExactTruth or a SampledTruth")
-    if not (isinstance(bound, UnavoidableError | None) and as_double(sensors) >= 0.0):
-        raise InputError(
-            f"bound {shown(bound)}, sensors {shown(sensors)}: give what unavoidable_error() returns, and rad from 0 on"
-        )
-    left_out = whole_number("left_out", left_out, 0)
-    due_ns = None if due_ns is None else whole_number("due_ns", due_ns, -(2**63), 2**63 - 1)
-    (stamps, attitude), limits = (
-        read_series("estimate", stamps_ns, cast("ArrayLike", attitude_xyzw)),
-        limits or Limits(),
-    )
+    estimate = Estimate.of(attitude_xyzw, t_ns=stamps_ns, covariance=covariance, covariance_axes=covariance_axes)
+    if estimate.t_ns is None:
+        raise InputError("stamps_ns: None, and the estimate has no t_ns: give a stamp for each attitude, in ns")
+    options = ScoreOptions(Limits() if limits is None else limits, converged_deg, longest_lag_s, diagnosed)
+    return score_estimate(estimate, truth, options)
+
+
+def score_estimate(
+    estimate: Estimate,
+    truth: Truth,
+    options: ScoreOptions = ScoreOptions(),
+    sensors: SensorLimits = SensorLimits(),
+    *,
+    gyro_bias: BiasEstimate | None = None,
+    left_out: int = 0,
+    due_ns: int | None = None,
+) -> Score:
+    """Score an estimate that has stamps.
+
+    Parameters
+    ----------
+    estimate : Estimate
+    truth : Truth
+    options : ScoreOptions, optional
+    sensors : SensorLimits, optional
+    gyro_bias : BiasEstimate, optional
+        Estimated biases of the gyro beside the true ones.
+    left_out : int
+        Number of estimates that were left out before this call. Limits are broken where most were left out.
+    due_ns : int, optional
+        The stamp until which estimates are due: limits are broken by those that end before half of the time from the
+        first on. By default they may end at any time.
+
+    Raises
+    ------
+    InputError
+        As `evaluate`.
+    """
+    stamps: Integers = estimate.t_ns
+    attitude = unit("estimate", estimate.attitude_xyzw)
     first = np.diff(stamps, prepend=stamps[0] - 1) > 0
     whole = Track(stamps[first], attitude[first], truth)
     known = truth.covers(whole.stamps_ns)
@@ -149,21 +191,29 @@ def evaluate(
     if not known.any():
         raise InputError(_apart(stamps, truth))
     track = whole.part(known)
-    true = truth.at(track.stamps_ns)
-    error = attitude_error(track.attitude_xyzw, true)
+    error = track.error()
     total, heading, inclination = np.degrees(np.stack(error))
-    t_s, statistics = (track.stamps_ns - track.stamps_ns[0]) / 1e9, Statistics.of(total)
-    tally = Tally(limits)
+    t_s = (track.stamps_ns - track.stamps_ns[0]) / 1e9
+    statistics = Statistics.of(total)
+    tally = Tally(options.limits)
     tally.add(track.stamps_ns, error)
     uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
-    limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG) if converged_deg is None else converged_deg
-    lag, causes, of_sensors = diagnose(track, whole, longest_lag_s, sensors) if diagnosed else (Lag(), (), False)
-    found = (
-        *causes,
-        *remarks.of_series(stamps, first, np.asarray(attitude_xyzw, dtype=np.float64), truth),
+    limit = options.converged_deg
+    if limit is None:
+        limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG)
+    lag, causes, of_sensors = Lag(), tuple[Finding, ...](), False
+    if options.diagnosed:
+        lag, causes, of_sensors = diagnose(track, whole, options.longest_lag_s, sensors.left_rad)
+    remarked = (
+        *remarks.of_series(stamps, first, estimate.attitude_xyzw, truth),
         *remarks.of_span(whole.stamps_ns, known, truth, due_ns),
         *remarks.of_truth(uncertainty, statistics.rms),
     )
+    consistency = None
+    if estimate.covariance is not None:
+        covariance = estimate.rotation_covariance()[first][known]
+        true = truth.at(track.stamps_ns)
+        consistency = consistency_of(track.attitude_xyzw, true, covariance, estimate.covariance_axes)
     return Score(
         stamps_ns=track.stamps_ns,
         error=error,
@@ -174,16 +224,16 @@ def evaluate(
         converged_deg=limit,
         lag_s=lag.lag_s,
         lag_standard_error_s=lag.standard_error_s,
-        findings=tuple(replace(f, rms_deg_after=statistics.rms) if np.isnan(f.rms_deg_after) else f for f in found),
+        findings=(*causes, *(Finding(*remark, statistics.rms) for remark in remarked)),
         broken=tuple(tally.broken(len(stamps) + left_out, due_ns)),
         outside=int(np.count_nonzero(~known)),
         truth_uncertainty_deg=uncertainty,
-        consistency=None
-        if covariance is None
-        else attitude_nees(track.attitude_xyzw, true, _at_samples(covariance, first, known), covariance_axes),
-        best=None if bound is None else BestPossible.of(bound, track.stamps_ns, statistics.rms),
-        limits=limits,
-        of_sensors_deg=float(np.degrees(sensors)) if of_sensors else None,
+        consistency=consistency,
+        gyro_bias=gyro_bias,
+        best=None if sensors.bound is None else BoundComparison.of(sensors.bound, track.stamps_ns, statistics.rms),
+        limits=options.limits,
+        of_sensors_deg=float(np.degrees(sensors.left_rad)) if of_sensors else None,
+        gyro_at_limit=sensors.gyro_at_limit,
     )
 
 
@@ -197,16 +247,8 @@ def _apart(stamps: Integers, truth: Truth) -> str:
     )
 
 
-def _at_samples(covariance: ArrayLike, first: Booleans, known: Booleans) -> Array:
-    """Covariances of the samples that were compared: the first of each stamp at which the truth is known."""
-    P = real_numbers("covariance", covariance, "(..., 3, 3)")
-    if P.ndim == 3 and len(P) != len(first):
-        raise InputError(f"covariance: {len(P)} of them for {len(first)} estimates: give one, or one for each")
-    return P[first][known] if P.ndim == 3 else P
-
-
 def diagnose(
-    track: Track, whole: Track, longest_lag_s: float | None = None, sensors: float = 0.0
+    track: Track, whole: Track, longest_lag_s: float | None = None, left_by_sensors: float = 0.0
 ) -> tuple[Lag, tuple[Finding, ...], bool]:
     """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 
@@ -218,7 +260,7 @@ def diagnose(
         All samples.
     longest_lag_s : float, optional
         As given to `evaluate`.
-    sensors : float, optional
+    left_by_sensors : float, optional
         Largest constant turn that the sensors' own errors leave to a right filter, rad.
 
     Returns
@@ -229,25 +271,26 @@ def diagnose(
     bool
         Whether a constant turn was found that is no larger than what the sensors' own errors leave.
     """
-    stamps, truth, turned, error = track.stamps_ns, track.truth, remarks.Turns(track), np.degrees(track.error().total)
+    stamps = track.stamps_ns
+    truth = track.truth
+    turned = remarks.Turns(track)
+    error = np.degrees(track.error().total)
     unlike = bool(np.median(error) > UNLIKE_DEG)
     sure = (turned.stuck() or turned.mixed()) if rms(error) > UNLIKE_DEG else None
     if sure:  # of fast turns every sample jumps
-        return Lag(), ((turned.other() if sure.code == "mixed" else None) or sure,), False
-    quarter = float(stamps[-1] - stamps[0]) / 4e9
-    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, quarter)
+        remark = (turned.other() if sure.code == "mixed" else None) or sure
+        return Lag(), (Finding(*remark, rms(error)),), False
+    longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, float(stamps[-1] - stamps[0]) / 4e9)
     margin = round(longest_s * 1e9)
     inner = track.part(truth.covers(stamps - margin) & truth.covers(stamps + margin))
-    evidence = Evidence(inner, longest_s, sensors) if len(inner.stamps_ns) >= FEWEST else None
+    evidence = Evidence(inner, longest_s, left_by_sensors) if len(inner.stamps_ns) >= FEWEST else None
     named, of_sensors, at_limit = evidence.choice() if evidence else (None, False, False)
-    causes = {*named.causes} if named else set[str]()
-    lost = unlike and not causes and not (evidence and evidence.follows())
-    # a motion that nearly repeats has a near lag with a mounting for each far one
-    near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
-    found = other_clock(whole, 0.9 * longest_s) if longest_lag_s is None and (lost or at_limit or near) else None
-    most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
-    if found is not None and rms(found[1].error().total) <= most:
-        return _of_clock(whole, *found)
+    lost = unlike and not (named and named.causes) and not (evidence and evidence.follows())
+    other = other_rate(whole) if lost else None
+    if other:
+        part, moved = other
+        after = np.degrees(moved.error().total)
+        return Lag(), (_finding(part, _errors(whole, []), after, whole.known()),), False
     if not evidence or not named:
         return Lag(), (), False
     lag = Lag() if at_limit else lag_of(inner, named, longest_s, period_ns(stamps) / 1e9)
@@ -255,8 +298,8 @@ def diagnose(
     told = _in_words(track, evidence, named) if named.causes else ()
     # a gyro on other axes is the same map as three conventions and a turned world, and has the simpler name
     many = len(told) > (1 if "world_turned" in named.turned else 2)
-    other = turned.other() if (lost and not told) or many else None
-    return lag, (other,) if other else told, of_sensors
+    instead = turned.other() if (lost and not told) or many else None
+    return lag, (Finding(*instead, rms(error)),) if instead else told, of_sensors
 
 
 def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:
@@ -278,14 +321,6 @@ def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 
         others = evidence.instead_of(named, "lag" if nearest[0].code in {"lagging", "leading"} else nearest[0].code)
         found.append(_finding(nearest, errors[-2], errors[-1], track, others))
     return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
-
-
-def _of_clock(whole: Track, clock: Clock, track: Track) -> tuple[Lag, tuple[Finding, ...], bool]:
-    """Put another clock into words, of all samples and of those that it puts within the truth's times."""
-    *rate, (_, lag_s) = clock
-    part = rate[0] if rate else late(float(lag_s[0]))
-    lag = Lag() if rate else Lag(float(lag_s[0]), standard_error(track, [late(0.0)]))
-    return lag, (_finding(part, _errors(whole, []), np.degrees(track.error().total), whole.known()),), False
 
 
 def _errors(track: Track, parts: Sequence[Part]) -> Array:

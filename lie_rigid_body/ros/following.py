@@ -13,12 +13,12 @@ from rclpy.subscription import Subscription
 
 from lie_rigid_body.estimates.live_estimate import LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import nearest, pose_beside
+from lie_rigid_body.evaluation.estimate import BIAS_SUFFIX
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.messages.definitions import IMU, POSE_STAMPED, STRING, VECTOR3_STAMPED
 from lie_rigid_body.recording.topic_messages import ATTITUDE_TYPES, wrong_type
 from lie_rigid_body.ros.session import message_class, translated_errors
-from lie_rigid_body.runs.estimate import BIAS_SUFFIX
 
 ESTIMATE: Final = "estimate"
 """Relative name of the estimate's topic, to be remapped."""

@@ -8,8 +8,8 @@
 - `estimate`: what an estimator returns.
 """
 
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.runs.ensemble import simulate
-from lie_rigid_body.runs.estimate import Estimate
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.runs.truth import ScenarioTruth

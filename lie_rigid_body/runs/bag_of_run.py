@@ -16,6 +16,7 @@ from lie_rigid_body import __version__
 from lie_rigid_body.evaluation import Score
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.consistency import factor_of
+from lie_rigid_body.evaluation.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import listed, shown
@@ -33,7 +34,6 @@ from lie_rigid_body.recording.bag_writer import (
     BagWriter,
 )
 from lie_rigid_body.recording.segments import declared_segments
-from lie_rigid_body.runs.estimate import BIAS_SUFFIX, Estimate
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Taken
 

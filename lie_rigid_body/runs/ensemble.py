@@ -39,7 +39,7 @@ _RUN_BYTES: Final = 2**16
 """Memory that a run takes beside its arrays, bytes."""
 WITHHELD: Final = ("initial_attitude_xyzw", "initial_body_rate", "sensor_seed")
 """Parameters that would tell the truth, or the noise."""
-_TELLING: Final = ("attitude", "score", "to_bag", "certificate", "unavoidable_error", "gyro_bias_at")
+_TELLING: Final = ("attitude", "score", "to_bag", "certificate", "cramer_rao_bound", "gyro_bias_at")
 """Methods of a run that need the truth, which a run without it refuses."""
 _NO_TRUTH: Final[Any] = None
 _NO_BIASES: Final = {"gyro_bias": None, "accelerometer_bias": None}

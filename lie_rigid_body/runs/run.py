@@ -7,14 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.evaluation import Limits, Score, UnavoidableError, evaluate
+from lie_rigid_body.evaluation import CramerRaoBound, Limits, Score
 from lie_rigid_body.evaluation.arguments import integer_stamps, numbers, quantity
+from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.score import BiasEstimate
+from lie_rigid_body.evaluation.scoring import ScoreOptions, ScoresEstimates, score_estimate
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.showing import Shown, data_frame
@@ -25,9 +27,9 @@ from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_
 from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import samples_in_memory
 from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
-from lie_rigid_body.runs.estimate import Estimate
+from lie_rigid_body.runs.bound import cramer_rao_bound_of, sensor_limits
 from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
-from lie_rigid_body.runs.truth import ScenarioTruth, at_limit, bound_of, left_by_errors_of, unavoidable_error_of
+from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
 from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
@@ -48,7 +50,7 @@ class _NamedSensors:
 
 
 @dataclass(frozen=True, eq=False)
-class Run(_NamedSensors, Shown):
+class Run(_NamedSensors, ScoresEstimates, Shown):
     """The truth and the readings of one run, whose arrays are read only: copy one to change it.
 
     Attributes
@@ -281,53 +283,44 @@ class Run(_NamedSensors, Shown):
             If there are no stamps of that number, the estimate is unusable, or the run does not tell the true bias.
         """
         after_s = quantity("after_s", after_s, "seconds", "after_s=10.0", or_zero=True)
-        beside: dict[str, Any] = {
-            "t_ns": t_ns,
-            "gyro_bias": gyro_bias,
-            "covariance": covariance,
-            "covariance_axes": covariance_axes,
-        }
-        given = {name: value for name, value in beside.items() if value is not None}
-        estimate = self.stamped(replace(Estimate.of(estimate_xyzw), **given))
-        truth, stamps = self.attitude(), estimate.t_ns
+        options = ScoreOptions(Limits() if limits is None else limits, converged_deg, longest_lag_s, diagnosed)
+        estimate = self.stamped(
+            Estimate.of(
+                estimate_xyzw,
+                t_ns=t_ns,
+                gyro_bias=gyro_bias,
+                covariance=covariance,
+                covariance_axes=covariance_axes,
+            )
+        )
+        truth = self.attitude()
+        bounded_ns = int(estimate.t_ns[-1]) if diagnosed else None
         if after_s:
-            late = np.flatnonzero(stamps - stamps[:1] >= np.round(after_s * 1e9))
+            late = np.flatnonzero(estimate.t_ns - estimate.t_ns[:1] >= np.round(after_s * 1e9))
             if not late.size:
                 raise InputError(
                     f"after_s {after_s:g} is beyond the last estimate: give a longer run, or a shorter time"
                 )
             estimate = estimate[int(late[0]) :]
             truth = truth.between(int(estimate.t_ns[0]), truth.last_ns)
-        score = evaluate(
-            estimate.t_ns,
-            estimate.attitude_xyzw,
-            truth,
-            limits=limits,
-            covariance=estimate.covariance,
-            covariance_axes=estimate.covariance_axes,
-            converged_deg=converged_deg,
-            longest_lag_s=longest_lag_s,
-            diagnosed=diagnosed,
-            bound=bound_of(self.segments, truth, stamps) if diagnosed else None,
-            sensors=left_by_errors_of(self.segments),
-        )
-        if self.imu is not None:
-            score = replace(score, gyro_at_limit=at_limit(self.imu.gyro, self.scenario))
-        if estimate.gyro_bias is None:
-            return score
-        bias = numbers("gyro_bias", estimate.gyro_bias, 3)
-        return replace(score, gyro_bias=BiasEstimate(estimate.t_ns, bias, self.gyro_bias_at(estimate.t_ns)))
+        bias = None
+        if estimate.gyro_bias is not None:
+            given = numbers("gyro_bias", estimate.gyro_bias, 3)
+            bias = BiasEstimate(estimate.t_ns, given, self.gyro_bias_at(estimate.t_ns))
+        sensors = sensor_limits(self.segments, truth, bounded_ns, self.imu.gyro if self.imu else None)
+        return score_estimate(estimate, truth, options, sensors, gyro_bias=bias)
 
-    def unavoidable_error(self) -> UnavoidableError | None:
-        """Error that the declared noise of the sensors leaves to any estimator at best, at each reading of the IMU.
+    def cramer_rao_bound(self) -> CramerRaoBound | None:
+        """Bound that the declared noise of the sensors sets to the error of any estimator that knows no dynamics.
 
-        Noise and biases are as declared. Scale, mounting and soft iron are constants that no estimator knows, as many
-        as a sensor declares. Of the hard iron there is a bound, and faults are left out. Readings that are missing or
-        late count as well.
+        It is computed at each reading of the IMU; of more than 20 000 at all at first, and then ever fewer. Noise and
+        biases are as declared. Scale, mounting and soft iron are constants that no estimator knows, as many as a sensor
+        declares. Of the hard iron there is a bound, and faults are left out. Readings that are missing or late count as
+        well.
 
         Returns
         -------
-        UnavoidableError or None
+        CramerRaoBound or None
             None without an IMU, or where a sensor that tells the attitude has no noise: the bound is 0 then.
 
         Raises
@@ -336,7 +329,7 @@ class Run(_NamedSensors, Shown):
             If the scenario declares more than 20 million readings, or a vector or a noise is too small or too large.
         """
         last = self.t_ns[-1] if self.imu is None else max(self.t_ns[-1:].max(), self.imu.t_ns.max(initial=0))
-        return unavoidable_error_of(self.segments, int(last))
+        return cramer_rao_bound_of(self.segments, int(last))
 
     def gyro_bias_at(self, t_ns: ArrayLike) -> Array:
         """The true bias of the gyro at stamps, shape (K, 3), rad/s.

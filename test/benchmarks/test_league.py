@@ -83,7 +83,7 @@ def test_conventions_are_right(name: str) -> None:
 
 def test_the_bound_lies_below_what_gravity_and_field_alone_tell() -> None:
     run, given = read(Case("slow_tumble", "mems"))
-    found = run.unavoidable_error()
+    found = run.cramer_rao_bound()
     assert found is not None
     static = [given.attitude_of(k).as_quat() for k in range(len(given.t_ns))]
     error = attitude_error(static, run.truth.attitude_xyzw).total

@@ -220,7 +220,7 @@ def test_failures_are_counted_with_their_first_reason(comparison: Comparison) ->
 def test_what_the_sensors_leave_is_told_of_one_run(comparison: Comparison, said: list[str]) -> None:
     """A covariance may be honest about an error that is many times as large."""
     campaign = Campaign.from_file("campaign.yaml")
-    bound = simulate(campaign.scenario_of(1), duration=0.5).unavoidable_error()
+    bound = simulate(campaign.scenario_of(1), duration=0.5).cramer_rao_bound()
     assert bound is not None
     assert comparison.best is not None
     assert comparison.best.run == 1

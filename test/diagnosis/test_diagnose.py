@@ -152,7 +152,7 @@ def test_run_of_a_diagnosis_tells_no_truth() -> None:
         diagnose(estimate)
     run, *_ = seen
     assert run.truth is None
-    names = ("attitude", "to_bag", "certificate", "unavoidable_error")
+    names = ("attitude", "to_bag", "certificate", "cramer_rao_bound")
     for ask in [*(getattr(run, name) for name in names), lambda: run.score([[0, 0, 0, 1]]), run.scenario.exact_motion]:
         with pytest.raises(InputError):
             ask()

@@ -1,9 +1,8 @@
-"""An estimate by another clock is told so, with the factor or the shift, and one by the same clock is not."""
+"""An estimate by a clock of another rate is told so, with the factor, and one by the same clock is not."""
 
 from __future__ import annotations
 
 import re
-import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from motions import CLOCK, MOTIONS, turns
 from lie_rigid_body import ClosedForm, RigidBody, State, simulate
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
 from lie_rigid_body.evaluation.causes import CAUSES
-from lie_rigid_body.evaluation.clock import other_clock
+from lie_rigid_body.evaluation.clock import other_rate
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
@@ -38,10 +37,8 @@ def told(score) -> dict[str, str]:
     [
         ("slow_tumble", 0.1, "10 times as slow"),
         ("fast_tumble", 0.99, "1.0101 times as slow"),
-        pytest.param("dzhanibekov", 10.0, "10 times as fast", marks=pytest.mark.slow),
-        pytest.param("precession", 1.25, "1.25 times as fast", marks=pytest.mark.slow),
-        pytest.param("precession", 1000 / 1024, "1.024 times as slow", marks=pytest.mark.slow),
-        pytest.param("fast_tumble", 0.37, "2.7027 times as slow", marks=pytest.mark.slow),
+        ("dzhanibekov", 10.0, "10 times as fast"),
+        ("precession", 1000 / 1024, "1.024 times as slow"),
     ],
 )
 def test_a_clock_of_another_rate_is_told_with_the_factor(motion, times, said):
@@ -56,59 +53,10 @@ def test_a_clock_of_another_rate_is_told_with_the_factor(motion, times, said):
     assert score.findings[0].rms_deg_after == pytest.approx(np.sqrt(3.0), rel=0.15)
 
 
-def test_a_unit_that_is_mistaken_begins_at_0_not_at_the_first_estimate():
-    estimate, truth = of_ten("slow_tumble")
-    message = told(evaluate(10 * TEN[10:], estimate[10:], truth))["clock_rate"]
-    [(factor, _)] = re.findall(CLOCK, message)
-    assert float(factor) == pytest.approx(10.0, rel=2e-3)
-
-
-@pytest.mark.parametrize(("times", "said"), [(0.1, "10 times as slow"), (2.0, "2 times as fast")])
-def test_a_clock_of_a_body_that_nearly_spins_is_told_where_no_gyro_would_fill_the_time(times, said):
-    """Of a body that turns by 58° in all a gyro with ten times the scale would make as much."""
-    run = simulate("tumbling_cubesat", duration=20.0, imu_rate=50.0)
-    assert run.imu is not None
-    estimate = quaternion.multiply(run.attitude().at(run.imu.t_ns), turns(0.5, 5, len(run.imu.t_ns)))
-    [(code, message)] = told(run.score(estimate, np.round(times * run.imu.t_ns).astype(np.int64))).items()
-    assert code == "clock_rate"
-    [(factor, word)] = re.findall(CLOCK, message)
-    assert word == said.split()[-1]
-    assert float(factor) == pytest.approx(float(said.split()[0]), rel=0.02)
-
-
-@pytest.mark.parametrize("rate", [10.0, pytest.param(2.0, marks=pytest.mark.slow)])
-def test_an_estimate_at_another_rate_than_the_truth_is_by_the_same_clock(rate):
+@pytest.mark.parametrize("every", [10, 50])
+def test_an_estimate_at_another_rate_than_the_truth_is_by_the_same_clock(every):
     run = simulate("dzhanibekov", duration=10.0, rate=100.0)
-    every = round(100.0 / rate)
     assert run.score(run.truth.attitude_xyzw[::every], run.t_ns[::every]).findings == ()
-
-
-@pytest.mark.parametrize(
-    ("motion", "shift_s"),
-    [
-        ("fast_tumble", -5.0),
-        pytest.param("slow_tumble", 5.0, marks=pytest.mark.slow),
-        *(pytest.param(motion, shift_s, marks=pytest.mark.slow) for motion in MOTIONS for shift_s in (-7.0, 3.0)),
-    ],
-)
-def test_stamps_that_are_off_by_half_of_the_run_are_a_lag_and_nothing_else(motion, shift_s):
-    estimate, truth = of_ten(motion)
-    score = evaluate(TEN + round(shift_s * 1e9), estimate, truth)
-    assert list(told(score)) == ["lagging" if shift_s > 0.0 else "leading"]
-    assert score.lag_s == pytest.approx(shift_s, abs=0.02)
-    assert score.lag_s is not None
-    assert score.lag_standard_error_s is not None
-    assert abs(score.lag_s - shift_s) < 4.0 * score.lag_standard_error_s
-
-
-def test_many_wrong_stamps_ask_for_no_more_memory():
-    estimate, truth = of_ten("slow_tumble")
-    stamps = np.concatenate([TEN[:70] - 10**16, TEN[70:]])
-    tracemalloc.start()
-    other_clock(Track(stamps, estimate, truth))
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 20e6
 
 
 def test_a_truth_is_asked_within_its_times_only():
@@ -120,19 +68,11 @@ def test_a_truth_is_asked_within_its_times_only():
         return sampled.at(t_ns)
 
     truth = ExactTruth(attitude, sampled.first_ns, sampled.last_ns)
-    assert other_clock(Track(TEN // 2, estimate, truth)) is not None
+    assert other_rate(Track(2 * TEN, estimate, truth)) is not None
     assert truth.first_ns <= min(asked) <= max(asked) <= truth.last_ns
 
 
-@pytest.mark.slow
-def test_a_slow_body_by_stamps_that_are_off_and_without_noise():
-    run = simulate("tumbling_cubesat", duration=10.0, rate=20.0)
-    score = run.score(run.truth.attitude_xyzw, run.t_ns + 5_000_000_000)
-    assert list(told(score)) == ["lagging"]
-    assert score.lag_s == pytest.approx(5.0, abs=1e-6)
-
-
-@pytest.mark.parametrize("factor", [1.05, pytest.param(0.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("factor", [0.5, 1.05])
 def test_a_spin_does_not_tell_a_clock_from_the_scale_of_a_gyro(factor):
     def spin(rate: float) -> ClosedForm:
         return ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0, 0, 0, 1], [0, 0, rate]))
@@ -176,7 +116,7 @@ def test_an_estimate_of_something_else_has_no_cause(kind, seed):
 def test_every_code_is_in_the_table_of_the_docs():
     package = Path(__file__).parents[2] / "lie_rigid_body" / "evaluation"
     source = "".join((package / f"{name}.py").read_text() for name in ("remarks", "scoring"))
-    codes = set(re.findall(r'Finding\(\s*"(\w+)"', source))
+    codes = set(re.findall(r'Remark\(\s*"(\w+)"', source))
     codes |= {cause.code for cause in CAUSES} - {"euler_order"}  # told where the estimator is a function
     documented = (package.parents[1] / "docs" / "estimators.md").read_text().split("| code | what is wrong |")[1]
     table = documented.split("\n\n")[0].splitlines()
@@ -191,10 +131,3 @@ def test_a_body_that_turns_little_is_no_evidence_of_a_mounting():
     truth = ExactTruth(lambda t_ns: slow.at(t_ns).attitude_xyzw, 0, int(TEN[-1]))
     fixed = np.tile(quaternion.exp([1.0, 1.0, -0.5]), (len(TEN), 1))
     assert set(told(evaluate(TEN, fixed, truth))) <= {"stuck"}
-
-
-def test_a_clock_whose_fit_leaves_the_truth_is_none():
-    run = simulate("tumbling_cubesat", duration=4.0)
-    truth = SampledTruth(run.t_ns[:74], run.truth.attitude_xyzw[:74])
-    stamps = np.arange(370) * 10_000_000 + int(run.t_ns[0])
-    assert set(told(evaluate(stamps, np.tile([0.0, 0.0, 0.0, 1.0], (370, 1)), truth))) <= {"stuck"}

@@ -9,6 +9,7 @@ import pytest
 
 from lie_rigid_body.evaluation import (
     AttitudeError,
+    Estimate,
     Limits,
     SampledTruth,
     Statistics,
@@ -16,6 +17,7 @@ from lie_rigid_body.evaluation import (
     evaluate,
     time_to_converge,
 )
+from lie_rigid_body.evaluation.scoring import ScoreOptions, score_estimate
 from lie_rigid_body.evaluation.statistics import Tally, settling_limit
 from lie_rigid_body.foundation.errors import InputError
 from said import numbers
@@ -118,14 +120,11 @@ def test_a_limit_is_not_kept_where_little_was_compared():
     assert broken(Limits(), 1, 1000, 0.04, 20.0) == []
     assert broken(limits, 3, 1000, 0.04, 20.0) == [[3, 1000], [0.04, 20]]
     assert broken(limits, 1, 1, 0.0, 0.0) == []
-    stamps = np.arange(9, dtype=np.int64)
-    truth = SampledTruth(stamps[:4], np.tile([0.0, 0.0, 0.0, 1.0], (4, 1)))
-    given = stamps, np.tile([0.0, 0.0, 0.0, 1.0], (9, 1)), truth
-    assert evaluate(*given, diagnosed=False).passed
-    for score in (
-        evaluate(*given, limits=limits, diagnosed=False),
-        evaluate(stamps[:4], given[1][:4], truth, limits=limits, left_out=5, diagnosed=False),
-    ):
+    estimate = Estimate(np.tile([0.0, 0.0, 0.0, 1.0], (9, 1)), np.arange(9))
+    truth = SampledTruth(estimate.t_ns[:4], estimate.attitude_xyzw[:4])
+    options = ScoreOptions(limits, diagnosed=False)
+    assert score_estimate(estimate, truth, ScoreOptions(diagnosed=False)).passed
+    for score in (score_estimate(estimate, truth, options), score_estimate(estimate[:4], truth, options, left_out=5)):
         assert [numbers(told) for told in score.broken] == [[4, 9]]
 
 

@@ -10,9 +10,9 @@ import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.evaluation import Finding, SampledTruth, evaluate
+from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, places
-from lie_rigid_body.evaluation.remarks import DEGREE, Turns
+from lie_rigid_body.evaluation.remarks import DEGREE, Remark, Turns
 from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from said import numbers
@@ -35,7 +35,7 @@ def integrated(q: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return quaternion.multiply(found, turns(noise, 4, len(found)))
 
 
-def remarks_on(matrix: np.ndarray) -> list[Finding]:
+def remarks_on(matrix: np.ndarray) -> list[Remark]:
     """What is told of the turns of an estimate by a gyro that reads by a matrix."""
     q = attitude("slow_tumble")[:500]
     estimate = np.tile(q[0], (500, 1)) if not matrix.any() else integrated(q, matrix)

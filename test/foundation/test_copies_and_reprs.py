@@ -38,6 +38,7 @@ from lie_rigid_body import sensors as table
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.diagnosis import FilterDiagnosis, Mistake, Note, Probe
+from lie_rigid_body.evaluation import cramer_rao_bound
 from lie_rigid_body.foundation import errors as errors_room
 from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages.batch import BatchEncoder
@@ -156,10 +157,11 @@ def of_a_score() -> list[Any]:
     sampled, score_limits = evaluation.SampledTruth(TIMES, truth), evaluation.Limits(1.0)
     score = evaluation.evaluate(TIMES, turned, sampled, limits=score_limits, covariance=1e-4 * np.eye(3))
     exact = evaluation.ExactTruth(exact_attitudes, 0, int(TIMES[-1]))
-    bias, up = evaluation.BiasNoise(0.1, 0.01), evaluation.VectorReadings(TIMES, [0.0, 0.0, 9.8], 0.1)
-    bound = evaluation.unavoidable_error(TIMES, truth, gyro_noise=0.1, gyro_bias=bias, vectors=[up])
+    bias = cramer_rao_bound.BiasNoise(0.1, 0.01)
+    up = cramer_rao_bound.VectorReadings(TIMES, np.array([0.0, 0.0, 9.8]), 0.1, bias)
+    bound = cramer_rao_bound.cramer_rao_bound(TIMES, truth, gyro_noise=0.1, gyro_bias=bias, vectors=[up])
     found = [score, score.consistency, score.total_deg, *score.findings, score.error, score_limits, sampled, exact]
-    return [*found, bias, up, evaluation.AttitudeReadings(TIMES, np.eye(3)), bound]
+    return [*found, bias, up, cramer_rao_bound.AttitudeReadings(TIMES, np.eye(3)), bound]
 
 
 def of_the_league() -> list[Any]:

@@ -117,7 +117,7 @@ def test_what_a_filter_is_given_tells_no_truth():
     assert blind.faults == ()
     assert blind.imu.gyro_bias is None
     assert blind.imu.accelerometer_bias is None
-    for ask in (blind.attitude, blind.unavoidable_error, lambda: blind.scenario.initial_body_rate):
+    for ask in (blind.attitude, blind.cramer_rao_bound, lambda: blind.scenario.initial_body_rate):
         with pytest.raises(InputError):
             ask()
 

@@ -30,7 +30,7 @@ refused = refusals(
             "no seeds": "seeds are none",
             "bytes": "memory_limit {value} is not a number of bytes",
             "declared readings": "the scenario declares {count} readings",
-            "tiny vector": "^vector: its length {value} is beyond",
+            "noise": "^vector: a noise of {value} of what is read is beyond",
             "record_path": r"call to_bag\('{path}'\) of the run",
             "memory": "memory_limit .* is too little for .* which take .* give a larger memory_limit",
             # a run and its bag
@@ -59,7 +59,7 @@ refused = refusals(
             "gyro_bias": "gyro_bias",
             "another clock": "none of its {count} stamps is within the truth, from 0 s to .* s: they begin 1",
             "no run": "give the run",
-            "run tells": r"a run tells them: leave them out, or give run.attitude\(\)",
+            "not a truth": "has no stamps: give the run, an ExactTruth or a SampledTruth",
             # live
             "frames": "{frames}, none of which is world to base_link",
             "orientation": "has no orientation",

@@ -217,7 +217,7 @@ def mean_squares_by_chance(smoother: Smoother, normal: SuperLU) -> np.ndarray:
 def test_a_batch_smoother_comes_as_near_as_the_bound_and_no_nearer() -> None:
     """Constants are drawn for each run: none is nearer than in one of a hundred such campaigns by chance."""
     base = simulate(duration=DURATION, **GIVEN, **LARGEST)
-    declared, bound = base.scenario.parameters(), base.unavoidable_error()
+    declared, bound = base.scenario.parameters(), base.cramer_rao_bound()
     assert bound is not None
     iron = float(np.abs(np.array(declared["magnetometer_hard_iron"])).max())
     squares, chance = [], np.zeros(0)

@@ -16,7 +16,7 @@ from refused_runs import PHRASES
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.runs.truth import left_by_errors_of
+from lie_rigid_body.runs.bound import left_by_errors_of
 
 UP = np.array([0.0, 0.0, 1.0])
 DECLINATION_DEG = float(np.degrees(np.arctan2(1.5, 21.0)))

@@ -31,6 +31,14 @@ from lie_rigid_body.lie import quaternion
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS
 
+
+class Judge:
+    """Something that has a method ``score``, and is no truth."""
+
+    def score(self, *given: object, **how: object) -> str:
+        return "a score"
+
+
 BODY = RigidBody([[2.0, 0.1, -0.2], [0.1, 2.5, 0.3], [-0.2, 0.3, 3.0]])
 START = State([0.1, -0.2, 0.3, np.sqrt(1.0 - 0.14)], [0.4, -0.3, 0.2])
 
@@ -102,8 +110,12 @@ def test_what_an_estimator_returns_is_scored_against_a_run():
     score = evaluate(run.t_ns, estimate, run)
     assert score.to_dict() == run.score(estimate).to_dict()
     assert score.consistency is not None
-    with refused("run tells"):
-        evaluate(run.t_ns, estimate, run, due_ns=7)
+    beside = evaluate(None, estimate, run.attitude())
+    assert beside.total_deg == score.total_deg
+    assert beside.consistency is not None
+    assert beside.consistency.mean == score.consistency.mean
+    with refused("not a truth"):
+        evaluate(run.t_ns, estimate, Judge())  # type: ignore[arg-type]
 
 
 def test_a_bag_is_certified_by_its_name(tmp_path):

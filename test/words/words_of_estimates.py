@@ -9,7 +9,7 @@ from lie_rigid_body import Scenario
 from lie_rigid_body.estimates.buffers import DISORDERED, OF_OTHERS, UNUSABLE, notes_on_left_out
 from lie_rigid_body.messages.definitions import ODOMETRY, POSE_STAMPED
 from lie_rigid_body.recording.topic_messages import AttitudeTrack
-from lie_rigid_body.runs.truth import TrueMotion
+from lie_rigid_body.runs.true_motion import TrueMotion
 from lie_rigid_body.simulation import Segment
 
 NS = 10**9

@@ -12,21 +12,18 @@ from test_turning import CYCLED, SWAPPED, UNCHANGED, remarks_on
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import (
-    AttitudeReadings,
-    BiasNoise,
     ExactTruth,
     Limits,
     SampledTruth,
-    VectorReadings,
     attitude_error,
     attitude_nees,
     bias_error,
     evaluate,
     nees,
-    unavoidable_error,
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
+from lie_rigid_body.evaluation.cramer_rao_bound import AttitudeReadings, VectorReadings, cramer_rao_bound
 from lie_rigid_body.evaluation.differences import Difference, of_run, of_runs
 from lie_rigid_body.evaluation.honesty import honesty
 from lie_rigid_body.evaluation.remarks import DEGREE
@@ -37,7 +34,9 @@ from lie_rigid_body.lie import quaternion
 ONE, ZERO = [0.0, 0.0, 0.0, 1.0], [0.0] * 4
 Q = np.tile(ONE, (3, 1))
 P = np.array([[4.0, 1.0, -0.5], [1.0, 3.0, 0.2], [-0.5, 0.2, 0.5]]) * 1e-6
-UP, ASLANT = VectorReadings([0, 1], [0.0, 0.0, 9.81], 0.3), VectorReadings([0, 1], [0.6, 0.0, 0.8], 0.3)
+TWO = np.arange(2)
+UP = VectorReadings(TWO, np.array([0.0, 0.0, 9.81]), 0.3)
+ASLANT = VectorReadings(TWO, np.array([0.6, 0.0, 0.8]), 0.3)
 MOTION = "slow_tumble"
 TRUE = attitude(MOTION)
 TRUTH = truth_of(MOTION)
@@ -83,8 +82,18 @@ def score(stamps=STAMPS, estimate=TRUE, **given):
     return evaluate(stamps, estimate, TRUTH, **given)
 
 
-def unavoidable(**given):
-    return unavoidable_error(**{"stamps_ns": [0, 1], "truth_xyzw": [ONE] * 2, "gyro_noise": 0.1, **given})
+def bound(**given):
+    return cramer_rao_bound(TWO, Q[:2], **{"gyro_noise": 0.1, **given})
+
+
+class Judge:
+    """Something that has a method ``score``, and is no truth."""
+
+    def score(self, *given, **how):
+        return "a score"
+
+    def __repr__(self):
+        return "<Judge>"
 
 
 def consistency(covariance, **more):
@@ -145,10 +154,10 @@ REFUSED = {
         lambda: score(STAMPS[::-1]),
         lambda: score(estimate=np.where(EVERY[:, np.newaxis] < 9, TRUE, np.nan)),
         lambda: score([], np.empty((0, 4))),
-        *(lambda given=given: score(left_out=given) for given in ("x", -1, 1.5, None, [0])),
-        *(lambda given=given: score(due_ns=given) for given in ("x", 0.5, -(10**400), [0])),
-        *(lambda given=given: score(sensors=given) for given in ("x", -1.0, np.nan, [0.1])),
-        lambda: score(bound="x"),
+        lambda: score(None),
+        lambda: score(longest_lag_s=-1.0),
+        lambda: score(converged_deg=0.0),
+        *(lambda truth=truth: evaluate(STAMPS, TRUE, truth) for truth in (Judge(), None, TRUE)),
         *(lambda seed=seed: seeded(seed) for seed in NO_SEEDS),
         lambda: score(covariance=np.tile(P, (5, 1, 1))),
         lambda: score(covariance_axes="map"),
@@ -167,24 +176,10 @@ REFUSED = {
         *(lambda p=p: nees(np.zeros((9, 3)), P, p) for p in (2.0, -1, np.nan, 0.0, 1.0, "0.95", [0.9])),
         lambda: nees(np.zeros((3, 3)), np.eye(3) * 1j),
         lambda: nees(np.full((9, 3), 1e200), np.eye(3)),
-        lambda: AttitudeReadings([0], np.eye(3) - 0.5),
-        lambda: AttitudeReadings([0, 1], np.tile(np.eye(3), (2, 1, 1))),
-        lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.0),
-        lambda: VectorReadings([0], [0.0, 0.0, 0.0], 0.1),
-        lambda: VectorReadings([0], [0.0, 0.0, 9.81], 0.1, bias=0.03),
-        *(lambda e=e: VectorReadings([0], [0.0, 0.0, 9.81], 0.1, linear_errors=e) for e in ([[1, 2], [3]], "x")),
-        lambda: BiasNoise(turn_on=-1.0),
-        lambda: unavoidable(gyro_noise=0.0),
-        lambda: unavoidable(gyro_noise=1e200),
-        lambda: unavoidable(initial=np.nan),
-        lambda: unavoidable(stamps_ns=[1, 1]),
-        lambda: unavoidable(stamps_ns=[0.0, 1.0]),
-        lambda: unavoidable(gyro_readings=[1, 0]),
-        lambda: unavoidable(gyro_readings=[[1, 1]] * 2),
-        lambda: unavoidable(gyro_bias=0.03),
-        *(lambda given=given: unavoidable(vectors=given) for given in (UP, [[0, 0, 9.8]], None)),
-        *(lambda given=given: unavoidable(attitudes=given) for given in (AttitudeReadings([0], np.eye(3)), [UP], None)),
-        *(lambda given=given: unavoidable(gyro_linear_errors=given) for given in ([[1, 2], [3]], "x")),
+        *(lambda noise=noise: bound(gyro_noise=noise) for noise in (0.0, 1e-60, 1e200)),
+        lambda: bound(vectors=[VectorReadings(TWO, 1e-300 * UP.vector, 0.3)]),
+        lambda: bound(attitudes=[AttitudeReadings(TWO, 1e-30 * np.eye(3))]),
+        lambda: bound(attitudes=[AttitudeReadings(TWO, np.eye(3) - 0.5)]),
     ],
 }
 
@@ -251,9 +246,9 @@ SAID = [
     lambda: difference(1.5, 2.5, 3, 9),
     lambda: difference(-1.0, 1.0, 4, 9),
     lambda: Difference(0.0, -np.inf, np.inf, 1, 3).sentence("a", "b"),
-    lambda: unavoidable().unobserved,
-    lambda: unavoidable(vectors=[UP]).unobserved,
-    lambda: unavoidable(vectors=[ASLANT]).unobserved,
+    lambda: bound().unobserved,
+    lambda: bound(vectors=[UP]).unobserved,
+    lambda: bound(vectors=[ASLANT]).unobserved,
     lambda: about_other_axes(),
     lambda: found(quaternion.conjugate(TRUE)),
     lambda: found(np.roll(TRUE, 1, axis=-1)),

@@ -7,12 +7,12 @@ import pytest
 from scipy.linalg import solve_discrete_are
 
 from lie_rigid_body import ClosedForm, RigidBody, State
-from lie_rigid_body.evaluation import (
+from lie_rigid_body.evaluation.cramer_rao_bound import (
     AttitudeReadings,
     BiasNoise,
-    UnavoidableError,
+    CramerRaoBound,
     VectorReadings,
-    unavoidable_error,
+    cramer_rao_bound,
 )
 from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat
@@ -36,7 +36,7 @@ def test_covariances_are_those_of_the_normal_equations():
     sigma, start, walk, initial = 0.02, 0.05, 0.01, 0.3
     noise, bias = 0.4, BiasNoise(0.2, 0.03)
     vectors = [VectorReadings(t_ns, UP, noise, bias), VectorReadings(t_ns[::2], NORTH, 0.1)]
-    found = unavoidable_error(
+    found = cramer_rao_bound(
         t_ns, q, gyro_noise=sigma, gyro_bias=BiasNoise(start, walk), vectors=vectors, initial=initial
     )
     n = len(t_ns)
@@ -72,7 +72,7 @@ def test_covariances_are_those_of_the_normal_equations():
 def test_a_body_at_rest_comes_to_the_solution_of_the_riccati_equation():
     t_ns, q = stamps(3000), np.tile([0.0, 0.0, 0.0, 1.0], (3000, 1))
     vectors = [VectorReadings(t_ns, UP, 0.5), VectorReadings(t_ns, NORTH, 0.02)]
-    found = unavoidable_error(t_ns, q, gyro_noise=0.01, gyro_bias=BiasNoise(0.01, 1e-4), vectors=vectors)
+    found = cramer_rao_bound(t_ns, q, gyro_noise=0.01, gyro_bias=BiasNoise(0.01, 1e-4), vectors=vectors)
     a = np.block([[np.eye(3), H * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
     into = np.vstack([H * np.eye(3), np.eye(3)])
     added = 1e-8 * into @ into.T
@@ -87,7 +87,7 @@ def test_a_body_at_rest_comes_to_the_solution_of_the_riccati_equation():
 def test_what_is_left_is_known_where_nothing_is_read():
     """The gyro alone: the variance grows by (hσ)² a sample from the first, and no reading after helps."""
     t_ns = stamps(200)
-    found = unavoidable_error(t_ns, MOTION.at(t_ns).attitude_xyzw, gyro_noise=0.1, initial=0.2)
+    found = cramer_rao_bound(t_ns, MOTION.at(t_ns).attitude_xyzw, gyro_noise=0.1, initial=0.2)
     trace = np.trace(found.filtered, axis1=1, axis2=2)
     turns = so3.norm(MOTION.at(t_ns[1:]).body_rate) * H
     assert trace[0] == pytest.approx(3 * 0.04)
@@ -134,7 +134,7 @@ def test_a_good_filter_comes_as_near_as_the_bound_and_no_nearer():
     noises = {"gyro": 0.02, "turn_on": 0.05, "walk": 1e-3, "up": 0.3, "north": 0.03}
     vectors = [VectorReadings(t_ns, UP, noises["up"]), VectorReadings(t_ns, NORTH, noises["north"])]
     bias = BiasNoise(noises["turn_on"], noises["walk"])
-    bound = unavoidable_error(t_ns, q, gyro_noise=noises["gyro"], gyro_bias=bias, vectors=vectors, initial=INITIAL)
+    bound = cramer_rao_bound(t_ns, q, gyro_noise=noises["gyro"], gyro_bias=bias, vectors=vectors, initial=INITIAL)
     errors = np.array([filtered(q, noises, count, seed) for seed in range(runs)])[:, 50:]
     squares = np.einsum("rki,kij,rkj->rk", errors, np.linalg.inv(bound.filtered[50:]), errors)
     # errors of one run go together: some 80 independent squares in all
@@ -147,8 +147,8 @@ def test_what_no_reading_tells_is_named_and_no_angle_is_larger_than_that_of_a_gu
     q = MOTION.at(t_ns).attitude_xyzw
     up, north = VectorReadings(t_ns, UP, 0.3), VectorReadings(t_ns, NORTH, 0.03)
 
-    def bound(*vectors: VectorReadings) -> UnavoidableError:
-        return unavoidable_error(t_ns, q, gyro_noise=0.01, vectors=vectors)
+    def bound(*vectors: VectorReadings) -> CramerRaoBound:
+        return cramer_rao_bound(t_ns, q, gyro_noise=0.01, vectors=vectors)
 
     nothing = bound()
     assert nothing.rms(nothing.smoothed) == pytest.approx(np.sqrt(np.pi**2 / 3.0 + 2.0))
@@ -163,18 +163,53 @@ def test_readings_of_the_attitude_are_those_of_three_vectors():
     q = MOTION.at(t_ns).attitude_xyzw
     three = [VectorReadings(t_ns[::5], axis, 0.02) for axis in np.eye(3)]
     whole = AttitudeReadings(t_ns[::5], 0.5 * 0.02**2 * np.eye(3))
-    one = unavoidable_error(t_ns, q, gyro_noise=0.01, vectors=three)
-    other = unavoidable_error(t_ns, q, gyro_noise=0.01, attitudes=[whole])
+    one = cramer_rao_bound(t_ns, q, gyro_noise=0.01, vectors=three)
+    other = cramer_rao_bound(t_ns, q, gyro_noise=0.01, attitudes=[whole])
     np.testing.assert_allclose(other.smoothed, one.smoothed, rtol=0, atol=1e-12)
     assert other.unobserved == ""
 
 
-def test_a_whole_number_of_the_first_deviation_is_as_good_as_a_float():
-    t_ns = stamps(50)
-    q, up = MOTION.at(t_ns).attitude_xyzw, [VectorReadings(t_ns, UP, 0.3)]
-    whole, real = (
-        unavoidable_error(t_ns, q, gyro_noise=0.01, gyro_bias=BiasNoise(0.05, 1e-3), vectors=up, initial=initial)
-        for initial in (1, 1.0)
+def test_constants_that_an_estimator_does_not_know_are_columns_of_the_normal_equations():
+    """The scale of a gyro and of a vector: all attitudes and constants at once; without these columns, calibrated."""
+    t_ns = stamps(6)
+    q = MOTION.at(t_ns).attitude_xyzw
+    scale = 0.05 * np.eye(3)[np.newaxis]
+    vectors = [VectorReadings(t_ns, UP, 0.4), VectorReadings(t_ns, NORTH, 0.1, linear_errors=scale)]
+    found = cramer_rao_bound(
+        t_ns, q, gyro_noise=0.02, vectors=vectors, initial=INITIAL, gyro_linear_errors=np.eye(3)[np.newaxis]
     )
-    np.testing.assert_array_equal(whole.gyro_bias, real.gyro_bias)
-    assert whole.gyro_bias.any()
+    n = len(t_ns)
+
+    def residuals(x: np.ndarray) -> np.ndarray:
+        delta, (of_gyro, of_north) = x[:-2].reshape(n, 3), x[-2:]
+        r = quaternion.multiply(q, quaternion.exp(delta))
+        rows = [delta[0] / INITIAL, x[-2:]]
+        for k in range(1, n):
+            true_turn = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k - 1]), q[k]))
+            turn = quaternion.log(quaternion.multiply(quaternion.conjugate(r[k - 1]), r[k]))
+            rows.append(((turn - true_turn) / H - of_gyro * true_turn / H) / 0.02)
+        for k in range(n):
+            back = quaternion.conjugate(r[k])
+            rows.append(quaternion.rotate(back, UP) / 0.4)
+            rows.append((1.0 + 0.05 * of_north) * quaternion.rotate(back, NORTH) / 0.1)
+        return np.concatenate(rows)
+
+    step = 1e-5
+    jacobian = np.array([(residuals(step * e) - residuals(-step * e)) / (2.0 * step) for e in np.eye(3 * n + 2)]).T
+    for bound, columns in ((found, 3 * n + 2), (found.calibrated, 3 * n)):
+        assert bound is not None
+        covariance = np.linalg.inv(jacobian[:, :columns].T @ jacobian[:, :columns])
+        np.testing.assert_allclose(bound.smoothed[2], covariance[6:9, 6:9], rtol=0, atol=1e-9)
+        np.testing.assert_allclose(
+            bound.filtered[-1], covariance[3 * n - 3 : 3 * n, 3 * n - 3 : 3 * n], rtol=0, atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("noise", [1e-3, 1e-5, 1e-7])
+def test_a_tiny_noise_is_not_lost_in_rounding(noise):
+    """Two vectors at right angles, of one sample: their information, whatever the deviation before."""
+    q = np.array([[0.0, 0.0, 0.0, 1.0]])
+    vectors = [VectorReadings(stamps(1), axis, noise) for axis in np.eye(3)[:2]]
+    found = cramer_rao_bound(stamps(1), q, gyro_noise=1.0, vectors=vectors)
+    wanted = 1.0 / (np.pi**-2 + noise**-2 * np.array([1.0, 1.0, 2.0]))
+    np.testing.assert_allclose(found.smoothed[0], np.diag(wanted), rtol=0, atol=5e-3 * noise**2)

@@ -77,17 +77,28 @@ class Estimate:
         return array
 
     @classmethod
-    def of(cls, result: object) -> Estimate:
+    def of(cls, result: object, **beside: object) -> Estimate:
         """Read what an estimator returned: an estimate, attitudes, stamps and attitudes, or what has `attitude_xyzw`.
+
+        Parameters
+        ----------
+        result : object
+        **beside
+            Other parameters of an estimate, which take the place of its own; None leaves its own.
 
         Raises
         ------
         InputError
             If it is none of these, with its shape.
         """
+        given: dict[str, Any]
         if hasattr(result, "attitude_xyzw"):
-            return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if hasattr(result, f.name)})
-        return cls(result[1], result[0]) if isinstance(result, tuple) and len(result) == 2 else cls(result)
+            given = {f.name: getattr(result, f.name) for f in fields(cls) if hasattr(result, f.name)}
+        elif isinstance(result, tuple) and len(result) == 2:
+            given = {"t_ns": result[0], "attitude_xyzw": result[1]}
+        else:
+            given = {"attitude_xyzw": result}
+        return cls(**{**given, **{name: value for name, value in beside.items() if value is not None}})
 
     def rotation_covariance(self) -> Array:
         """Covariance of small rotations at each attitude, shape (N, 3, 3), rad².

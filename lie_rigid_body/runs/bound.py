@@ -1,0 +1,228 @@
+"""The Cramér–Rao bound of a run, and what the declared errors of its sensors leave to a right filter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
+from typing import Final
+
+import numpy as np
+
+from lie_rigid_body.evaluation import Truth
+from lie_rigid_body.evaluation.cramer_rao_bound import (
+    AttitudeReadings,
+    BiasNoise,
+    CramerRaoBound,
+    VectorReadings,
+    cramer_rao_bound,
+)
+from lie_rigid_body.evaluation.scoring import SensorLimits
+from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.parameters import NS
+from lie_rigid_body.lie import so3
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.sensors import Sensors
+from lie_rigid_body.sensors.sensor import VectorAid
+from lie_rigid_body.simulation import SampleClock, Segment
+
+THINNED: Final = 5_000
+"""Number of IMU readings at which the bound of a score is computed, in half a second."""
+MAX_BOUNDED: Final = 20_000
+"""Largest number of IMU readings at which the bound of a run is computed: their covariances take 700 MB."""
+MAX_DECLARED: Final = 20_000_000
+"""Largest number of declared readings of a run of which a bound is computed: their stamps take half a gigabyte."""
+SETTLES_S: Final = 1.0
+"""Time in which a right filter corrects the error of its gyro, s."""
+LEFT: Final = 1.5
+"""Largest turn that sensor errors leave in a right filter, as a multiple of the expected one."""
+MIN_READINGS: Final = 100
+"""Smallest number of IMU readings in a segment at which the bound is computed. The segments share the other readings by
+their durations."""
+
+
+def cramer_rao_bound_of(segments: Sequence[Segment], last_ns: int, most: int = MAX_BOUNDED) -> CramerRaoBound | None:
+    """The bound for an estimator that reads every sensor of a run, and knows all of them but noise and biases.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        In the order of their starts. At each the attitude is unknown, and the biases are.
+    last_ns : int
+        The last stamp that counts, ns.
+    most : int, optional
+        About how many readings of the IMU the bound is computed at. Of more they are all at first, while the error
+        falls, and then ever fewer. Readings of all sensors count, at the one kept before them.
+
+    Returns
+    -------
+    CramerRaoBound or None
+        None without an IMU, or where a sensor that tells the attitude has no noise: then the bound is 0. It is None as
+        well where the IMU tells its orientation, whose noise is not that of an independent reading.
+
+    Raises
+    ------
+    InputError
+        If the scenario declares more than `MAX_DECLARED` readings, or a vector or a noise is too small or too large.
+    """
+    if not segments or not all(_has_noise(segment.scenario.sensors) for segment in segments):
+        return None
+    whole = max(1, last_ns - segments[0].start_ns)
+    parts = list[CramerRaoBound]()
+    declared = 0.0
+    for segment, later in zip_longest(segments, segments[1:]):
+        end = min(last_ns, later.start_ns - 1 if later else last_ns)
+        declared += sum(segment.scenario.rates[1:]) * (end - segment.start_ns) / NS
+        if declared > MAX_DECLARED:
+            raise InputError(
+                f"the scenario declares {declared:.3g} readings, and a bound is computed of {MAX_DECLARED:g}: take a "
+                "shorter run"
+            )
+        stamps = _stamps(segment, segment.scenario.sensors.imu.rate, end)
+        if len(stamps):
+            parts.append(_of_segment(segment, stamps, end, max(MIN_READINGS, most * (end - segment.start_ns) // whole)))
+    return _in_turn(parts)
+
+
+def _in_turn(parts: Sequence[CramerRaoBound]) -> CramerRaoBound | None:
+    """Bounds of consecutive segments as one; None without a segment."""
+    if not parts:
+        return None
+    return CramerRaoBound(
+        np.concatenate([part.filtered for part in parts]),
+        np.concatenate([part.smoothed for part in parts]),
+        np.concatenate([part.gyro_bias for part in parts]),
+        np.concatenate([part.stamps_ns for part in parts]),
+        next((part.unobserved for part in parts if part.unobserved), ""),
+        _in_turn([part.calibrated for part in parts if part.calibrated is not None]),
+    )
+
+
+def sensor_limits(
+    segments: Sequence[Segment], truth: Truth, bounded_ns: int | None = None, gyro: Array | None = None
+) -> SensorLimits:
+    """What the sensors of a run tell about any estimate of it.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+        Empty where no scenario is known.
+    truth : Truth
+    bounded_ns : int, optional
+        The last stamp of the estimate, ns, whose error is to be compared with a bound.
+    gyro : ndarray, shape (N, 3), optional
+        Readings of the gyro, rad/s.
+    """
+    bound = None if bounded_ns is None else _bound_of_score(segments, min(bounded_ns, truth.last_ns))
+    share = 0.0 if gyro is None else at_limit(gyro, segments[0].scenario)
+    return SensorLimits(bound, left_by_errors_of(segments), share)
+
+
+def at_limit(gyro: Array, scenario: Scenario) -> float:
+    """Share of readings, shape (N, 3), of which an axis is at the limit of the gyro's range; 0 without a range."""
+    reach, step = (float(str(scenario.parameters()[f"gyro_{name}"])) for name in ("range", "resolution"))
+    if not reach or not len(gyro):
+        return 0.0
+    return float(np.mean((np.abs(gyro) > reach - (step or 1e-9 * reach)).any(axis=1)))
+
+
+def _bound_of_score(segments: Sequence[Segment], last_ns: int) -> CramerRaoBound | None:
+    """The bound for the score of an estimate, thinned; None where it is not known.
+
+    A score does not fail for want of it, as with a noise whose square is no number.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            bound = cramer_rao_bound_of(segments, last_ns, THINNED)
+    except (InputError, np.linalg.LinAlgError):
+        return None
+    return bound if bound is not None and np.isfinite([bound.filtered, bound.smoothed]).all() else None
+
+
+def left_by_errors_of(segments: Sequence[Segment]) -> float:
+    """Largest constant turn, rad, that the declared errors of a run's sensors leave to a right filter; 0 if perfect.
+
+    A vector that is read with an error e leaves e over the sine of the angle between two vectors, so hard iron turns
+    the heading by e / cos dip. A gyro leaves what it errs by in `SETTLES_S`, over the same sine. They count as
+    independent.
+    """
+    return max((_left_by_errors(segment.scenario) for segment in segments), default=0.0)
+
+
+@np.errstate(over="ignore")  # a vector may be as near to 0 as numbers get, and tells nothing then
+def _left_by_errors(scenario: Scenario) -> float:
+    imu, sensors = scenario.sensors.imu, scenario.sensors.on.values()
+    aids = [aid for model in sensors for aid in model.aids if isinstance(aid, VectorAid)]
+    if imu is None:
+        return 0.0
+    references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
+    lengths = so3.norm(references)
+    directions = references / lengths[:, np.newaxis]
+    across = np.linalg.norm(np.cross(directions[:, np.newaxis], directions), axis=-1).max(initial=0.0) or 1.0
+    told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths
+    vectors = np.linalg.norm([*told, *imu.accelerometer.misalignment])
+    scale = np.linalg.norm(np.subtract(imu.gyro.scale_factor, 1.0)) + np.linalg.norm(imu.gyro.misalignment)
+    rate = np.sqrt(3.0) * imu.gyro.turn_on_bias + scale * np.linalg.norm(scenario.initial_body_rate)
+    return float(LEFT * np.hypot(vectors, SETTLES_S * rate) / across)
+
+
+def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> CramerRaoBound:
+    scenario = segment.scenario
+    imu = scenario.sensors.imu
+    aids = [*_aids(segment, last_ns)]
+    indices = _kept(every, [aid.stamps_ns for aid in aids], most)
+    stamps = every[indices]
+    return cramer_rao_bound(
+        stamps,
+        scenario.exact_motion().at(stamps - segment.start_ns).attitude_xyzw,
+        gyro_noise=imu.gyro.noise_density * np.sqrt(imu.rate),
+        gyro_bias=BiasNoise(imu.gyro.turn_on_bias, float(imu.gyro.bias_random_walk / np.sqrt(imu.rate))),
+        vectors=[aid for aid in aids if isinstance(aid, VectorReadings)],
+        attitudes=[aid for aid in aids if isinstance(aid, AttitudeReadings)],
+        gyro_readings=np.diff(indices, prepend=-1).astype(np.float64),
+        gyro_linear_errors=imu.gyro.linear_errors,
+    )
+
+
+def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
+    """Indices of the readings at which the bound is computed: all at first, then ever fewer, and the last.
+
+    Those by which a slow sensor reads are kept, and those before them: in between the error grows, and then it falls.
+    """
+    if len(stamps) <= most:
+        return np.arange(len(stamps))
+    even = np.linspace(0.0, 1.0, most)
+    kept = [np.arange(most) + np.rint((len(stamps) - most) * even**1.5).astype(np.int64)]
+    for readings in others:
+        if len(readings) <= most:
+            at = np.searchsorted(stamps, readings, side="right") - 1
+            kept += [at, at - 1]
+    indices = np.unique(np.concatenate(kept))
+    return indices[indices >= 0]
+
+
+def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeReadings]:
+    """Readings of vectors and of attitudes by which the sensors of a segment tell the attitude."""
+    for model in segment.scenario.sensors.on.values():
+        stamps = _stamps(segment, model.rate, last_ns)
+        for aid in model.aids if len(stamps) else ():
+            if isinstance(aid, VectorAid):
+                bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
+                yield VectorReadings(stamps, np.array(aid.reference), aid.noise, bias, aid.linear_errors)
+            else:
+                across, about, axis = aid.across**2, aid.about**2, np.outer(aid.axis, aid.axis)
+                yield AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis)
+
+
+def _has_noise(sensors: Sensors) -> bool:
+    """Whether there is an IMU, and each sensor that tells of the attitude has white noise: else no error is left."""
+    imu, aids = sensors.imu, [aid for model in sensors.on.values() for aid in model.aids]
+    told = imu is not None and imu.orientation is None and imu.gyro.noise_density
+    return bool(told and not any(aid.is_exact for aid in aids))
+
+
+def _stamps(segment: Segment, rate: float, last_ns: int) -> Integers:
+    """Stamps of a sensor's readings in a segment, ns."""
+    clock = SampleClock(segment.scenario.epoch_ns, rate)
+    first = clock.count_until(segment.start_ns - 1)
+    return clock.stamps_ns(first, max(0, clock.count_until(last_ns) - first))
