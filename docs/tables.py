@@ -21,7 +21,8 @@ from lie_rigid_body.command_line import Parser
 from lie_rigid_body.foundation.parameters import Parameter
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario.parameter_table import OWN
-from lie_rigid_body.sensors import GRADE, SENSORS
+from lie_rigid_body.sensors import SENSORS
+from lie_rigid_body.sensors.parameters import WINDOW_PARAMETERS
 
 DOCS: Final = Path(__file__).resolve().parent
 MARKED: Final = re.compile(r"(?<=<!-- begin of table )([\w-]+)( -->\n).*?(?=<!-- end of table \1 -->)", re.DOTALL)
@@ -129,20 +130,27 @@ def sentence(action: argparse.Action) -> str:
     return (action.help or "") % {"default": action.default}
 
 
-def _late(parameter: Parameter) -> bool:
-    return parameter.name in SENSORS.quiet and parameter.name != GRADE
+def _of_sensors(*names: str) -> list[Parameter]:
+    """Parameters of some sensors, without those of their faults."""
+    return [parameter for name in names for parameter in SENSORS[name].parameters]
 
 
-def _faulty(parameter: Parameter) -> bool:
-    names = [p.name for p in SENSORS.parameters.values()]
-    return names.index(parameter.name) >= names.index("fault_begin")
+def _shared() -> list[Parameter]:
+    """Parameters of several sensors, without those of faults."""
+    alone = {parameter.name for sensor in SENSORS.values() for parameter in sensor.all_parameters}
+    return [p for p in SENSORS.parameters.values() if p.name not in alone and p not in WINDOW_PARAMETERS]
+
+
+def _of_faults() -> list[Parameter]:
+    others = [*_shared(), *_of_sensors(*SENSORS)]
+    return [parameter for parameter in SENSORS.parameters.values() if parameter not in others]
 
 
 TABLES: Final[dict[str, Callable[[], str]]] = {
     "parameters": lambda: parameters(OWN),
-    "imu": lambda: parameters(p for p in SENSORS.parameters.values() if not _late(p)),
-    "sensors": lambda: parameters(p for p in SENSORS.parameters.values() if _late(p) and not _faulty(p)),
-    "faults": lambda: faults(p for p in SENSORS.parameters.values() if _late(p) and _faulty(p)),
+    "imu": lambda: parameters([*_shared(), *_of_sensors("imu", "magnetometer")]),
+    "sensors": lambda: parameters(_of_sensors("attitude_sensor", "sun_sensor")),
+    "faults": lambda: faults(_of_faults()),
     "options": lambda: "\n".join(map(options, VERBS)),
 }
 """What makes each table."""

@@ -12,7 +12,7 @@ import pytest
 
 from lie_rigid_body.__main__ import main
 from lie_rigid_body.scenario.parameter_table import PARAMETERS
-from lie_rigid_body.sensors import GRADE, SENSORS
+from lie_rigid_body.sensors import SENSORS
 from reader import ROOT, blocks, commands
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -94,13 +94,9 @@ def test_every_launch_file_is_shown():
 
 
 def test_parameter_tables_name_every_parameter_with_its_default():
-    pages = (PARAMETERS_PAGE, IMU_PAGE, SENSORS_PAGE)
-    rows_of = {text: [line for line in text.splitlines() if line.startswith("| `")] for text in pages}
     for parameter in PARAMETERS:
-        own_page = parameter.name in SENSORS.quiet and parameter.name != GRADE
-        rows = rows_of[
-            SENSORS_PAGE if own_page else IMU_PAGE if parameter.name in SENSORS.parameters else PARAMETERS_PAGE
-        ]
+        page = f"{IMU_PAGE}\n{SENSORS_PAGE}" if parameter.name in SENSORS.parameters else PARAMETERS_PAGE
+        rows = [line for line in page.splitlines() if line.startswith("| `")]
         row = next(row for row in rows if f"`{parameter.name}`" in row.split("|")[1])
         default = parameter.default
         if isinstance(default, tuple):

@@ -191,7 +191,7 @@ def _fixed_constants(campaign: Campaign) -> tuple[str, ...]:
         if name.endswith(("_scale_factor", "_misalignment", "_hard_iron", "_soft_iron"))
         and name not in campaign.vary
         and value != BY_NAME[name].default
-        and name.startswith(tuple(part for sensor in scenario.sensors.on for part in (sensor, *SENSORS[sensor].parts)))
+        and name.startswith(tuple(part for sensor in scenario.sensors.on for part in SENSORS[sensor].streams))
     )
 
 

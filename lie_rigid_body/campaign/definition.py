@@ -25,7 +25,6 @@ from lie_rigid_body.foundation.parameters import Parameter, Value, exact_duratio
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import printable, shown, suggestion
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.scenario.definition import OF_THE_NODE
 from lie_rigid_body.scenario.parameter_file import gather, read_yaml
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system.bounded_input import open_file
@@ -107,7 +106,7 @@ class Campaign:
         if both := sorted(set(self.parameters) & set(self.vary)):
             raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
         recorded = ["record_path"] if self.parameters.get("record_path") else []
-        if live := [*(f"vary.{name}" for name in self.vary if name in OF_THE_NODE), *recorded]:
+        if live := [*(f"vary.{name}" for name in self.vary if BY_NAME[name].scope == "node"), *recorded]:
             raise InputError(
                 f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
             )

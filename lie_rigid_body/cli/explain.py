@@ -275,7 +275,7 @@ def _sensor_rows(scenario: Scenario) -> list[tuple[str, str]]:
     """The parameters of the sensors that are not at their defaults; of a sensor that is off none."""
     from lie_rigid_body.sensors import GRADE, SENSORS
 
-    off = {name for sensor in SENSORS.values() if sensor.name not in scenario.sensors.on for name in sensor.names}
+    off = scenario.sensors.off_parameters
     return [
         (name, _value(value))
         for name, value in scenario.sensor_parameters

@@ -120,7 +120,7 @@ class Course(Truth):
 
     def parameter(self, name: str) -> Any:
         """A parameter of the scenario."""
-        return self.scenario.parameters()[name]
+        return self.scenario.value(name)
 
     @property
     def field(self) -> Array:

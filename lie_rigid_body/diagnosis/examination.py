@@ -25,6 +25,7 @@ from lie_rigid_body.foundation.wording import MAX_LINE, counted, shortened
 from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import recording
+from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system.portable import MOST_PROCESSES, cores
 
 MOST_RUNS: Final = 2000
@@ -360,6 +361,5 @@ def _notes(search: Search) -> Iterator[Note]:
 def _command(course: Course, errors: ErrorOverTime) -> str:
     """The shortest run on which the filter errs most."""
     late = errors.t_s[np.argmax(errors.error_deg >= 0.9 * errors.error_deg.max())]
-    default = Scenario.from_parameters({"imu_rate": 1.0}).parameters()
-    parameters = {name: value for name, value in course.scenario.parameters().items() if value != default[name]}
+    parameters = {name: value for name, value in course.scenario.parameters().items() if value != BY_NAME[name].default}
     return f"It errs most in: {recording('errs.mcap', np.ceil(max(1.0, late - REST)), parameters)}"

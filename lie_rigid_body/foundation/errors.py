@@ -53,11 +53,12 @@ class ParameterError(InputError):
 
     def __init__(self, name: str, message: str) -> None:
         self.name = name if isinstance(name, str) else shown(name)
+        self.message = message
         super().__init__(f"{shortened(self.name)}: {message}")
 
     def __reduce__(self) -> tuple[type[ParameterError], tuple[str, str]]:
         """The call that makes it anew, with name and message: without the name a pool of processes waits for ever."""
-        return type(self), (self.name, str(self).removeprefix(f"{shortened(self.name)}: "))
+        return type(self), (self.name, self.message)
 
 
 class BagError(LieRigidBodyError):

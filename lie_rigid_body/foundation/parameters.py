@@ -79,6 +79,9 @@ class Parameter:
         Inclusive range of a number, or of each number of an array.
     choices : tuple of str, optional
         Allowed strings.
+    scope : str, optional
+        ``scenario``, or ``node``: of the live node alone, where it changes when and where samples are sent, and no
+        sample.
     """
 
     name: str
@@ -89,6 +92,7 @@ class Parameter:
     minimum: float = -math.inf
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
+    scope: Literal["scenario", "node"] = "scenario"
 
     def read(self, value: object) -> Value:
         """The value in this parameter's own type.

@@ -106,8 +106,8 @@ def moments_of_density(
     Raises
     ------
     ParameterError
-        If the results of ``nodes`` and of one less disagree, a density is negative, not finite or no function, limits
-        are no pairs, not finite or out of order, or there are too many nodes.
+        If the results of ``nodes`` and of one less disagree, or there are too many nodes. Also if a density is
+        negative, not finite or no function, or limits are no pairs, not finite or out of order.
     """
     if not callable(density):
         raise ParameterError("density", f"{shown(density)} is no function: give one, or call moments_on_grid")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections import ChainMap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import compress
 from operator import itemgetter
@@ -33,8 +32,8 @@ from lie_rigid_body.simulation import Samples, SensorSamples, Taken
 POSE: Final = "pose"
 TWIST: Final = "twist"
 FAULTS_TOPIC: Final = "~/faults"
-SENSOR_TOPICS: Final[Mapping[str, str]] = ChainMap({FAULTS_TOPIC: definitions.STRING}, SENSORS.topics)
-"""Message types of the topics of all sensors, by their relative names; a view, as the table of sensors may grow.
+SENSOR_TOPICS: Final = {**SENSORS.topics, FAULTS_TOPIC: definitions.STRING}
+"""Message types of the topics of all sensors, by their relative names.
 
 Messages of equal times come in this order, after those of the truth.
 """

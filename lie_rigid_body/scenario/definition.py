@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
-from functools import cached_property
-from typing import Any, Final
+from functools import wraps
+from typing import Any, Final, TypeVar, cast
 
 import numpy as np
 
@@ -16,32 +16,33 @@ from lie_rigid_body.foundation.arrays import Array, plain, whole_number
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import Value, require_frame_name
 from lie_rigid_body.foundation.wording import call_repr, numerals, shown, suggestion
-from lie_rigid_body.lie import so3
+from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
 from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
 
-LARGEST_TURN_PER_STEP: Final = 1.0
+MAX_ROTATION_PER_STEP: Final = 1.0
 """Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The
 Moser–Veselov steppers limit their steps themselves."""
 
-_OWN: Final = (
-    "inertia",
-    "initial_attitude_xyzw",
-    "initial_body_rate",
-    "rate",
-    "motion",
-    "method",
-    "max_step",
-    "world_frame",
-    "body_frame",
-    "stamped_twist",
-    "epoch_ns",
-)
-OF_THE_NODE: Final = tuple(parameter.name for parameter in OWN if parameter.name not in _OWN)
-"""Parameters of the live node alone: they change when and where samples are sent, and no sample."""
+_OF_THE_MOTION: Final = tuple(parameter.name for parameter in OWN if parameter.scope == "scenario")
+
+_Result = TypeVar("_Result")
+
+
+def _computed_once(method: Callable[[Scenario], _Result]) -> Callable[[Scenario], _Result]:
+    """A method that computes at its first call, and keeps, what a frozen scenario determines."""
+    key = f"_{method.__name__}"
+
+    @wraps(method)
+    def kept(self: Scenario) -> _Result:
+        if key not in vars(self):
+            object.__setattr__(self, key, method(self))
+        return cast(_Result, vars(self)[key])
+
+    return kept
 
 
 @dataclass(frozen=True, init=False)
@@ -79,8 +80,10 @@ class Scenario:
     def __init__(self, /, **parameters: object) -> None:
         values = read_parameters({name: plain(value) for name, value in parameters.items()})
         of_sensors = {name: values[name] for name in SENSORS.parameters}
-        vars(self).update({name: values[name] for name in _OWN})
-        vars(self).update(sensors=Sensors.from_values(of_sensors), sensor_parameters=tuple(of_sensors.items()))
+        for name in _OF_THE_MOTION:
+            object.__setattr__(self, name, values[name])
+        object.__setattr__(self, "sensors", Sensors.from_values(of_sensors))
+        object.__setattr__(self, "sensor_parameters", tuple(of_sensors.items()))
         self._validate()
 
     @classmethod
@@ -101,8 +104,10 @@ class Scenario:
 
         Each is read as the parameter of its name; whether the motion can take the steps is not validated.
         """
-        new, given = copy.copy(self), {"rate": rate, "epoch_ns": epoch_ns}
-        vars(new).update({name: _read(name, value) for name, value in given.items() if value is not None})
+        new = copy.copy(self)
+        for name, value in (("rate", rate), ("epoch_ns", epoch_ns)):
+            if value is not None:
+                object.__setattr__(new, name, _read(name, value))
         return new
 
     def __repr__(self) -> str:
@@ -111,22 +116,30 @@ class Scenario:
         return call_repr(self, {k: list(v) if isinstance(v, tuple) else v for k, v in given.items()})
 
     def parameters(self) -> dict[str, Value]:
-        """Names and values of the parameters, in the order of the table; those of the sensors only if one is on."""
-        own: dict[str, Value] = {name: getattr(self, name) for name in _OWN}
-        # what came later is left out at its default, so that a bag without it has the bytes that it had before
-        sensors = {
+        """Names and values of the parameters, in the order of the table.
+
+        They are those of the motion, those of each sensor that is on and of all sensors, and of others what is not at
+        its default.
+        """
+        off = self.sensors.off_parameters if self.has_sensors else set(SENSORS.parameters)
+        of_sensors = {
             name: value
             for name, value in self.sensor_parameters
-            if name not in SENSORS.quiet or value != SENSORS.parameters[name].default
+            if name not in off or value != SENSORS.parameters[name].default
         }
-        return {**own, **sensors} if self.has_sensors else own
+        return {**{name: getattr(self, name) for name in _OF_THE_MOTION}, **of_sensors}
+
+    def value(self, parameter: str) -> Value:
+        """Value of a parameter, of a sensor that is off as well."""
+        of_sensors = dict(self.sensor_parameters)
+        return of_sensors[parameter] if parameter in of_sensors else cast(Value, getattr(self, parameter))
 
     def frame(self, parameter: str) -> str:
         """Value of a frame parameter: the name of a frame."""
         names = sorted({"world_frame", "body_frame", *frame_parameters()})
         if str(parameter) not in names:
             raise ParameterError(parameter, f"no such parameter: {suggestion(str(parameter), names, 'parameters')}")
-        return str(dict(self.sensor_parameters).get(parameter) or getattr(self, parameter))
+        return str(self.value(parameter))
 
     @property
     def has_sensors(self) -> bool:
@@ -141,62 +154,46 @@ class Scenario:
     @property
     def sensor_grade(self) -> str:
         """The grade of the sensors, whose errors single parameters may override."""
-        return str(dict(self.sensor_parameters)[GRADE])
+        return str(self.value(GRADE))
 
+    @_computed_once
     def body(self) -> RigidBody:
         """The body of this scenario."""
-        return self._body
+        return RigidBody(self.inertia)
 
+    @_computed_once
     def start(self) -> State:
         """State at the start: attitude and body rate."""
-        return self._start
+        return State(self.initial_attitude_xyzw, self.initial_body_rate)
 
+    @_computed_once
     def exact_motion(self) -> ClosedForm:
         """The exact solution from the start, at times before it as well, whatever the motion that is asked for."""
-        return self._exact_motion
+        return ClosedForm(self.body(), self.start())
 
     def make_motion(self) -> Motion:
         """A new motion from the start."""
-        return copy.copy(self._motion_at_start)
+        return copy.copy(self.exact_motion() if self.motion == "closed_form" else self._moving_chart())
 
-    # Computed at the first call and kept, as a frozen scenario determines them.
-
-    @cached_property
-    def _body(self) -> RigidBody:
-        return RigidBody(self.inertia)
-
-    @cached_property
-    def _start(self) -> State:
-        return State(self.initial_attitude_xyzw, self.initial_body_rate)
-
-    @cached_property
-    def _exact_motion(self) -> ClosedForm:
-        return ClosedForm(self.body(), self.start())
-
-    @cached_property
-    def _motion_at_start(self) -> Motion:
-        if self.motion == "closed_form":
-            return self._exact_motion
+    @_computed_once
+    def _moving_chart(self) -> MovingChart:
         return MovingChart(self.body(), self.start(), method=self.method, max_step=self.max_step)
 
     def __getstate__(self) -> dict[str, object]:
         """The fields alone: a copy computes the rest anew."""
         return {name: value for name, value in vars(self).items() if name in self.__dataclass_fields__}
 
+    @_computed_once
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
-        return self._rate_bound
-
-    @cached_property
-    def _rate_bound(self) -> float:
         body, start = self.body(), self.start()
         smallest = float(body.principal_moments[0])
         by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
-        by_momentum = float(so3.norm(body.body_momentum(start))) / smallest
+        by_momentum = float(norm(body.body_momentum(start))) / smallest
         bound = min(by_energy, by_momentum)
         if 0.0 < bound < math.inf or not start.body_rate.any():
             return bound
-        size = float(so3.norm(start.body_rate))  # quotients overflow, or the energy underflows
+        size = float(norm(start.body_rate))  # quotients overflow, or the energy underflows
         unit = State(start.attitude_xyzw, start.body_rate / size)
         return size * math.sqrt(2.0 * float(body.kinetic_energy(unit))) / math.sqrt(smallest)
 
@@ -261,18 +258,17 @@ class Scenario:
         try:
             return self.start()
         except ParameterError as error:
-            name = f"initial_{error.name}"
-            raise ParameterError(name, str(error).removeprefix(f"{error.name}: ")) from None
+            raise ParameterError(f"initial_{error.name}", error.message) from None
 
     def _require_possible_steps(self, fastest: float) -> None:
         """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""
         slowest = min(self.rates)
         step = min(self._longest_step(fastest), 1.0 / slowest)
-        if fastest * step > LARGEST_TURN_PER_STEP:
+        if fastest * step > MAX_ROTATION_PER_STEP:
             raise ParameterError(
                 "max_step",
                 f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
-                f"{LARGEST_TURN_PER_STEP:g}: {_shorter(LARGEST_TURN_PER_STEP / fastest)}use closed_form",
+                f"{MAX_ROTATION_PER_STEP:g}: {_shorter(MAX_ROTATION_PER_STEP / fastest)}use closed_form",
             )
         steps = self.steps_per_sample(slowest)
         if steps > MOST_STEPS:
@@ -301,7 +297,7 @@ def _require_normal(body: RigidBody, start: State) -> None:
             f"principal moments {numerals(body.principal_moments)}, or their inverses, are beyond double precision: "
             "give moments between 1e-300 and 1e300 kg m²",
         )
-    energy, momentum = body.kinetic_energy(start), so3.norm(body.body_momentum(start))
+    energy, momentum = body.kinetic_energy(start), norm(body.body_momentum(start))
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import ChainMap
 from collections.abc import Mapping
 from typing import Final
 
@@ -68,7 +67,7 @@ OWN: Final = (
         minimum=0,
         maximum=MAX_EPOCH_NS,
     ),
-    Parameter("record_path", "string", "", "The node also writes this MCAP file; empty: it writes none."),
+    Parameter("record_path", "string", "", "The node also writes this MCAP file; empty: it writes none.", scope="node"),
     Parameter(
         "real_time_factor",
         "double",
@@ -76,10 +75,13 @@ OWN: Final = (
         "How fast the node's samples follow one another: 2 is twice as fast as time passes, 0 as fast as possible.",
         minimum=0.0,
         maximum=1e6,
+        scope="node",
     ),
-    Parameter("publish_clock", "bool", False, "The node publishes /clock, in step with its samples."),
-    Parameter("paused", "bool", False, "The node starts paused, before its first sample."),
-    Parameter("publish_tf", "bool", True, "The node publishes /tf, where the package tf2_msgs is installed."),
+    Parameter("publish_clock", "bool", False, "The node publishes /clock, in step with its samples.", scope="node"),
+    Parameter("paused", "bool", False, "The node starts paused, before its first sample.", scope="node"),
+    Parameter(
+        "publish_tf", "bool", True, "The node publishes /tf, where the package tf2_msgs is installed.", scope="node"
+    ),
     Parameter(
         "marker_rate",
         "double",
@@ -87,18 +89,21 @@ OWN: Final = (
         "Pictures of the body per second of the steady clock, for RViz and Foxglove, while somebody looks; 0: none.",
         minimum=0.0,
         maximum=1000.0,
+        scope="node",
     ),
     Parameter(
         "lockstep_topic",
         "string",
         "",
         "The node waits for the estimate of each IMU reading on this topic before it sends what follows; empty: never.",
+        scope="node",
     ),
     Parameter(
         "lockstep_nodes",
         "string_array",
         (),
         "Nodes beside the filter, as an evaluator, that must have their subscriptions before lock-step begins.",
+        scope="node",
     ),
     Parameter(
         "lockstep_timeout",
@@ -107,13 +112,14 @@ OWN: Final = (
         "Longest wait for an answer in lock-step, s; then the node says so and ends.",
         minimum=1e-3,
         maximum=1e6,
+        scope="node",
     ),
 )
 """Parameters of a scenario and of the live node, except for those of sensors."""
 
-BY_NAME: Final[Mapping[str, Parameter]] = ChainMap(SENSORS.parameters, {p.name: p for p in OWN})
-"""Parameters by name, in the order in which they are shown; a view, as the table of sensors may grow."""
-PARAMETERS: Final = BY_NAME.values()
+BY_NAME: Final = {**{parameter.name: parameter for parameter in OWN}, **SENSORS.parameters}
+"""Parameters by name, in the order in which they are shown."""
+PARAMETERS: Final = tuple(BY_NAME.values())
 """All parameters, in the order of `BY_NAME`."""
 
 

@@ -28,12 +28,12 @@ KINDS: Final = (
 """The kinds of faults. The order is part of the keys of the random numbers."""
 AXES: Final = ("x", "y", "z")
 """Names of the axes in the text of a fault."""
-PARTS: Final[list[str]] = []
-"""Names of the sensors, and of parts of sensors, that can have faults, as the table of sensors puts them here. Their
-order is part of the keys of the random numbers."""
+STREAMS: Final[dict[str, int]] = {}
+"""Number of each sensor, and part of a sensor, that can have faults, in the keys of the random numbers, as
+`SensorRegistry.register` takes them from the sensors' entries."""
 LONGEST_FAULT_TEXT: Final = 192
 """Largest length of the text of a fault, characters."""
-SHORTEST_INTERVAL_S: Final = 1e-3
+MIN_INTERVAL_S: Final = 1e-3
 """Shortest interval from one episode to the next, s."""
 END_OF_TIME: Final = 2**62
 """A time since a start that no run reaches, ns."""
@@ -48,7 +48,7 @@ class Fault:
     kind : str
         One of `KINDS`.
     sensor : str
-        The sensor, or the part of it, that has the fault: one of `PARTS`.
+        The sensor, or the part of it, that has the fault: one of `STREAMS`.
     axis : str
         ``x``, ``y`` or ``z``; empty where a fault is not of one axis.
     begin_ns : int
@@ -86,7 +86,7 @@ class Fault:
         """
         try:
             fault = cls(**json.loads(text[: 2 * LONGEST_FAULT_TEXT]))
-            names = fault.kind in KINDS and fault.sensor in PARTS and fault.axis in (*AXES, "")
+            names = fault.kind in KINDS and fault.sensor in STREAMS and fault.axis in (*AXES, "")
             times = type(fault.begin_ns) is int and (fault.end_ns is None or type(fault.end_ns) is int)
             if names and times and (fault.size is None or type(fault.size) in (int, float)):
                 return fault
@@ -97,7 +97,7 @@ class Fault:
 
 def stream(sensor: str, kind: str, part: int = 0) -> int:
     """Source of the random numbers of one kind of fault; ``part`` is 1 for a second source of the kind."""
-    return 256 * (1 + PARTS.index(sensor)) + 2 * KINDS.index(kind) + part
+    return 256 * STREAMS[sensor] + 2 * KINDS.index(kind) + part
 
 
 def nanoseconds(seconds: float) -> int:
@@ -167,9 +167,9 @@ class Episodes:
         interval, duration = values[f"{name}_interval"], values[f"{name}_duration"]
         if not interval:
             return None
-        if interval < SHORTEST_INTERVAL_S:
+        if interval < MIN_INTERVAL_S:
             raise ParameterError(
-                f"{name}_interval", f"{interval:g} s is below {SHORTEST_INTERVAL_S:g} s: give more, or 0 for none"
+                f"{name}_interval", f"{interval:g} s is below {MIN_INTERVAL_S:g} s: give more, or 0 for none"
             )
         if not 0 < nanoseconds(duration) <= nanoseconds(interval):
             raise ParameterError(

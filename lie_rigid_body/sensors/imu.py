@@ -302,7 +302,7 @@ IMU_SENSOR: Final = Sensor(
             _fixed_of_bias,
         ),
     ),
-    told=(
+    parameters=(
         not_negative("imu_rate", "Samples of the IMU per second, from 1e-6; 0: no IMU."),
         Parameter(
             "gyro_rate",
@@ -327,18 +327,15 @@ IMU_SENSOR: Final = Sensor(
             "From the mass centre to the accelerometer in the body frame, m.",
         ),
         *triad_parameters("accelerometer", "m/s²"),
-    ),
-    parameters=(
         Parameter("imu_orientation", "bool", False, "Whether the IMU tells its orientation, as an AHRS does."),
         angle("imu_inclination_noise", "Its standard deviation about each horizontal axis, rad."),
         angle("imu_heading_noise", "Its standard deviation about the vertical, rad."),
     ),
+    streams={"imu": 1, "gyro": 2, "accelerometer": 3},
     faults=(
         *triad_fault_parameters("gyro", "rad/s", 1.0, 0.01, 0.5),
         *triad_fault_parameters("accelerometer", "m/s²", 10.0, 0.1, 5.0),
     ),
-    parts=("gyro", "accelerometer"),
-    prefixes=("imu_", "gyro_", "accelerometer_"),
     switches={"imu_orientation": ("imu_inclination_", "imu_heading_")},
 )
 """The IMU in the table of sensors."""

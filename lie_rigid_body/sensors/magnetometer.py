@@ -199,7 +199,7 @@ MAGNETOMETER: Final = Sensor(
             _fixed,
         ),
     ),
-    told=(
+    parameters=(
         not_negative("magnetometer_rate", "Samples of the magnetometer per second, from 1e-6; 0: no magnetometer."),
         numbers(
             "magnetic_field",
@@ -220,6 +220,7 @@ MAGNETOMETER: Final = Sensor(
         not_negative("magnetometer_resolution", "Magnetometer: step of its readings, T; 0: continuous."),
         not_negative("magnetometer_range", "Magnetometer: largest size of a reading on each axis, T; 0: no limit."),
     ),
+    streams={"magnetometer": 4},
     faults=(
         *triad_fault_parameters("magnetometer", "T", 1e-4, 1e-6, 20e-6),
         *episode_parameters("magnetic_disturbance", "Magnetic disturbance, a field that passes", 5.0),
@@ -227,6 +228,5 @@ MAGNETOMETER: Final = Sensor(
             "magnetic_disturbance_size", "Magnetic disturbance: its size at its height, in a direction drawn, T.", 20e-6
         ),
     ),
-    prefixes=("magnetometer_", "magnetic_disturbance_"),
 )
 """The magnetometer in the table of sensors."""

@@ -103,11 +103,11 @@ class WhiteNoise:
 
     def draw(self, first: int, count: int) -> Array:
         """The vectors of ``count`` whole numbers from ``first`` on, shape (count, 3)."""
-        numbers = self._draws.following(first, count)
         if self.sigma == 0.0:
-            return np.copysign(0.0, numbers - 0.5)  # the zeros have the signs of deviates
+            return np.zeros((count, 3))
         from scipy.special import ndtri  # slow to import: not before there is noise
 
+        numbers = self._draws.following(first, count)
         return np.multiply(self.sigma, ndtri(numbers, out=numbers), out=numbers)
 
 

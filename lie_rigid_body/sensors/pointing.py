@@ -240,6 +240,7 @@ ATTITUDE_SENSOR: Final = Sensor(
             "Attitude sensor: standard deviation of a reading about the boresight, rad.",
         ),
     ),
+    streams={"attitude_sensor": 5},
 )
 """The attitude sensor in the table of sensors."""
 SUN_SENSOR: Final = Sensor(
@@ -260,6 +261,7 @@ SUN_SENSOR: Final = Sensor(
         numbers("sun_direction", (1.0, 0.0, 0.0), "Direction of the sun in the world frame, of any length."),
         angle("sun_sensor_noise", "Sun sensor: standard deviation about each axis, rad."),
     ),
+    streams={"sun_sensor": 6},
     attribute="sun",
 )
 """The sun sensor in the table of sensors."""

@@ -22,7 +22,7 @@ from lie_rigid_body.sensors.signal import Signal
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-MOST_HELD_UP: Final = 100_000
+MAX_HELD_UP: Final = 100_000
 """Largest number of readings that a jitter of the latency may hold up: all are looked at to tell when one arrives."""
 BLOCK: Final = 16_384
 """Readings that are measured at once: the signals of more would fill the caches of a processor."""
@@ -168,16 +168,15 @@ class SensorModel:
         Raises
         ------
         ParameterError
-            If a value is invalid, or a jitter holds up more than `MOST_HELD_UP` readings.
+            If a value is invalid, or a jitter holds up more than `MAX_HELD_UP` readings.
         """
         own, parts = values_of(cls, sensor, values), cls.parts(sensor, values)
         delivery = Delivery.from_values(sensor, values)
         jitter = delivery.latency_jitter if delivery else 0.0
-        if own["rate"] * jitter > MOST_HELD_UP:
+        if own["rate"] * jitter > MAX_HELD_UP:
             raise ParameterError(
                 f"{sensor}_latency_jitter",
-                f"{jitter:g} s holds up more than {MOST_HELD_UP} readings: give at most "
-                f"{MOST_HELD_UP / own['rate']:g} s",
+                f"{jitter:g} s holds up more than {MAX_HELD_UP} readings: give at most {MAX_HELD_UP / own['rate']:g} s",
             )
         return cls(seed=values["sensor_seed"], delivery=delivery, **{**own, **parts})
 
@@ -291,17 +290,14 @@ class Sensor:
     topics : tuple of Topic
         Topics of its messages. The first one has the readings; others tell more of them, at the same stamps.
     parameters : tuple of Parameter
-        Parameters that the text of a scenario leaves out at their defaults: it is then that of before the sensor was.
-    told : tuple of Parameter
-        Parameters that the text of a scenario always tells.
+        Its parameters, without those of faults.
+    streams : mapping of str to int
+        Numbers in the keys of the random numbers of faults: of the sensor, and of each part of it that has faults of
+        its own. They are its own for ever.
     faults : tuple of Parameter
         Parameters of its faults, without those of the delivery, which every sensor has.
-    parts : tuple of str
-        Parts of it that have faults of their own. The order is part of the keys of the random numbers.
     attribute : str
         Name of its readings in `Run`; empty: ``name``.
-    prefixes : tuple of str
-        Begins of the names of parameters that have no effect while it is off; empty: ``NAME_``.
     switches : mapping of str to tuple of str
         Further parameters that switch something on, with the begins of names of parameters that have no effect without.
     """
@@ -311,12 +307,10 @@ class Sensor:
     model: type[SensorModel]
     make: Callable[[Any, RigidBody], Instrument]
     topics: tuple[Topic, ...]
-    parameters: tuple[Parameter, ...] = ()
-    told: tuple[Parameter, ...] = ()
+    parameters: tuple[Parameter, ...]
+    streams: Mapping[str, int]
     faults: tuple[Parameter, ...] = ()
-    parts: tuple[str, ...] = ()
     attribute: str = ""
-    prefixes: tuple[str, ...] = ()
     switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
@@ -330,11 +324,6 @@ class Sensor:
         return self.attribute or self.name
 
     @property
-    def all_faults(self) -> tuple[Parameter, ...]:
-        """Parameters of its delivery and of its other faults."""
-        return (*delivery_parameters(self.name, self.title), *self.faults)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of all parameters of this sensor alone."""
-        return tuple(parameter.name for parameter in (*self.told, *self.parameters, *self.all_faults))
+    def all_parameters(self) -> tuple[Parameter, ...]:
+        """Every parameter of this sensor alone: its own, and those of its delivery and of its other faults."""
+        return (*self.parameters, *delivery_parameters(self.name, self.title), *self.faults)

@@ -8,14 +8,14 @@ from typing import Any, Final, cast
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Value, require_frame_name
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.sensors.fault import PARTS
+from lie_rigid_body.sensors.fault import STREAMS
 from lie_rigid_body.sensors.imu import IMU_SENSOR
 from lie_rigid_body.sensors.magnetometer import MAGNETOMETER
 from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, WINDOW_PARAMETERS, fault_switches
 from lie_rigid_body.sensors.pointing import ATTITUDE_SENSOR, SUN_SENSOR
 from lie_rigid_body.sensors.sensor import Sensor, SensorModel
 
-SLOWEST_RATE: Final = 1e-6
+MIN_RATE: Final = 1e-6
 """Smallest sampling rate of a sensor, Hz."""
 _SHARED: Final = (
     Parameter("imu_frame", "string", "imu_link", "Name of the frame of the IMU and the magnetometer."),
@@ -34,16 +34,13 @@ _SHARED: Final = (
         "Sets all errors of the sensors to those of data sheets of a grade; single ones override.",
         choices=tuple(GRADES),
     ),
+    *WINDOW_PARAMETERS,
 )
 """Parameters of several sensors."""
 
 
-class SensorTable(dict[str, Sensor]):
+class SensorRegistry(dict[str, Sensor]):
     """Sensors by their names, in the order in which they are shown.
-
-    Parameters
-    ----------
-    *sensors : Sensor
 
     Attributes
     ----------
@@ -51,27 +48,37 @@ class SensorTable(dict[str, Sensor]):
         Every parameter of the sensors by its name, in the order in which they are shown.
     topics : dict of str to str
         Message types of the topics of readings, by their relative names.
-    quiet : frozenset of str
-        Names of the parameters that the text of a scenario leaves out at their defaults: they came later than bags did.
     """
 
-    def __init__(self, *sensors: Sensor) -> None:
-        super().__init__({sensor.name: sensor for sensor in sensors})
-        told = [parameter for sensor in sensors for parameter in sensor.told]
-        rates = [parameter for parameter in told if any(parameter.name == sensor.switch for sensor in sensors)]
-        quiet = [
-            *(parameter for sensor in sensors for parameter in sensor.parameters),
-            *WINDOW_PARAMETERS,
-            *(fault for sensor in sensors for fault in sensor.all_faults),
-        ]
-        PARTS[:] = [part for sensor in sensors for part in (sensor.name, *sensor.parts)]
-        self.quiet = frozenset({GRADE, *(parameter.name for parameter in quiet)})
-        self.parameters = {parameter.name: parameter for parameter in (*rates, *_SHARED, *told, *quiet)}
-        self.topics = {topic.name: topic.message_type for sensor in sensors for topic in sensor.topics}
+    def __init__(self) -> None:
+        super().__init__()
+        self.parameters = {parameter.name: parameter for parameter in _SHARED}
+        self.topics: dict[str, str] = {}
+
+    def register(self, sensor: Sensor) -> None:
+        """Add a sensor, behind all others, before rooms are imported that make tables of the sensors.
+
+        Raises
+        ------
+        ValueError
+            If another sensor has its number of random numbers, or the name of a parameter or a topic.
+        """
+        parameters = {parameter.name: parameter for parameter in sensor.all_parameters}
+        topics = {topic.name: topic.message_type for topic in sensor.topics}
+        pairs = ((parameters, self.parameters), (topics, self.topics), (sensor.streams.values(), STREAMS.values()))
+        for own, taken in pairs:
+            if both := set(own) & set(taken):
+                raise ValueError(f"{sensor.name}: another sensor has {both.pop()} already")
+        self[sensor.name] = sensor
+        self.parameters.update(parameters)
+        self.topics.update(topics)
+        STREAMS.update(sensor.streams)
 
 
-SENSORS: Final = SensorTable(IMU_SENSOR, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR)
+SENSORS: Final = SensorRegistry()
 """The sensors that there can be on a body."""
+for _sensor in (IMU_SENSOR, MAGNETOMETER, ATTITUDE_SENSOR, SUN_SENSOR):
+    SENSORS.register(_sensor)
 
 
 @short_dataclass(frozen=True)
@@ -114,6 +121,11 @@ class Sensors:
         return dict(self.models)
 
     @property
+    def off_parameters(self) -> set[str]:
+        """Names of the parameters of the sensors that there are not."""
+        return {p.name for name, sensor in SENSORS.items() if name not in self.on for p in sensor.all_parameters}
+
+    @property
     def have_faults(self) -> bool:
         """Whether any fault is on."""
         return any(model.faulty for model in self.on.values())
@@ -126,8 +138,8 @@ def frame_parameters() -> set[str]:
 
 def _is_on(name: str, values: Mapping[str, Value]) -> bool:
     rate = cast(float, values[name])
-    if 0.0 < rate < SLOWEST_RATE:
-        raise ParameterError(name, f"{rate:g} is below {SLOWEST_RATE:g} samples per second: give more, or 0 for none")
+    if 0.0 < rate < MIN_RATE:
+        raise ParameterError(name, f"{rate:g} is below {MIN_RATE:g} samples per second: give more, or 0 for none")
     return rate > 0.0
 
 
@@ -141,19 +153,21 @@ def without_effect(values: Mapping[str, Value]) -> list[str]:
     values : mapping of str to value
         Every one of ``SENSORS.parameters``.
     """
-    default = {name: parameter.default for name, parameter in SENSORS.parameters.items()}
-    usual = {**default, **GRADES[str(values[GRADE])], GRADE: values[GRADE]}
+    usual = {name: parameter.default for name, parameter in SENSORS.parameters.items()}
+    usual |= {**GRADES[str(values[GRADE])], GRADE: values[GRADE]}
+    asked = {name for name, value in values.items() if value != usual[name] and name not in frame_parameters()}
     faults = fault_switches(SENSORS.parameters.values())
-    switches = {sensor.switch: sensor.prefixes or (f"{sensor.name}_",) for sensor in SENSORS.values()}
-    for sensor in SENSORS.values():
-        switches |= sensor.switches
-    asked = [name for name, value in values.items() if value != usual[name] and name not in frame_parameters()]
+    idle = [(sensor.switch, [p.name for p in sensor.all_parameters if p.name in asked]) for sensor in SENSORS.values()]
+    switches = {name: begins for sensor in SENSORS.values() for name, begins in sensor.switches.items()}
+    for switch, begins in {**switches, **faults}.items():
+        idle.append((switch, [name for name in SENSORS.parameters if name in asked and name.startswith(begins)]))
     sentences = list[str]()
-    for switch, prefixes in {**switches, **faults}.items():
-        names = [name for name in asked if not values[switch] and name.startswith(prefixes)]
-        asked = [name for name in asked if name not in names]  # those of a sensor that is off are not told twice
-        if names:
-            sentences.append(_idle(names, f"{switch} is {'false' if values[switch] is False else 0}"))
+    for switch, names in idle:
+        if not values[switch]:
+            names = [name for name in names if name in asked]
+            asked.difference_update(names)  # those of a sensor that is off are not told twice
+            if names:
+                sentences.append(_idle(names, f"{switch} is {'false' if values[switch] is False else 0}"))
     window = [parameter.name for parameter in WINDOW_PARAMETERS if parameter.name in asked]
     if window and not any(values[switch] for switch in faults):
         sentences.append(_idle(window, "no fault that comes and goes is on"))

@@ -179,9 +179,8 @@ class Simulation:
     """
 
     def __init__(self, scenario: Scenario, epoch_ns: int | None = None, motions: Motions | None = None) -> None:
-        self._motions, self._faults = motions or motions_of, FaultLog()
-        self._running: list[_RunningSegment] = []
-        self._begin(scenario if epoch_ns in (None, scenario.epoch_ns) else scenario.resampled(epoch_ns=epoch_ns), 0)
+        self._motions = motions or motions_of
+        self._begin_anew(scenario if epoch_ns in (None, scenario.epoch_ns) else scenario.resampled(epoch_ns=epoch_ns))
 
     def start_at(self, epoch_ns: int) -> None:
         """Begin anew with another stamp of sample 0, ns, before anything was taken.
@@ -191,8 +190,14 @@ class Simulation:
         ParameterError
             If the clock of a sensor would show then what ROS cannot tell.
         """
-        _require_stamps_of_readings(self.segment.scenario.resampled(epoch_ns=epoch_ns), epoch_ns)
-        vars(self).update(vars(Simulation(self.segment.scenario, epoch_ns, self._motions)))
+        scenario = self.segment.scenario.resampled(epoch_ns=epoch_ns)
+        _require_stamps_of_readings(scenario, epoch_ns)
+        self._begin_anew(scenario)
+
+    def _begin_anew(self, scenario: Scenario) -> None:
+        self._faults = FaultLog()
+        self._running: list[_RunningSegment] = []
+        self._begin(scenario, 0)
 
     def _begin(self, scenario: Scenario, first: int) -> None:
         start_ns = int(SampleClock(scenario.epoch_ns, scenario.rate).stamps_ns(first, 1)[0])

@@ -71,16 +71,18 @@ class SampleClock:
                 f"sample {first + count - 1} would be stamped {last} ns, beyond the last of ROS, {MAX_EPOCH_NS} "
                 "ns: start earlier, or sample for a shorter time",
             )
-        if not count or 2 * (d + count * n) > MAX_EPOCH_NS or self.stamp_ns(first) < 0:
-            return np.array([self.stamp_ns(k) for k in range(first, first + count)], dtype=np.int64)
-        # as `stamp_ns`, but for what comes before the first, which may be beyond int64
+        if not count:
+            return np.empty(0, dtype=np.int64)
+        # stamp k is the whole part of (rest + 2nk)/2d, and 2n = whole · 2d + step with step < 2d < 2⁶²
         before, rest = divmod(2 * first * n + d, 2 * d)
-        halves = rest + 2 * n * np.arange(count, dtype=np.int64)
-        quotients = halves // (2 * d)
-        ties = halves == quotients * (2 * d)
-        quotients += self.epoch_ns + before
-        quotients -= ties & (quotients - self.epoch_ns & 1 == 1)
-        return quotients
+        whole, step = divmod(2 * n, 2 * d)
+        k = np.arange(count, dtype=np.int64)
+        quotients = ((float(step) * k + rest) / (2 * d)).astype(np.int64)  # by rounding one more or less, at times
+        remainders = rest + step * k - 2 * d * quotients  # exact, as it is small: what overflows cancels
+        wrong = (remainders >= 2 * d).astype(np.int64) - (remainders < 0)
+        ties = remainders == 2 * d * wrong
+        quotients += wrong + whole * k + before
+        return np.asarray(quotients + self.epoch_ns - (ties & (quotients & 1 == 1)))
 
     def count_before(self, duration: Fraction) -> int:
         """Number of samples before a time after the epoch, s: of every k with k / rate < duration."""

@@ -14,7 +14,7 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS, Fault
-from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_FAULT_TEXT, PARTS, Episodes, Window, stream
+from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_FAULT_TEXT, STREAMS, Episodes, Window, stream
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
 NS = 1_000_000_000
@@ -48,10 +48,12 @@ def clean() -> Run:
 
 def test_streams_are_these_for_ever_and_no_two_are_alike() -> None:
     """Else what is recorded today could not be recorded again."""
-    streams = [stream(sensor, kind, part) for sensor in PARTS for kind in KINDS for part in (0, 1)]
+    streams = [stream(sensor, kind, part) for sensor in STREAMS for kind in KINDS for part in (0, 1)]
     assert len({*streams, *NoiseSource}) == len(streams) + len(NoiseSource)
     assert stream("imu", "dropout") == 256
     assert stream("gyro", "spike", 1) == 525
+    assert stream("magnetometer", "stuck") == 1040
+    assert stream("attitude_sensor", "outage") == 1282
     assert stream("sun_sensor", "magnetic_disturbance") == 1558
 
 
@@ -270,7 +272,7 @@ def _defaults() -> dict[str, Any]:
 
 @given(
     kind=st.sampled_from(KINDS),
-    sensor=st.sampled_from(PARTS),
+    sensor=st.sampled_from(list(STREAMS)),
     axis=st.sampled_from([*AXES, ""]),
     begin=st.integers(0, 2**61),
     end=st.none() | st.integers(0, 2**61),

@@ -114,17 +114,6 @@ def test_sensors_are_frozen() -> None:
         sensors.models = ()  # type: ignore[misc]
 
 
-def test_the_order_of_parameters_is_that_of_all_bags() -> None:
-    """It is the order of the text of a scenario, so another one would change the bytes of every bag."""
-    names = list(SENSORS.parameters)
-    assert names[:6] == ["imu_rate", "magnetometer_rate", "imu_frame", "sensor_seed", "sensor_grade", "gyro_rate"]
-    begins = ["gyro_noise_density", "accelerometer_mode", "magnetic_field", "imu_orientation", "attitude_sensor_rate"]
-    begins += ["sun_sensor_rate", "fault_begin", "imu_dropout_probability", "gyro_spike_probability"]
-    begins += ["accelerometer_spike_probability", "magnetometer_dropout_probability", "magnetometer_spike_probability"]
-    begins += ["magnetic_disturbance_interval", "attitude_sensor_dropout_probability", "sun_sensor_dropout_probability"]
-    assert sorted(begins, key=names.index) == begins
-
-
 def test_names_are_distinct_and_defaults_are_allowed() -> None:
     names = [parameter.name for parameter in SENSORS.parameters.values()]
     assert len(set(names)) == len(names)
