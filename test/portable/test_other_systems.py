@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import ntpath
 import os
 import subprocess
 import sys
@@ -13,13 +12,10 @@ from pathlib import Path
 import pytest
 
 from lie_rigid_body.cli.record import main as record
-from lie_rigid_body.foundation.wording import shortened
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import END_SIGNALS
 from lie_rigid_body.system.portable import cores, lock
-
-FAR = "C:" + 20 * "\\a_folder_of_some_length" + "\\run.mcap"
 
 
 @pytest.mark.parametrize(
@@ -40,14 +36,6 @@ def test_a_command_names_a_file_as_shells_with_backslashes_read_it(
 
 def test_an_assignment_has_a_drive_and_its_folders() -> None:
     assert parse_assignment("record_path:=C:\\runs\\a.mcap") == ("record_path", "C:\\runs\\a.mcap")
-
-
-def test_of_a_long_path_with_backslashes_the_end_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "path", ntpath)
-        said = shortened(f"{FAR} does not exist: give the path of a file", 80)
-    assert said.startswith("...")
-    assert "\\run.mcap does not exist" in said
 
 
 class Terminal(io.TextIOWrapper):
