@@ -27,9 +27,8 @@ LARGEST_BACKLOG: Final = 32 * 1024**2
 class OutputFile:
     """A new file, open for writing.
 
-    When another file of that name exists and may be overwritten, the new one is written beside it, into a file whose
-    name ends in ``.part``, and takes its place in `commit`. Until then the old one is untouched. An unfinished file is
-    closed by `discard`.
+    When another file of that name exists and may be overwritten, the new one is written beside it. The name of that
+    file ends in ``.part``, and it takes the place of the old one in `commit`. An unfinished file is closed by `discard`.
 
     Parameters
     ----------

@@ -32,12 +32,14 @@ MAX_LINE = 300
 """Largest length of a refusal, characters."""
 REMEDY = re.compile(r"[:;,] \S+ \S")
 """How a remedy follows: behind a colon, a semicolon or a comma."""
-ROUND_OFF = re.compile(r"\d\.\d+e(?:-1[3-9]|\+1[56])")
+ROUND_OFF = re.compile(r"\d(?:\.\d+)?e-1[4-9]|\d\.\d+e(?:-13|\+1[56])")
 """Numbers that depend on the last bits of a machine: in their lines no number and no width is compared."""
 NUMBER = re.compile(r" *(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w])")
 
-VARYING = re.compile(r"(?<= s, in )[\d.]+ m?s|(?<=and )[\d.]+ \w+(?= are free)|\d{4}(?:-\d\d){2}_\d\d(?:-\d\d){2}")
-"""Times that something takes or begins, and space that is free."""
+VARYING = re.compile(
+    r"(?<=\.py line )\d+|(?<= s, in )[\d.]+ m?s|(?<=and )[\d.]+ \w+(?= are free)|\d{4}(?:-\d\d){2}_\d\d(?:-\d\d){2}"
+)
+"""Lines of tests, times that something takes or begins, and space that is free."""
 
 Call = Callable[[], object]
 Capture = pytest.CaptureFixture[str]
