@@ -28,7 +28,7 @@ class OutputFile:
     """A new file, open for writing.
 
     When another file of that name exists and may be overwritten, the new one is written beside it. The name of that
-    file ends in ``.part``, and it takes the place of the old one in `commit`. An unfinished file is closed by `discard`.
+    file ends in ``.part``, and it takes the place of the old one in `commit`. `discard` closes an unfinished file.
 
     Parameters
     ----------
