@@ -485,7 +485,7 @@ def test_whether_a_bias_is_removed_agrees_with_its_probe() -> None:
     ("estimate", "said"),
     [
         (textbook.interrupts, ["KeyboardInterrupt: of the filter"]),
-        pytest.param(textbook.stops, ["BaseException: mend"], marks=pytest.mark.slow),
+        pytest.param(textbook.stops, ["BaseException"], marks=pytest.mark.slow),
         pytest.param(
             textbook.spoils_its_process,
             ["the filter failed, ", "No module named 'numpy': mend"],
