@@ -18,14 +18,12 @@ from group_bodies import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import (
     SO,
     SU,
     Lagrangian,
     legendre_transform,
     manakov_integrals,
-    metric_at,
     momentum_matrix,
     pfaffian,
     rotation_casimirs,
@@ -199,38 +197,6 @@ def test_the_momentum_matrix_of_a_body_is_k_omega_plus_omega_k(n):
     np.testing.assert_allclose(found, k @ omega + omega @ k, atol=1e-14 * 10)
 
 
-def test_wrong_shapes_are_refused():
-    with pytest.raises(InputError):
-        manakov_integrals(np.zeros((3, 3)), np.eye(4))
-    for function in (rotation_casimirs, unitary_casimirs):
-        with pytest.raises(InputError):
-            function(np.zeros((0, 0)))
-
-
-@pytest.mark.parametrize("group", [SO(3), SU(2)], ids=lambda g: g.name)
-@pytest.mark.parametrize("factor", [2.0, np.nan])
-def test_no_spatial_momentum_and_no_metric_off_the_group(group, factor):
-    with pytest.raises(InputError):
-        spatial_momentum(group, factor * group.identity, np.ones(3))
-    with pytest.raises(InputError):
-        metric_at(Lagrangian(group, np.eye(3)), factor * group.identity)
-
-
-@pytest.mark.parametrize(
-    ("momentum", "second_moment"),
-    [
-        (np.zeros((3, 3)), np.diag([1.0, 1.0, -1.0])),
-        (np.zeros((3, 3)), [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
-        (np.zeros((3, 3)), np.full((3, 3), np.nan)),
-        (np.eye(3), np.eye(3)),
-        (1j * np.zeros((3, 3)), np.eye(3)),
-    ],
-)
-def test_no_integrals_of_what_is_no_body(momentum, second_moment):
-    with pytest.raises(InputError):
-        manakov_integrals(momentum, second_moment)
-
-
 def expanded(p):
     """Pf by expansion along the first row, from its definition."""
     n = len(p)
@@ -276,41 +242,3 @@ def test_pfaffian_needs_no_pivot_on_the_way_and_none_at_all_for_odd_n():
     )
     np.testing.assert_array_equal(pfaffian(np.zeros((2, 0, 0))), [1.0, 1.0])
     assert pfaffian(np.zeros((0, 4, 4))).shape == (0,)
-
-
-def test_what_is_not_square_is_refused():
-    for function in (pfaffian, rotation_casimirs, unitary_casimirs):
-        for wrong in (np.zeros((2, 3)), np.zeros(3)):
-            with pytest.raises(InputError):
-                function(wrong)
-
-
-@pytest.mark.parametrize(
-    "matrix",
-    [
-        TURN + 1e-13 * np.eye(2),
-        np.stack([1e9 * TURN, np.eye(2)]),
-        TURN * np.nan,
-        TURN + 0j,
-        [["a", "b"], ["c", "d"]],
-        [[0.0, 1.0], [0.0]],
-    ],
-)
-def test_no_pfaffian_and_no_casimirs_of_what_is_not_antisymmetric(matrix):
-    for function in (pfaffian, rotation_casimirs):
-        with pytest.raises(InputError):
-            function(matrix)
-
-
-@pytest.mark.parametrize(
-    "matrix",
-    [
-        np.diag([1j, -1j]) + 1e-12 * np.eye(2),
-        np.diag([1.0, -1.0]),
-        np.full((2, 2), np.inf),
-        [["a", "b"], ["c", "d"]],
-    ],
-)
-def test_no_casimirs_of_what_is_not_antihermitian(matrix):
-    with pytest.raises(InputError):
-        unitary_casimirs(matrix)

@@ -7,7 +7,7 @@ import numpy as np
 from group_bodies import affine_line
 from sample_groups import sl2, so4_split
 
-from lie_rigid_body import LieRigidBodyError, RigidBody
+from lie_rigid_body import LieRigidBodyError, RigidBody, groups
 from lie_rigid_body.groups import (
     SO,
     SU,
@@ -44,8 +44,77 @@ def torus() -> MatrixLieGroup:
     return from_generators([np.diag([1j, np.sqrt(2.0) * 1j])])
 
 
+V, M = [0.3, -0.5, 0.8], np.diag([1.0, 2.0, 3.0])
+STATE = GroupState(np.eye(3), np.array(V))
+OF_A_GROUP = {
+    **dict.fromkeys(("casimirs", "chart_reach", "momentum_matrix", "poisson_tensor"), (V,)),
+    **dict.fromkeys(("conserved_momenta", "Hamiltonian", "Lagrangian", "metric_derivative"), (M,)),
+    **dict.fromkeys(("invariant_form", "killing_form", "quadratic_casimirs"), ()),
+    "coadjoint_action": (V, V),
+    "lie_poisson_bracket": (V, V, V),
+    "spatial_momentum": (np.eye(3), V),
+}
+"""Arguments behind the group."""
+OF_A_LAGRANGIAN = {
+    **dict.fromkeys(("christoffel_symbols", "connection_coefficients", "legendre_transform", "steady_axes"), ()),
+    **dict.fromkeys(("chart_metric", "linearisation", "steady_rotation"), (V,)),
+    "GroupMovingChart": (STATE,),
+    "metric_at": (np.eye(3),),
+}
+NO_MATRICES = (np.ones(6), np.zeros((3, 4, 5)), None, np.array(list("abc")), SO(4), np.full((4, 4), np.nan))
+OF_MATRICES = ("coordinates", "off_span", "vee", "restored", "project", "contains", "log", "inverse", "Ad")
+NO_NUMBERS = ("x", None, np.ones(3), 10**400, np.nan)
+NO_SHAPES = ("x", (-1,), 1.5, None, (2, "x"), [[1], [2, 3]])
+NO_NAMES = ("SE", "SE3", "U2", "SO3", "SL", "Spin")
+FAR = np.eye(4) + np.diag([1e308, 0.0, 0.0], 1)
+NOT_ANTISYMMETRIC = (np.zeros((2, 3)), np.eye(2), np.full((2, 2), np.nan), [["a", "b"], ["c", "d"]])
+NO_BODIES = (np.diag([1.0, 1.0, -1.0]), np.triu(np.ones((3, 3))), np.full((3, 3), np.nan))
+POINTS = [
+    (np.eye(3), np.eye(3)[:2]),
+    (np.eye(3)[0], np.eye(3)[0]),
+    (np.eye(3), np.eye(3) * np.nan),
+    (np.eye(3) * 1j, np.eye(3)),
+    ("here", "there"),
+    (np.zeros((0, 3)), np.zeros((0, 3))),
+    (np.eye(3), np.eye(3), [1.0, 1.0]),
+    (np.eye(3), np.eye(3), [0.0, 0.0, 0.0]),
+]
+
+
+def called(name, *arguments):
+    return getattr(groups, name)(*arguments)
+
+
+def of_so4(name, *arguments):
+    return getattr(SO(4), name)(*arguments)
+
+
 REFUSED = {
     LieRigidBodyError: [
+        *(lambda name=name, more=more: called(name, TOP, *more) for name, more in OF_A_GROUP.items()),
+        *(lambda name=name, more=more: called(name, SO(3), *more) for name, more in OF_A_LAGRANGIAN.items()),
+        *(lambda name=name: of_so4(name, np.zeros((3, 3))) for name in OF_MATRICES),
+        *(lambda given=given: of_so4("vee", given) for given in NO_MATRICES),
+        *(lambda name=name: of_so4(name, FAR) for name in ("log", "inverse", "as_elements", "Ad", "off_span")),
+        *(lambda given=given: of_so4("contains", np.eye(4), given) for given in NO_NUMBERS),
+        *(lambda given=given: of_so4("scaled_trace", given) for given in NO_NUMBERS),
+        *(lambda shape=shape: of_so4("random", np.random.default_rng(1), shape) for shape in NO_SHAPES),
+        *(lambda p=p: pfaffian(p) for p in NOT_ANTISYMMETRIC),
+        *(lambda p=p: rotation_casimirs(p) for p in NOT_ANTISYMMETRIC),
+        *(lambda p=p: unitary_casimirs(p) for p in NOT_ANTISYMMETRIC),
+        *(lambda k=k: manakov_integrals(np.zeros((3, 3)), k) for k in NO_BODIES),
+        lambda: manakov_integrals(np.eye(3), np.eye(3)),
+        *(lambda factor=factor: called("spatial_momentum", SO(3), factor * np.eye(3), V) for factor in (2.0, np.nan)),
+        *(lambda factor=factor: called("metric_at", TOP, factor * np.eye(3)) for factor in (2.0, np.nan)),
+        *(lambda points=points: chasles(*points) for points in POINTS),
+        lambda: product(SO(40), SO(40)),
+        lambda: mass_matrix(RigidBody([0.6, 0.8, 1.0]), SO(3).generators),
+        lambda: mass_matrix(np.eye(3), SO(3)),
+        lambda: mass_matrix(np.diag(np.full(4, 1e308)), SO(4).generators),
+        lambda: coadjoint_action(SO(3), V[:2], V),
+        lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.array(V) + 0j)),
+        lambda: GroupMovingChart(TOP, STATE, method="rkmk9"),
+        lambda: GroupMovingChart(TOP, STATE).at([10, 5]),
         lambda: mass_matrix(box(mass=2.0, edges=[0.3, 0.2, 0.1]), SO(3).generators),
         lambda: GroupMovingChart(TOP, 7),
         lambda: SO(4).hat(np.zeros(5)),
@@ -109,5 +178,5 @@ REFUSED = {
         lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.full(3, 10.0)), max_step=0.2).at(10**9),
         lambda: GroupMovingChart(TOP, GroupState(np.eye(3), np.full(3, 1e200)), max_step=0.2).at(10**9),
     ],
-    ImportError: [lambda: exec("from lie_rigid_body.groups import SE3")],
+    ImportError: [lambda name=name: exec(f"from lie_rigid_body.groups import {name}") for name in NO_NAMES],
 }
