@@ -71,24 +71,6 @@ def test_without_estimates_the_bytes_are_those_of_record(run, tmp_path):
     assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("change", "name"),
-    [
-        (lambda q, t: (q.T,), "transposed"),
-        (lambda q, t: (q[:, :3],), "angles"),
-        (lambda q, t: (np.zeros((len(t), 3, 3)),), "matrices"),
-        (lambda q, t: (q, t / 1e9), "seconds"),
-        (lambda q, t: (q, t[1:]), "number of stamps"),
-        (lambda q, t: (q, t, np.eye(4)), "covariance"),
-        (lambda q, t: (q, t, np.eye(3), "map"), "axes"),
-        (lambda q, t: (q, t, None, "world", q), "gyro_bias"),
-    ],
-)
-def test_what_is_no_estimate_is_one_line(change, name, run, attitude):
-    with refused(name):
-        Estimate(*change(attitude, run.t_ns))
-
-
 @pytest.mark.parametrize("topic", ["/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a"])
 def test_a_topic_that_cannot_be_is_refused(topic, run, attitude, tmp_path):
     with pytest.raises(InputError):
@@ -132,29 +114,6 @@ def test_a_score_is_that_of_the_estimate_beside_it(run, attitude, tmp_path):
         with refused("score"):
             run.to_bag(tmp_path / "x.mcap", estimates={topic: (run.t_ns[some], attitude[some])}, scores={"/a": score})
     assert not (tmp_path / "x.mcap").exists()
-
-
-@pytest.mark.parametrize(
-    ("make", "error"),
-    [
-        (lambda q: [1], refused("no topics", name="estimates")),
-        (lambda q: q, refused("no topics", name="estimates")),
-        (lambda q: {3: q}, refused("topic", topic=3)),
-        (lambda q: {"/mine": q * np.nan}, refused("not finite", name="estimate", count=40, of=40)),
-        (lambda q: {"/mine": q * 0.0}, refused("zero", count=40, of=40)),
-        (
-            lambda q: {"/mine": Estimate(q, gyro_bias=q[:, :3] * np.nan)},
-            refused("not finite", name="gyro_bias", count=40, of=40),
-        ),
-        (lambda q: {"/mine": Estimate(q, covariance=np.eye(3) + np.eye(3, k=1))}, refused("covariance")),
-    ],
-)
-def test_what_a_score_refuses_is_not_put_into_a_bag(make, error, run, attitude, tmp_path):
-    with error:
-        run.to_bag(tmp_path / "x.mcap", estimates=make(attitude))
-    assert not (tmp_path / "x.mcap").exists()
-    with refused("no topics", name="scores"):
-        run.to_bag(tmp_path / "x.mcap", scores=[1])
 
 
 def test_estimated_biases_have_their_score_from_a_bag_too(run, attitude, tmp_path, capsys):

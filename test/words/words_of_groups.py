@@ -44,6 +44,31 @@ def torus() -> MatrixLieGroup:
     return from_generators([np.diag([1j, np.sqrt(2.0) * 1j])])
 
 
+GENERATORS = SO(3).generators
+SHIFT = np.zeros((3, 3))
+SHIFT[0, 2] = 0.7
+NO_GENERATORS = [
+    so4_split()[[0, 3, 1]],
+    so4_split()[:3] + 1e-6 * np.eye(4),
+    [GENERATORS[2], SHIFT],
+    [GENERATORS[0], 3.0 * GENERATORS[0], *GENERATORS[1:]],
+    [[[1.0]], [[2.0]], [[3.0]]],
+    np.zeros((2, 3, 4)),
+    np.zeros((0, 3, 3)),
+    [np.eye(2), np.eye(3)],
+    "SO(3)",
+    *([GENERATORS[0], size * GENERATORS[1]] for size in (1e-200, 1e-51, 1e51, 1e200)),
+]
+NO_COORDINATES = (0.0, list("abcdef"), ["1"] * 6, [[0.0] * 6, [0.0]])
+NOT_NEAR = [
+    (SO(3), np.diag([1.0, 1.0, -1.0])),
+    (SO(3), np.full((3, 3), np.nan)),
+    (SU(3), np.zeros((3, 3))),
+]
+NO_LOGARITHM = [
+    (SU(3), np.exp(2j * np.pi / 3) * np.eye(3)),
+    (product(SO(2), SU(2)), np.diag([-1.0, -1.0, 1.0, 1.0])),
+]
 V, M = [0.3, -0.5, 0.8], np.diag([1.0, 2.0, 3.0])
 STATE = GroupState(np.eye(3), np.array(V))
 OF_A_GROUP = {
@@ -107,6 +132,13 @@ REFUSED = {
         *(lambda factor=factor: called("spatial_momentum", SO(3), factor * np.eye(3), V) for factor in (2.0, np.nan)),
         *(lambda factor=factor: called("metric_at", TOP, factor * np.eye(3)) for factor in (2.0, np.nan)),
         *(lambda points=points: chasles(*points) for points in POINTS),
+        *(lambda given=given: from_generators(given) for given in NO_GENERATORS),
+        *(lambda given=given: of_so4("exp", given) for given in NO_COORDINATES),
+        *(lambda group=group, matrix=matrix: group.project(matrix) for group, matrix in NOT_NEAR),
+        *(lambda group=group, matrix=matrix: group.log(matrix) for group, matrix in NO_LOGARITHM),
+        lambda: SU(1),
+        lambda: SO(2.5),
+        lambda: from_generators(GENERATORS).project(np.eye(3)),
         lambda: product(SO(40), SO(40)),
         lambda: mass_matrix(RigidBody([0.6, 0.8, 1.0]), SO(3).generators),
         lambda: mass_matrix(np.eye(3), SO(3)),

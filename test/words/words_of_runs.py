@@ -1,0 +1,63 @@
+"""What simulations, runs, bags of estimates and estimates refuse."""
+# mypy: ignore-errors
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from lie_rigid_body import Estimate, Run, simulate
+from lie_rigid_body.foundation.errors import LieRigidBodyError
+
+RUN = simulate("tumbling_cubesat", duration=1.0, imu_rate=50.0, motion="closed_form")
+Q, T = RUN.truth.attitude_xyzw, RUN.t_ns
+NO_TOPICS = [{"pos": "/a/pose"}, {"pose": 1}, {1: "/a/pose"}, ["pose"], "pose", "x" * 1000]
+NO_NAMES = ("/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a", 3)
+
+
+def simulated(**given):
+    simulate(**{"scenario": "tumbling_cubesat", "duration": 1.0, **given})
+
+
+def with_estimates(estimates, **more):
+    """A bag of these, of which nothing is written where they are refused."""
+    try:
+        RUN.to_bag("x.mcap", estimates=estimates, **more)
+    finally:
+        assert not Path("x.mcap").exists()
+
+
+REFUSED = {
+    LieRigidBodyError: [
+        lambda: simulated(scenario="perpetual"),
+        *(lambda scenario=scenario: simulated(scenario=scenario) for scenario in (5, "a/file", "file.yml", 10**5000)),
+        *(lambda duration=duration: simulated(duration=duration) for duration in (0.0, np.nan, "60", 10**5000)),
+        lambda: simulated(imu_rte=3.0),
+        lambda: simulated(seeds=[1], sensor_seed=2),
+        *(lambda seeds=seeds: simulated(seeds=seeds) for seeds in ([-1], 5, [])),
+        lambda: simulated(inertia={1.0, 2.0, 2.5}),
+        lambda: simulated(inertia=iter([1.0, 2.0, 2.5])),
+        lambda: simulated(memory_limit=1.5),
+        lambda: simulated(record_path="x.mcap"),
+        *(lambda topics=topics: Run.from_bag("a.mcap", topics=topics) for topics in NO_TOPICS),
+        lambda: Estimate(Q.T),
+        lambda: Estimate(Q[:, :3]),
+        lambda: Estimate(np.zeros((len(T), 3, 3))),
+        lambda: Estimate(Q, T / 1e9),
+        lambda: Estimate(Q, T[1:]),
+        lambda: Estimate(Q, T, np.eye(4)),
+        lambda: Estimate(Q, T, np.eye(3), "map"),
+        lambda: Estimate(Q, T, None, "world", Q),
+        lambda: RUN.score(Q[:17]),
+        lambda: RUN.score(Q, T * 0),
+        lambda: with_estimates([1]),
+        lambda: with_estimates(Q),
+        *(lambda name=name: with_estimates({name: (T, Q)}) for name in NO_NAMES),
+        lambda: with_estimates({"/mine": Q * np.nan}),
+        lambda: with_estimates({"/mine": Q * 0.0}),
+        lambda: with_estimates({"/mine": Estimate(Q, gyro_bias=Q[:, :3] * np.nan)}),
+        lambda: with_estimates({"/mine": Estimate(Q, covariance=np.eye(3) + np.eye(3, k=1))}),
+        lambda: with_estimates({}, scores=[1]),
+    ],
+}
