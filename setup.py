@@ -61,7 +61,8 @@ SIMULATORS = [
     f"pybullet==3.2.7{PYBULLET_WHEELS_EXIST}",
 ]
 PLOTLY = "plotly>=6"
-CAMPAIGN = ["cryptography>=41", "dask>=2024.5", "distributed>=2024.5", "psutil>=5.9", "pyarrow>=15"]
+PYARROW = "pyarrow>=15"
+DISTRIBUTED = "distributed>=2024.5"
 PYTHON_FLINT = "python-flint>=0.9"
 # For glibc and CPython 3.10 to 3.14 so far; elsewhere FLINT has to be there already.
 FLINT_WHEELS_EXIST = (
@@ -69,7 +70,7 @@ FLINT_WHEELS_EXIST = (
     "(sys_platform != 'linux' or platform_machine in 'x86_64 aarch64')"
 )
 EXTRAS = {
-    "bench": [*CAMPAIGN, *SIMULATORS, "numba"],
+    "bench": [PYARROW, *SIMULATORS, "numba"],
     # make league: every attitude filter of PyPI that takes gyro, accelerometer and magnetometer
     "league": ["ahrs", "filterpy", "gtsam", "imufusion", "qmt", "scikit-kinematics", "vqf"],
     "ros": [
@@ -80,12 +81,15 @@ EXTRAS = {
     "fast": ["numba>=0.58"],
     # check --prove: the true motion in balls that are proved to hold it
     "proof": [PYTHON_FLINT],
-    # many runs on all cores or a cluster, and their table
-    "campaign": CAMPAIGN,
+    # many runs on all cores, and their table
+    "campaign": [PYARROW],
+    # campaign --scheduler: on the workers of a Dask cluster
+    "cluster": [DISTRIBUTED, PYARROW],
     # check --report, campaign --report: pages with figures that can be turned and played
     "report": [PLOTLY],
     "test": [
-        *CAMPAIGN,
+        DISTRIBUTED,
+        PYARROW,
         "ahrs",
         "allantools",
         "build",

@@ -6,7 +6,7 @@
 
 A run is simulated, recorded and certified in a process of its own, as a worker does it. Its cost is the processor time
 of all threads, the median of some runs; compiling is over before. To the library only its own time is charged. The
-last line but one is the whole command on its workers, Dask, journal and table included: what more runs cost more. The
+last line but one is the whole command on its workers, rows and table included: what more runs cost more. The
 last is the same with two compiled filters that are compared.
 """
 
@@ -24,7 +24,7 @@ from typing import Any, Final
 from bag_tasks import HOUR, MINUTE, Spent, alone, arguments, tell, write_plainly
 from checking import compile_loops
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.run import BAGS, BagFolder, carry_out
+from lie_rigid_body.campaign.run import BAGS, carry_out
 
 SAMPLED: Final = {"rate": 100.0, "imu_rate": 100.0}
 VARY: Final = {
@@ -62,7 +62,7 @@ def costs(duration: int) -> tuple[float, float]:
 
 def _costs(campaign: Campaign, number: int, folder: Path) -> tuple[float, float]:
     with Spent() as ours:
-        carry_out(campaign, number, BagFolder.of(folder))
+        carry_out(campaign, number, folder, keep=True)
     plain = write_plainly(campaign.scenario_of(number), round(campaign.duration * 1e9) - 1, folder / "plain.mcap")
     return ours.cpu, plain.spent.cpu
 

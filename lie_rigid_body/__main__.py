@@ -35,7 +35,8 @@ VERBS = {
 }
 """Verbs and what they do."""
 EXTRAS = {
-    "campaign": ("cryptography", "dask", "distributed", "pyarrow"),
+    "campaign": ("pyarrow",),
+    "cluster": ("distributed", "pyarrow"),
     "fast": ("numba",),
     "proof": ("flint",),
     "report": ("plotly",),

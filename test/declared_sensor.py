@@ -117,7 +117,6 @@ def test_what_has_none_is_as_it_was_without() -> None:
 
 
 def test_a_campaign_varies_it(tmp_path: Path) -> None:
-    pytest.importorskip("dask")
     file = tmp_path / "c.yaml"
     file.write_text(
         "runs: 2\nseed: 1\nduration: 1.0\nparameters: {horizon_sensor_rate: 10.0}\n"

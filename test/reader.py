@@ -43,7 +43,7 @@ NOT_RUN = {
     r"lie-rigid-body sim .*lockstep_topic": "waits for a filter without end: test/ros/test_lockstep_run.py",
     r"lie-rigid-body (diagnose|league) --node 'ros2 ": "wants a filter of ROS 2: test/ros/test_node_estimator.py",
     r"python examples/complementary_filter/": "a node without end: test/ros/test_live_evaluate.py",
-    r"dask |lie-rigid-body campaign .*--scheduler": "wants hosts of the reader: test/campaign/test_schedulers.py",
+    r"dask |lie-rigid-body campaign .*--scheduler": "wants hosts of the reader: test/campaign/test_campaign_results.py",
 }
 """Commands that no test runs, and why; what holds them instead."""
 

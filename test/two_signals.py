@@ -81,7 +81,7 @@ def ended_by_the_second(process: subprocess.Popen[str], numbers: Sequence[signal
 
 @contextmanager
 def full_pipe() -> Iterator[int]:
-    """A pipe in which there is no room: who has something to say into it closes for ever, also a helper of Dask's.
+    """A pipe in which there is no room: who has something to say into it closes for ever.
 
     Afterwards nobody reads it, which ends them; until then they may hold the other pipes of their parent open.
     """

@@ -13,13 +13,12 @@ from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judg
 from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.runs import simulate
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.sensors import SENSORS
 
-MOST_SERIES: Final = 1000
+MAX_SERIES: Final = 1000
 """Largest number of runs, the first ones, whose errors over time and covariances are judged."""
 _COLUMNS: Final = (*SCORES, *MORE_SCORES)
 _TOTAL: Final = SCORES[0]
@@ -66,7 +65,7 @@ class Standing:
     reading_s : float
         Median time of a run by the number of its attitudes, s; NaN if it failed in all.
     curve_deg : ndarray, shape (K, `CURVE`)
-        Total error, degrees, over time in at most `MOST_SERIES` runs; NaN where there is no estimate.
+        Total error, degrees, over time in at most `MAX_SERIES` runs; NaN where there is no estimate.
     covariance, gyro_bias : Honesty or None
         Verdict on the covariance of the attitude, and of the gyro's bias, where there are enough runs that have one.
     points : tuple of Point
@@ -135,6 +134,8 @@ class Comparison:
         Whether no two runs have the same noise, without which nothing is said of covariances.
     has_covariances : bool
         Whether any estimate has one.
+    gives : tuple of str
+        Parameters of the truth that the estimators were given.
     fixed_constants : tuple of str
         Parameters of errors that no filter knows, such as the scale of the gyro, and that are the same in every run.
     """
@@ -145,6 +146,7 @@ class Comparison:
     best: Best | None
     independent: bool
     has_covariances: bool
+    gives: tuple[str, ...]
     fixed_constants: tuple[str, ...]
 
     @property
@@ -167,8 +169,9 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     for row in rows:
         seeds.append(row.parameters.get(_SEED))
         for one, judgement in zip(entries, row.judgements, strict=True):
-            one.add(row.run, Judgement(**judgement))  # the journal has looked at it
-    duration, independent = float(campaign.exact_duration), _SEED in campaign.vary and len({*seeds}) == len(seeds)
+            one.add(row.run, Judgement(**judgement))
+    duration = float(campaign.exact_duration)
+    independent = _SEED in campaign.vary and len({*seeds}) == len(seeds)
     chosen = [_best([one for one in entries if one.entry.name == name]) for name in campaign.contenders]
     standings = tuple(one.standing(points, duration if independent else None) for one, points in chosen)
     return Comparison(
@@ -178,6 +181,7 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
         _best_possible(campaign, standings),
         independent,
         any(each.covariance for one, _ in chosen for each in one.kept),
+        campaign.gives,
         _fixed_constants(campaign),
     )
 
@@ -202,7 +206,7 @@ class _EntryScores:
     ----------
     entry : Contender
     kept : list of Judgement
-        Those of the first runs in which it is scored, at most `MOST_SERIES`.
+        Those of the first runs in which it is scored, at most `MAX_SERIES`.
     reasons : dict of int to str
         What it failed of first: of a grid in the runs with a remainder of a division by 2, else in all, for 1.
     """
@@ -222,7 +226,7 @@ class _EntryScores:
             self.reasons.setdefault(run % 2 if self.entry.grid else 1, judgement.error)
         if self.entry.grid and run % 2 == 0:
             return  # the best point of a grid is chosen in it, and scored in others
-        if len(self.kept) < MOST_SERIES:
+        if len(self.kept) < MAX_SERIES:
             self.kept.append(judgement)
 
     def scored(self, *remainders: int) -> tuple[Integers, dict[str, Array]]:
@@ -234,7 +238,8 @@ class _EntryScores:
     def standing(self, points: tuple[Point, ...], duration_s: float | None) -> Standing:
         """The entry over the runs in which it is scored; verdicts on covariances need the duration of a run."""
         runs, scores = self.scored(1) if points else self.scored(0, 1)
-        failed, reading_s = np.isnan(scores[_TOTAL]), scores.pop(_READING)
+        failed = np.isnan(scores[_TOTAL])
+        reading_s = scores.pop(_READING)
         right = [each for each in self.kept if each.error is None]
         return Standing(
             self.entry,
@@ -297,8 +302,6 @@ def _verdict(duration_s: float | None, judgements: list[Judgement], *, of_bias: 
     told = [rows for rows in series if rows]
     if duration_s is None or len(told) < FEWEST_RUNS or len(axes) > 1:
         return None
-    t_s, (errors, P, attitude_xyzw) = np.linspace(0.0, duration_s, SERIES), errors_of(told)
-    try:
-        return honesty(t_s, errors, P) if of_bias else honesty(t_s, errors, P, attitude_xyzw, axes.pop())
-    except InputError:  # the digits that are kept of a covariance have no inverse
-        return None
+    t_s = np.linspace(0.0, duration_s, SERIES)
+    errors, P, attitude_xyzw = errors_of(told)
+    return honesty(t_s, errors, P) if of_bias else honesty(t_s, errors, P, attitude_xyzw, axes.pop())

@@ -40,12 +40,14 @@ _NUMBERS: Final = (
     Parameter("runs", "int", 100, "Number of runs.", minimum=1, maximum=1_000_000),
     Parameter("seed", "int", 1, "Seed of all that is drawn.", minimum=0, maximum=2**64 - 1),
 )
-_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators")
+_KEYS: Final = ("runs", "seed", "duration", "scenario", "parameters", "vary", "estimator", "estimators", "gives")
+GIVEN: Final = ("initial_attitude_xyzw",)
+"""Parameters of the truth that a campaign may give to its estimators."""
 _FUNCTION: Final = r"\w+(\.\w+)*:\w+"
 """Pattern of a function's name: module, colon, function."""
-MOST_POINTS: Final = 100
+MAX_POINTS: Final = 100
 """Largest number of estimators and points of grids: each is called in every run, and has its place in the run's row."""
-_LONGEST_NAME: Final = 40
+_MAX_NAME_LENGTH: Final = 40
 _KEYS_OF_ONE: Final = ("function", "command", "parameters", "grid")
 
 
@@ -73,6 +75,8 @@ class Campaign:
     estimators : mapping of str to mapping, optional
         Estimators to compare, by their names: each a ``function`` with ``parameters`` and a ``grid`` of them, or a
         ``command``; see `Contender`.
+    gives : sequence of str, optional
+        Parameters of the truth that the estimators are given beside the readings: ``initial_attitude_xyzw``, or none.
 
     Raises
     ------
@@ -87,6 +91,7 @@ class Campaign:
     vary: Mapping[str, object] = field(default_factory=dict, hash=False)
     estimator: str | None = None
     estimators: Mapping[str, object] = field(default_factory=dict, hash=False)
+    gives: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         vars(self).update({name: plain(getattr(self, name)) for name in ("runs", "seed", "duration")})
@@ -95,29 +100,35 @@ class Campaign:
         self.exact_duration  # noqa: B018 refuses what is no duration
         if not isinstance(self.scenario, str | None):
             raise InputError(f"scenario: {shown(self.scenario)} is no name: give that of a shipped scenario")
-        if wrong := [name for name in ("parameters", "vary") if not isinstance(getattr(self, name), Mapping)]:
-            raise InputError(
-                f"{wrong[0]} is to be a mapping of parameter names: write '{wrong[0]}:' and lines below it"
-            )
-        if unknown := [str(name) for name in [*self.parameters, *self.vary] if name not in BY_NAME]:
-            raise InputError(
-                f"there is no parameter {shown(unknown[0])}: {suggestion(unknown[0], BY_NAME, 'parameters')}"
-            )
-        if both := sorted(set(self.parameters) & set(self.vary)):
-            raise InputError(f"{both[0]} is in parameters and in vary: leave it out of one of them")
-        recorded = ["record_path"] if self.parameters.get("record_path") else []
-        if live := [*(f"vary.{name}" for name in self.vary if BY_NAME[name].scope == "node"), *recorded]:
-            raise InputError(
-                f"{live[0]} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
-            )
+        self._require_parameters()
         self._draws  # noqa: B018 refuses what is no distribution
+        self._require_estimators()
+
+    def _require_parameters(self) -> None:
+        for place in ("parameters", "vary"):
+            if not isinstance(getattr(self, place), Mapping):
+                raise InputError(f"{place} is to be a mapping of parameter names: write '{place}:' and lines below it")
+        for name in (*self.parameters, *self.vary):
+            if name not in BY_NAME:
+                raise InputError(f"there is no parameter {shown(name)}: {suggestion(str(name), BY_NAME, 'parameters')}")
+            if name in self.parameters and name in self.vary:
+                raise InputError(f"{name} is in parameters and in vary: leave it out of one of them")
+            if (name in self.vary and BY_NAME[name].scope == "node") or (name == "record_path" and self.parameters[name]):
+                raise InputError(
+                    f"{name} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
+                )
+        _require_plain("parameters and vary", [self.parameters, self.vary])
+
+    def _require_estimators(self) -> None:
         if self.estimator is not None and not re.fullmatch(_FUNCTION, str(self.estimator)):
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
         if any(one.grid for one in self.contenders.values()) and self.runs < 2:
             raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
-        _require_plain("parameters and vary", [self.parameters, self.vary])
+        if not isinstance(self.gives, list | tuple) or not {*map(str, self.gives)} <= {*GIVEN}:
+            raise InputError(f"gives: {shown(self.gives)}: only [{', '.join(GIVEN)}] can be given, or leave it out")
+        vars(self)["gives"] = tuple(self.gives)
 
     @classmethod
     def from_file(cls, path: str | Path) -> Campaign:
@@ -191,8 +202,8 @@ class Campaign:
             )
         found = dict(sorted((name, _contender(name, content)) for name, content in self.estimators.items()))
         count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
-        if count > MOST_POINTS:
-            raise InputError(f"estimators: {count} with the points of their grids: give at most {MOST_POINTS}")
+        if count > MAX_POINTS:
+            raise InputError(f"estimators: {count} with the points of their grids: give at most {MAX_POINTS}")
         return found
 
     @cached_property
@@ -241,8 +252,7 @@ class Campaign:
 
     def to_json(self) -> str:
         """One line that says all of the campaign: campaigns with equal lines have equal runs."""
-        # of the estimators, those alone that are given
-        content = {key: getattr(self, key) for key in _KEYS if getattr(self, key) or not key.startswith("estimator")}
+        content = {key: getattr(self, key) for key in _KEYS if getattr(self, key) or key in _KEYS[:6]}
         return json.dumps(content, sort_keys=True, ensure_ascii=False)
 
 
@@ -295,7 +305,8 @@ class Contender:
             taken = inspect.signature(function).parameters
         except (TypeError, ValueError):  # of a function in C that does not tell
             return
-        place, given = f"estimators.{self.name}" if self.name else "estimator", (*self.parameters, *self.grid)
+        place = f"estimators.{self.name}" if self.name else "estimator"
+        given = (*self.parameters, *self.grid)
         own = {
             one.name: one for one in [*taken.values()][1:] if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
         }
@@ -321,14 +332,15 @@ class Contender:
 
 
 def _contender(name: object, content: object) -> Contender:
-    if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _LONGEST_NAME):
-        raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_LONGEST_NAME} printable characters")
+    if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _MAX_NAME_LENGTH):
+        raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_MAX_NAME_LENGTH} printable characters")
     place = f"estimators.{name}"
     if not isinstance(content, Mapping):
         raise InputError(f'{place} is to be a mapping: give {{function: "module:function"}}')
     if unknown := [key for key in content if key not in _KEYS_OF_ONE]:
         raise InputError(f"{place}: there is no {shown(unknown[0])}: give {', '.join(_KEYS_OF_ONE)}")
-    function, command = content.get("function"), content.get("command")
+    function = content.get("function")
+    command = content.get("command")
     if (function is None) == (command is None):
         raise InputError(f"{place}: give function or command, one of them")
     if function is not None and not re.fullmatch(_FUNCTION, str(function)):

@@ -9,11 +9,9 @@ import tempfile
 import time
 import warnings
 from collections import defaultdict
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from threading import local
 from typing import Any, Final, TypeAlias
@@ -21,23 +19,24 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 
 from lie_rigid_body.campaign.definition import Campaign, Contender
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.estimates.estimators import called
 from lie_rigid_body.evaluation.arguments import numbers, unit
 from lie_rigid_body.evaluation.attitudes import Truth, attitude_error, error_vectors
-from lie_rigid_body.evaluation.consistency import OTHER_AXES, factor_of
+from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.arrays import Array, Integers
-from lie_rigid_body.foundation.errors import BagError, InputError, describe
+from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_writer import BagWriter, write_run
 from lie_rigid_body.runs import Run, simulate
+from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system.interpreters import STARTING_S, Interpreter
 
 BAGS: Final = "bags"
 """Name of the folder of the bags in the folder of a campaign."""
-LARGEST_IN_MEMORY: Final = 8 * 2**20
-"""Largest size, bytes, of a bag that is read into memory as a whole to be certified, which saves 5 % of the time."""
 Scores: TypeAlias = dict[str, float | str | None]
 
 ERROR: Final = "estimator_error"
@@ -54,7 +53,7 @@ _UPPER: Final = np.triu_indices(3)
 """Indices of the upper triangle of a 3 × 3 covariance, which is kept."""
 _OF_ERROR: Final = 3 + 6
 """Number of columns of an error and its covariance; an attitude has four more, of the attitude itself."""
-LONGEST_S: Final = 60.0
+MAX_ESTIMATOR_S: Final = 60.0
 """Longest time of an estimator in a run, s, unless the run is longer; its process has `STARTING_S` more."""
 _of_thread: Final = local()
 """State of each thread of a worker: its campaign, and a Python interpreter for each estimator, which calls it."""
@@ -77,7 +76,7 @@ class Row:
     bag : str or None
         Path of its bag in the folder of the campaign.
     bag_bytes : int or None
-        The size of that bag, bytes; None also in rows of before sizes were kept.
+        The size of that bag, bytes; None without one.
     residuals : dict of str to list of float
         The worst residual of each law, and its limit.
     judgements : list of dict
@@ -96,7 +95,7 @@ class Row:
     def has_bag(self, folder: Path) -> bool:
         """Whether its bag is in the folder of the campaign, and has the size that it had when it was finished."""
         try:
-            return self.bag is not None and self.bag_bytes in (None, (folder / self.bag).stat().st_size)
+            return self.bag is not None and (folder / self.bag).stat().st_size == self.bag_bytes
         except OSError:
             return False
 
@@ -106,108 +105,57 @@ def bag_name(run: int) -> str:
     return f"{BAGS}/{run:06d}.mcap"
 
 
-@dataclass(frozen=True)
-class BagFolder:
-    """The folder of a campaign's bags, in which older ones are replaced.
-
-    Another folder, or a link, that somebody puts in its place meanwhile is not written to.
-
-    Parameters
-    ----------
-    campaign : Path
-        The folder of the campaign.
-    number : int
-        Number of the folder of the bags itself in its file system, whatever its name.
-    """
-
-    campaign: Path
-    number: int
-
-    @classmethod
-    def of(cls, campaign: Path) -> BagFolder:
-        """The one that is there now."""
-        return cls(campaign, (campaign / BAGS).stat().st_ino)
-
-    def path_of(self, run: int) -> Path:
-        """Path of a run's bag.
-
-        Raises
-        ------
-        BagError
-            If the folder is no longer there under its name.
-        """
-        with suppress(OSError):
-            if (self.campaign / BAGS).stat().st_ino == self.number:
-                return self.campaign / bag_name(run)
-        raise BagError(f"{self.campaign / BAGS} was deleted or moved meanwhile: keep others away, and begin anew")
-
-    @contextmanager
-    def without_parts(self, under_way: Callable[[int], bool]) -> Iterator[None]:
-        """Context at whose end the bags of runs that are under way, which may be in part, are removed."""
-        try:
-            yield
-        finally:
-            runs = (int(path.stem) for path in (self.campaign / BAGS).glob("[0-9]*.mcap") if path.stem.isdecimal())
-            for run in filter(under_way, runs):
-                with suppress(OSError, BagError):
-                    self.path_of(run).unlink()
-
-
-def carry_out(campaign: Campaign, run: int, folder: BagFolder | None, *, keep: bool = True) -> tuple[Row, bytes | None]:
+def carry_out(campaign: Campaign, run: int, folder: Path, *, keep: bool) -> Row:
     """Simulate, record and certify a run, and score estimators in it.
 
     Parameters
     ----------
     campaign : Campaign
     run : int
-    folder : BagFolder or None
-        In which the bag is kept; None where a worker may not see it.
+    folder : Path
+        Folder of the campaign, with one for its bags.
     keep : bool
-        Whether the bag is kept; without a folder its bytes are returned. Else it is certified and thrown away.
+        Whether the bag is kept. Else it is certified and thrown away.
     """
-    with tempfile.TemporaryDirectory() as own:
-        path = Path(own, "run.mcap") if folder is None or not keep else folder.path_of(run)
-        row = _recorded(campaign, run, path, bag_name(run) if keep else None)
-        return row, path.read_bytes() if keep and folder is None else None
-
-
-def _recorded(campaign: Campaign, run: int, path: Path, name: str | None) -> Row:
-    from lie_rigid_body.certificate import certify
-    from lie_rigid_body.recording.bag_reader import Bag, read_bag
-
     scenario = campaign.scenario_of(run)
     simulation = Simulation(scenario)
     last_ns = simulation.clock.last_ns_before(campaign.exact_duration)
-    # part of it is of no use, as the run is done again
-    with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True, rescued=False) as bag:
-        for _ in write_run(bag, simulation, last_ns):
-            pass
-    size = path.stat().st_size
-    certificate = certify(read_bag(path) if size <= LARGEST_IN_MEMORY else Bag(path))
+    with tempfile.TemporaryDirectory() as own:
+        path = folder / bag_name(run) if keep else Path(own, "run.mcap")
+        # part of it is of no use, as the run is done again
+        with BagWriter(path, stamped_twist=scenario.stamped_twist, overwrite=True, rescued=False) as bag:
+            for _ in write_run(bag, simulation, last_ns):
+                pass
+        certificate = certify(path)
+        size = path.stat().st_size
     return Row(
         run,
         campaign.varied(scenario),
         certificate.passed,
         certificate.attitude_accuracy,
-        name,
-        None if name is None else size,
+        bag_name(run) if keep else None,
+        size if keep else None,
         {law: list(pair) for law, pair in certificate.residuals.items()},
         judgements(campaign, run),
     )
 
 
+def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Row, bytes]:
+    """Carry out a run on a machine that does not see the folder of the campaign: its row, and the bytes of its bag."""
+    with tempfile.TemporaryDirectory() as own:
+        Path(own, BAGS).mkdir()
+        row = carry_out(campaign, run, Path(own), keep=keep)
+        return row, b"" if row.bag is None else Path(own, row.bag).read_bytes()
+
+
 def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     """What the campaign's estimators are worth in a run; another Python calls each, which may exit or hang."""
-    if not campaign.entries:
-        return []
-    limit_s, found = STARTING_S + max(LONGEST_S, campaign.duration), []
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of what has no effect: the campaign tells it, where that is so in every run
-        given = simulate(campaign.scenario_of(run), duration=campaign.duration)
+    limit_s = STARTING_S + max(MAX_ESTIMATOR_S, campaign.duration)
+    found = []
     for entry in campaign.entries:
         try:
-            found.append(_interpreter(campaign, entry).ask(partial(judged, entry, given), limit_s))
-        except InputError as error:  # of a process that the estimator has spoilt in an earlier run
+            found.append(_interpreter(campaign, entry).ask(partial(judged, entry, campaign, run), limit_s))
+        except InputError as error:
             found.append(_without_score(str(error)))
         except (EOFError, TimeoutError) as error:
             found.append(_without_score(f"it {error}"))
@@ -217,8 +165,17 @@ def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
 def _interpreter(campaign: Campaign, entry: Contender) -> Interpreter:
     """Another Python for this thread, campaign and estimator: an earlier one has what others have changed in it."""
     if getattr(_of_thread, "campaign", None) != campaign:
-        _of_thread.campaign, _of_thread.interpreters = campaign, defaultdict[str | None, Interpreter](Interpreter)
+        _of_thread.campaign = campaign
+        _of_thread.interpreters = defaultdict[str | None, Interpreter](Interpreter)
     return _of_thread.interpreters[entry.function or entry.command]  # type: ignore[no-any-return]
+
+
+@lru_cache(maxsize=1)
+def _simulated(campaign: Campaign, run: int) -> Run:
+    """A run as arrays, kept for the next entry that is called in it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of what has no effect: the campaign tells it, where that is so in every run
+        return simulate(campaign.scenario_of(run), duration=campaign.duration)
 
 
 @short_dataclass(frozen=True)
@@ -231,8 +188,8 @@ class Judgement:
         By the columns `SCORES`, `ERROR` and `MORE_SCORES`.
     reading_s : float or None
         Time that it took, by attitudes, s.
-    curve_deg : list of float or None
-        Total error, degrees, at `CURVE` times; None where there is no estimate.
+    curve_deg : list of float
+        Total error, degrees, at `CURVE` times; NaN where there is no estimate.
     axes : str
         ``world`` or ``body``: the axes of the covariance.
     covariance : list of list of float
@@ -244,35 +201,10 @@ class Judgement:
 
     scores: Scores
     reading_s: float | None = None
-    curve_deg: list[float | None] = field(default_factory=list)
+    curve_deg: list[float] = field(default_factory=list)
     axes: str = "world"
     covariance: list[list[float]] = field(default_factory=list)
     gyro_bias: list[list[float]] = field(default_factory=list)
-
-    @classmethod
-    def read(cls, content: Any) -> Judgement:
-        """The judgement of its fields, as JSON has them.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If they are none.
-        """
-        found = cls(**content)
-        scores, series = dict(found.scores), ((found.covariance, _OF_ERROR + 4), (found.gyro_bias, _OF_ERROR))
-        numbers = [found.reading_s, *(scores.get(name) for name in (*SCORES, *MORE_SCORES))]
-        if (
-            scores.keys() != {*SCORES, *MORE_SCORES, ERROR}
-            or not {*map(type, numbers)} <= {float, type(None)}
-            or not isinstance(scores[ERROR], str | None)
-            or found.axes not in OTHER_AXES
-            or {*map(type, (found.curve_deg, found.covariance, found.gyro_bias))} != {list}
-            or len(found.curve_deg) not in (0, CURVE)
-            or not {*map(type, found.curve_deg)} <= {float, type(None)}
-            or any(rows and not _is_finite(rows, (SERIES, columns)) for rows, columns in series)
-        ):
-            raise ValueError("no judgement")
-        return found
 
     @property
     def error(self) -> str | None:
@@ -280,20 +212,21 @@ class Judgement:
         return self.scores[ERROR]  # type: ignore[return-value]  # a text is in no other column
 
 
-def judged(entry: Contender, run: Run) -> Judgement:
-    """Call an estimator with a copy of a run, and score what it returns by the run itself.
+def judged(entry: Contender, campaign: Campaign, run: int) -> Judgement:
+    """Call an estimator with the readings of a run, and score what it returns by the truth.
 
-    An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it. It may
-    raise anything, also KeyboardInterrupt: no Ctrl-C raises that here, in a session of its own.
+    An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it.
     """
+    true = _simulated(campaign, run)
     try:
-        estimate, own = entry.load(), deepcopy(run)
-        begin = time.perf_counter()
-        found = Estimate.of(estimate(own))
-        taken = time.perf_counter() - begin
-        return replace(_judged(found, run, series=not entry.grid), reading_s=taken / max(1, len(found)))
-    except BaseException as error:
-        return _without_score(describe(error))
+        estimate = entry.load()
+        given = deepcopy(BlindRun.without_truth(true, campaign.gives))
+        begin_s = time.perf_counter()
+        found = called(estimate, given, 0.0)
+        taken_s = time.perf_counter() - begin_s
+        return replace(_judged(found, true, series=not entry.grid), reading_s=taken_s / max(1, len(found)))
+    except InputError as error:
+        return _without_score(str(error))
 
 
 def _without_score(reason: str) -> Judgement:
@@ -311,10 +244,10 @@ def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
         "nees_mean": None if score.consistency is None else score.consistency.mean,
         "gyro_bias_rms_rad_s": None if score.gyro_bias_rad_s is None else score.gyro_bias_rad_s.rms,
     }
-    found, truth = run.stamped(found), run.attitude()
+    truth = run.attitude()
     places, known = _nearest(found.t_ns, run.t_ns, truth, CURVE)
     total = np.degrees(attitude_error(found.attitude_xyzw[places], truth.at(found.t_ns[places])).total)
-    curve = [value if is_known else None for value, is_known in zip(_short(total), known, strict=True)]
+    curve = np.where(known, total, np.nan).tolist()
     places, known = _nearest(found.t_ns, run.t_ns, truth, SERIES)
     if not (series and known.all()):
         return Judgement(scores, curve_deg=curve)
@@ -355,22 +288,14 @@ def _bias_series(found: Estimate, run: Run, places: Integers) -> list[list[float
 def _rows(errors: Array, P: Array, count: int, places: Integers, *more: Array) -> list[list[float]]:
     """Errors, covariances of ``count`` estimates, or one of all, at some places, and more beside them."""
     upper = np.broadcast_to(P, (count, 3, 3))[places][:, _UPPER[0], _UPPER[1]]
-    return [_short(row) for row in np.column_stack([errors, upper, *more])]
+    rows: list[list[float]] = np.column_stack([errors, upper, *more]).tolist()
+    return rows
 
 
 def errors_of(series: list[list[list[float]]]) -> tuple[Array, Array, Array]:
     """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R judgements."""
     values = np.array(series, dtype=float)
     P = np.empty((*values.shape[:2], 3, 3))
-    P[..., _UPPER[0], _UPPER[1]] = P[..., _UPPER[1], _UPPER[0]] = values[..., 3:_OF_ERROR]
+    P[..., _UPPER[0], _UPPER[1]] = values[..., 3:_OF_ERROR]
+    P[..., _UPPER[1], _UPPER[0]] = values[..., 3:_OF_ERROR]
     return values[..., :3], P, values[..., _OF_ERROR:]
-
-
-def _is_finite(rows: list[list[float]], shape: tuple[int, int]) -> bool:
-    values = np.array(rows, dtype=float)
-    return values.shape == shape and bool(np.isfinite(values).all())
-
-
-def _short(values: Array) -> list[float]:
-    """Numbers of nine digits, as there are many of them."""
-    return [float(f"{value:.9g}") for value in values]

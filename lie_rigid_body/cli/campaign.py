@@ -1,4 +1,4 @@
-"""The ``campaign`` command: many runs with parameters drawn at random, on all cores or a Dask cluster."""
+"""``lie-rigid-body campaign``: many runs of a scenario with parameters drawn at random."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from lie_rigid_body.foundation.errors import InputError
     FORCE_PAGE,
     either=(
         WORKERS,
-        argument("--scheduler", metavar="ADDRESS", help="a Dask cluster that runs already, such as tls://host:8786"),
+        argument("--scheduler", metavar="ADDRESS", help="scheduler of a Dask cluster of yours, as tcp://host:8786"),
     ),
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    needed = ("dask", "distributed", "pyarrow", *([] if given.scheduler else ["cryptography"]))
-    if missing := [name for name in needed if not find_spec(name)]:
-        raise InputError(f"campaign needs {' and '.join(missing)}: pip install 'lie-rigid-body[campaign]'")
+    for name, extra in {"pyarrow": "campaign", **({"distributed": "cluster"} if given.scheduler else {})}.items():
+        if not find_spec(name):
+            raise InputError(f"campaign needs {name}: pip install 'lie-rigid-body[{extra}]'")
 
     from lie_rigid_body.cli.campaign_runs import run_campaign
 

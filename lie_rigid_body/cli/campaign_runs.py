@@ -8,21 +8,14 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import Any, Final
+from typing import Final
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.cluster import (
-    MOST_FAILURES,
-    SchedulerGoneError,
-    client_of,
-    finished,
-    is_open,
-    require_address,
-)
 from lie_rigid_body.campaign.comparison import compare
 from lie_rigid_body.campaign.definition import SCORES_TABLE, Contender
-from lie_rigid_body.campaign.journal import RESUMED, Journal
-from lie_rigid_body.campaign.run import ERROR, LONGEST_S, SCORES, Row
+from lie_rigid_body.campaign.results import RESUMED, Results
+from lie_rigid_body.campaign.run import ERROR, MAX_ESTIMATOR_S, SCORES, Row
+from lie_rigid_body.campaign.workers import on_a_cluster, on_this_machine
 from lie_rigid_body.estimates.estimators import MEND_IT
 from lie_rigid_body.estimates.programs import words
 from lie_rigid_body.foundation.errors import BagError, InputError, describe
@@ -35,9 +28,12 @@ from lie_rigid_body.system import console
 from lie_rigid_body.system.interpreters import Interpreter
 from lie_rigid_body.system.interruption import Interruption
 from lie_rigid_body.system.output_file import write_file
+from lie_rigid_body.system.portable import cores
 
-MOST_TRIED: Final = 1000
+MAX_TRIED: Final = 1000
 """Number of runs whose parameters are tried before the first is begun: each takes some milliseconds."""
+MAX_FAILURES: Final = 20
+"""Number of runs that may fail one after another before no more are begun; and that may have no score."""
 
 
 def run_campaign(given: argparse.Namespace) -> int:
@@ -45,24 +41,28 @@ def run_campaign(given: argparse.Namespace) -> int:
     campaign = Campaign.from_file(given.campaign)
     named = [word for one in campaign.contenders.values() for word in words(one.command or "")]
     require_outputs(given, [given.campaign, *named], with_figures=True)
-    if not Journal.is_begun(campaign, Path(given.out)):
+    if not Results.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
-    if given.scheduler is not None:
-        require_address(given.scheduler)
     if campaign.contenders:
         _require_estimators([*campaign.contenders.values()])
-    with Interruption.current().noted() as interruption, Journal(campaign, Path(given.out)) as journal:
+    with Interruption.current().noted() as interruption:
+        results = Results(campaign, Path(given.out))
         try:
             with interruption.allowed():
-                _look_at_bags(journal, wanted=not given.no_bags)
-                failed = _carry_out(campaign, journal, given)
+                if not given.no_bags:
+                    _look_for_bags(results)
+                failed = _carry_out(campaign, results, given)
         except KeyboardInterrupt:
             console.complain(
                 console.program("campaign"),
-                f"interrupted after {len(journal)} of {campaign.runs} runs, which are kept; {RESUMED}",
+                f"interrupted after {len(results)} of {campaign.runs} runs, which are kept; {RESUMED}",
             )
             return console.INTERRUPTED
-        return _report(campaign, journal, failed, given)
+        finally:
+            results.remove_parts()
+        if failed:
+            raise _failure(campaign, results, failed)
+        return _answer(campaign, results, given)
 
 
 def _require_estimators(contenders: Sequence[Contender]) -> None:
@@ -73,7 +73,7 @@ def _require_estimators(contenders: Sequence[Contender]) -> None:
     """
     process = Interpreter()
     try:
-        process.ask(partial(_look_at, contenders), LONGEST_S)
+        process.ask(partial(_look_at, contenders), MAX_ESTIMATOR_S)
     except (EOFError, TimeoutError) as error:
         raise InputError(f"an estimator {error} when it was imported: import it alone to see why") from None
     finally:
@@ -91,7 +91,7 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
     Of very many runs only the first ones are tried.
     """
     try:
-        bar = console.progress(range(min(campaign.runs, MOST_TRIED)), desc="parameters", unit=" runs")
+        bar = console.progress(range(min(campaign.runs, MAX_TRIED)), desc="parameters", unit=" runs")
         idle = [campaign.scenario_of(run).without_effect for run in bar]
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -99,77 +99,46 @@ def _require_scenarios(campaign: Campaign, path: str) -> None:
         console.complain(console.program("campaign"), f"{path}: {sentence}", "warning")
 
 
-def _look_at_bags(journal: Journal, *, wanted: bool) -> None:
-    """Forget finished runs that lack their bags, where bags are wanted, so that they are done again, and say so."""
-    finished = len(journal)
-    if wanted and (lacking := _forget_without_bags(journal)):
+def _look_for_bags(results: Results) -> None:
+    """Say which finished runs lack their bags, and are done again."""
+    finished = counted(len(results), "finished run")
+    if lacking := results.forget_without_bags():
         console.say(
-            f"doing again {len(lacking)} of {counted(finished, 'finished run')}, which had no bag, "
-            f"or one of another size: {listed(lacking)}"
+            f"doing again {len(lacking)} of {finished}, which had no bag, or one of another size: {listed(lacking)}"
         )
-    if not wanted and (kept := sum(row.bag is not None for row in journal.rows())):
-        console.say(f"--no-bags: the bags of {kept} of {counted(finished, 'finished run')} are kept, and not looked at")
 
 
-def _forget_without_bags(journal: Journal) -> list[int]:
-    """Forget finished runs that lack their bags, and return their numbers."""
-    lacking = [row.run for row in journal.rows() if not row.has_bag(journal.folder)]
-    for run in lacking:
-        journal.forget(run)
-    return lacking
-
-
-def _carry_out(campaign: Campaign, journal: Journal, given: argparse.Namespace) -> dict[int, BaseException]:
+def _carry_out(campaign: Campaign, results: Results, given: argparse.Namespace) -> dict[int, Exception]:
     """Carry out the runs that are not finished, and return the errors of those that failed, by their numbers."""
-    failed: dict[int, BaseException] = {}
+    failed: dict[int, Exception] = {}
     errors: list[list[str | None]] = []
-    if len(journal) == campaign.runs:
+    in_a_row = 0
+    if len(results) == campaign.runs:
         return failed
-    if given.scheduler is not None and is_open(given.scheduler):
-        console.complain(
-            console.program("campaign"),
-            f"--scheduler {shown(given.scheduler)} is open to whoever reaches it, to run code there as its owner: "
-            "tls:// keeps others out",
-            "warning",
-        )
-    with (
-        console.progress(total=campaign.runs, initial=len(journal), unit=" runs", leave=True) as bar,
-        journal.bags.without_parts(lambda run: run < campaign.runs and run not in journal and run not in failed),
-        client_of(given.workers, given.scheduler) as client,
-    ):
+    runs = (run for run in range(campaign.runs) if run not in results.finished)
+    folder = results.folder.absolute()
+    if given.scheduler is None:
+        count = given.workers or cores()
+        outcomes = on_this_machine(campaign, runs, folder, count, keep=not given.no_bags)
+    else:
+        outcomes = on_a_cluster(campaign, runs, folder, given.scheduler, keep=not given.no_bags)
+    with console.progress(total=campaign.runs, initial=len(results), unit=" runs", leave=True) as bar:
         try:
-            for run, row in finished(
-                client,
-                campaign,
-                (run for run in range(campaign.runs) if run not in journal),
-                journal.bags,
-                bags=not given.no_bags,
-                elsewhere=given.scheduler is not None,
-                alone=partial(_say_alone, bar),
-            ):
-                if isinstance(row, BaseException):
-                    failed[run] = row
-                    journal.require_intact()
+            for run, outcome in outcomes:
+                in_a_row = in_a_row + 1 if isinstance(outcome, Exception) else 0
+                if isinstance(outcome, Row):
+                    results.add(outcome)
+                    errors.append([judgement["scores"][ERROR] for judgement in outcome.judgements])
                 else:
-                    journal.add(row)
-                    errors.append([judgement["scores"][ERROR] for judgement in row.judgements])
-                    if len(errors) == MOST_FAILURES:  # one that failed in all has a mistake
-                        _require_scores(campaign, errors, f"{MOST_FAILURES} runs")
+                    failed[run] = outcome
+                if len(errors) == MAX_FAILURES:  # an estimator that failed in all of them has a mistake
+                    _require_scores(campaign, errors, f"{MAX_FAILURES} runs")
                 bar.update()
-        except SchedulerGoneError as error:
-            if len(journal) + len(failed) < campaign.runs:
-                raise BagError(
-                    f"{error}; {len(journal)} of {campaign.runs} runs are kept in {journal.folder}: start one, and "
-                    f"{RESUMED}"
-                ) from None
+                if in_a_row == MAX_FAILURES:
+                    break
+        finally:
+            outcomes.close()
     return failed
-
-
-def _say_alone(bar: Any, address: str) -> None:
-    with bar.external_write_mode():
-        console.complain(
-            console.program("campaign"), f"no worker at {address}: waiting for one; Ctrl-C ends it", "warning"
-        )
 
 
 def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], runs: str) -> None:
@@ -187,78 +156,58 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     scored = {name for name, error in told if error is None}
     if failed := [name for name in campaign.contenders if name not in scored]:
         first = next(error for name, error in told if name == min(failed) and error is not None)
-        reason = first.removesuffix(f": {MEND_IT}")
+        reason = first.removesuffix(f": {MEND_IT}").removesuffix(": mend that first")
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
         raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
 
 
-def _failure(campaign: Campaign, journal: Journal, failed: dict[int, BaseException]) -> BagError:
+def _failure(campaign: Campaign, results: Results, failed: dict[int, Exception]) -> BagError:
     """Error of runs that failed, with what the first of them failed of; the table has the others."""
     named = f" ({listed(sorted(failed))})" if len(failed) <= MAX_NAMES else ""
-    kept = f"{len(journal)} are kept" + (f", in {journal.write_table().name}" if len(journal) else "")
+    kept = f"{len(results)} are kept" + (f", in {results.write_table().name}" if len(results) else "")
     first = describe(failed[min(failed)])
     return BagError(
         f"{len(failed)} of {campaign.runs} runs failed{named}, first: {first}; {kept}: mend that, and {RESUMED}"
     )
 
 
-def _report(campaign: Campaign, journal: Journal, failed: dict[int, BaseException], given: argparse.Namespace) -> int:
-    if failed:
-        raise _failure(campaign, journal, failed)
-    if not given.no_bags and (lacking := _forget_without_bags(journal)):
+def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> int:
+    """Write the tables and the page, say what is in them, and return the exit status."""
+    if not given.no_bags and (lacking := results.forget_without_bags()):
         raise BagError(
             f"{len(lacking)} of {counted(campaign.runs, 'bag')} were deleted or changed meanwhile ({listed(lacking)}): "
             f"keep others away, also the estimator; {RESUMED}"
         )
-    path, has_page = journal.write_table(), given.report is not None
-    rows = [_outline(row, whole=has_page) for row in journal.rows()]
-
-    lines = [
-        Line(
-            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary if has_page)),
-            row.certified,
-            row.attitude_accuracy_rad,
-            row.residuals,
-        )
-        for row in rows
-    ]
-    errors = [[scores[ERROR] for scores in row.judgements] for row in rows]
-    totals = [scores[SCORES[0]] or 0.0 for row in rows for scores in row.judgements if scores[ERROR] is None]
-    broken = [line.cells[0] for line in lines if not line.certified]
+    path = results.write_table()
+    rows = [_outline(row, whole=given.report is not None) for row in results.rows()]
+    broken = [str(row.run) for row in rows if not row.certified]
     told = [
-        f"{counted(len(lines), 'run')}, {len(lines) - len(broken)} certified, attitudes within "
-        f"{max(0.0, *(line.accuracy for line in lines)):.2g} rad, in {printable(str(path))}",
+        f"{counted(len(rows), 'run')}, {len(rows) - len(broken)} certified, attitudes within "
+        f"{max(row.attitude_accuracy_rad for row in rows):.2g} rad, in {printable(str(path))}",
         *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
     ]
-    first, worst_first = list[str](), [*campaign.contenders.values()]
+    first: list[str] = []
+    worst_first = [*campaign.contenders.values()]
     if campaign.estimator is not None:
-        middle = f", median {median(totals):.3g}° rms" if totals else ""
-        reasons = (f"; run {run} is not: {error}" for run, (error,) in enumerate(errors) if error is not None)
-        told.append(f"{len(totals)} scored{middle}{next(reasons, '')}")
+        told.append(_scored(rows))
     elif campaign.estimators:
-        comparison = compare(campaign, journal.rows())
+        comparison = compare(campaign, results.rows())
         told += [f"scores in {printable(str(path.with_name(SCORES_TABLE)))}", "", campaign_scores.as_text(comparison)]
         worst_first = [one.entry for one in comparison.worst_first]
-        varied = {row.run: row.parameters for row in rows}
-        first = campaign_scores.sections(campaign, comparison, varied) if has_page else []
+        if given.report is not None:
+            first = campaign_scores.sections(campaign, comparison, {row.run: row.parameters for row in rows})
+    if campaign.gives:
+        told.append(f"given to estimators beside the readings: {', '.join(campaign.gives)}")
     if function := next((one.function for one in worst_first if one.function), None):
         what = "one" if campaign.estimators else "it"
         told.append(f"what is wrong with {what}: {console.program('diagnose')} {function}")
-    if has_page:
-        content = page(
-            f"Campaign {given.campaign}",
-            "runs",
-            ("run", *campaign.vary),
-            lines,
-            [html_page.details("Campaign", campaign.to_json())],
-            first=first,
-        )
-        write_file(given.report, content, overwrite=given.force)
+    if given.report is not None:
+        write_file(given.report, _page(campaign, given.campaign, rows, first), overwrite=given.force)
         told.append(f"wrote {printable(given.report)}")
     console.say("\n".join(told), done=f"{path} is written")
     if broken:
         return console.BROKEN
-    _require_scores(campaign, errors, "any run")
+    _require_scores(campaign, ([scores[ERROR] for scores in row.judgements] for row in rows), "any run")
     return console.SUCCESS
 
 
@@ -266,6 +215,29 @@ def _outline(row: Row, *, whole: bool) -> Row:
     """A row with its scores alone for judgements: of a million runs what only a page tells would take gigabytes."""
     scores = [judgement["scores"] for judgement in row.judgements]
     return replace(row, judgements=scores) if whole else replace(row, judgements=scores, parameters={}, residuals={})
+
+
+def _scored(rows: Sequence[Row]) -> str:
+    """How many runs the only estimator is scored in, its median error, and why a run has no score."""
+    scores = [row.judgements[0] for row in rows]
+    totals = [each[SCORES[0]] for each in scores if each[ERROR] is None]
+    middle = f", median {median(totals):.3g}° rms" if totals else ""
+    reasons = (f"; run {row.run} is not: {each[ERROR]}" for row, each in zip(rows, scores, strict=True) if each[ERROR])
+    return f"{len(totals)} scored{middle}{next(reasons, '')}"
+
+
+def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[str]) -> bytes:
+    lines = [
+        Line(
+            (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
+            row.certified,
+            row.attitude_accuracy_rad,
+            row.residuals,
+        )
+        for row in rows
+    ]
+    more = [html_page.details("Campaign", campaign.to_json())]
+    return page(f"Campaign {name}", "runs", ("run", *campaign.vary), lines, more, first=first)
 
 
 def _cell(value: Value | Sequence[float]) -> str:

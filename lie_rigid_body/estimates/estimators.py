@@ -21,6 +21,7 @@ from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, describe
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import shown
+from lie_rigid_body.mechanics import State
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.system.interpreters import STARTING_S, Interpreter, Interpreters
 
@@ -50,7 +51,11 @@ def told(error: BaseException) -> str:
     said = describe(error)
     if isinstance(error, LieRigidBodyError):
         return f"the filter failed, {line}{said}" if line else said
-    remedy = "a run's arrays are read only: take a copy" if "read-only" in said else "mend that first"
+    remedy = "mend that first"
+    if "read-only" in said:
+        remedy = "a run's arrays are read only: take a copy"
+    if isinstance(error, AttributeError) and error.obj is None and error.name in State.__slots__:
+        remedy = "the truth is withheld: estimate from what run.imu and run.magnetometer read"
     return f"the filter failed, {line}{said}: {remedy}"
 
 
@@ -69,7 +74,8 @@ def called(estimate: Estimator, run: Run, settled_s: float) -> Estimate:
     FilterError
         With the line in the user's file, or with the shape; or if no attitude is of the time that counts.
     """
-    stamps_ns, begin_ns = run.sensors["imu"].t_ns, run.t_ns[0]  # before an estimator may change them
+    stamps_ns = run.sensors["imu"].t_ns if "imu" in run.sensors else run.t_ns
+    begin_ns = run.t_ns[0]  # before an estimator may change it
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")

@@ -209,18 +209,19 @@ class BlindScenario(Scenario):
 
     @classmethod
     @lru_cache(maxsize=32)  # a filter is run many times on few scenarios
-    def of(cls, scenario: Scenario) -> BlindScenario:
-        """What a filter may know of a scenario."""
-        told = {name: value for name, value in scenario.parameters().items() if name not in WITHHELD}
+    def of(cls, scenario: Scenario, given: tuple[str, ...] = ()) -> BlindScenario:
+        """What a filter may know of a scenario, and some of what is withheld that it is given."""
+        withheld = {*WITHHELD}.difference(given)
+        told = {name: value for name, value in scenario.parameters().items() if name not in withheld}
         known, blind = Scenario.from_parameters(told), object.__new__(cls)
-        vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in WITHHELD})
-        vars(blind)["sensor_parameters"] = tuple(pair for pair in known.sensor_parameters if pair[0] not in WITHHELD)
+        vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in withheld})
+        vars(blind)["sensor_parameters"] = tuple(pair for pair in known.sensor_parameters if pair[0] not in withheld)
         return blind
 
     def parameters(self) -> dict[str, Value]:
         """Names and values of the parameters but those that are withheld."""
-        names = [f.name for f in fields(self) if f.name not in (*WITHHELD, "sensors", "sensor_parameters")]
-        return {**{name: getattr(self, name) for name in names}, **dict(self.sensor_parameters)}
+        own = {name: value for name, value in vars(self).items() if name not in ("sensors", "sensor_parameters")}
+        return {**own, **dict(self.sensor_parameters)}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, BlindScenario) and self.parameters() == other.parameters()
@@ -229,21 +230,28 @@ class BlindScenario(Scenario):
         return hash(self.sensor_parameters)
 
 
+def _given(name: str, scenario: BlindScenario) -> object:
+    """A parameter that is withheld, where this scenario gives it."""
+    if name not in vars(scenario):
+        _refuse(f"scenario.{name}")
+    return vars(scenario)[name]
+
+
 for _name in WITHHELD:
-    setattr(BlindScenario, _name, property(partial(_refuse, f"scenario.{_name}")))
+    setattr(BlindScenario, _name, property(partial(_given, _name)))
 
 
 class BlindRun(Run):
     """The readings of a run whose ``truth`` is None. Its methods that would tell the truth raise `InputError`."""
 
     @classmethod
-    def without_truth(cls, run: Run) -> BlindRun:
-        """The readings of a run, without its truth, its faults and the true biases."""
+    def without_truth(cls, run: Run, given: tuple[str, ...] = ()) -> BlindRun:
+        """The readings of a run, without its truth, its faults and the true biases, and parameters that are given."""
         sensors = {
             key: SensorArrays(arrays.t_ns, arrays.arrival_ns, {**arrays.arrays, **(_NO_BIASES if key == "imu" else {})})
             for key, arrays in run.sensors.items()
         }
-        return cls(run.t_ns, _NO_TRUTH, sensors, _blind(run.scenario))
+        return cls(run.t_ns, _NO_TRUTH, sensors, _blind(run.scenario, given))
 
     @classmethod
     def of_readings(
@@ -274,6 +282,6 @@ class BlindRun(Run):
         return super().__getattribute__(name)
 
 
-def _blind(scenario: Scenario) -> tuple[Segment, ...]:
+def _blind(scenario: Scenario, given: tuple[str, ...] = ()) -> tuple[Segment, ...]:
     """The one segment of a run without its truth."""
-    return (Segment(BlindScenario.of(scenario), 0, scenario.epoch_ns),)
+    return (Segment(BlindScenario.of(scenario, given), 0, scenario.epoch_ns),)

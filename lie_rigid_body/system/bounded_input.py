@@ -42,8 +42,6 @@ LARGEST_DECLARATIONS: Final = 64 * 2**20
 """Largest size of all names, definitions and metadata of a file, bytes."""
 LONGEST_STRING: Final = 2**20
 """Largest size of a text in a message, bytes."""
-LONGEST_ROW: Final = 2**20
-"""Largest size of a line in the journal of a campaign, bytes."""
 _REAL: Final = re.compile(r"\s*[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf(inity)?|nan)\s*", re.ASCII | re.IGNORECASE)
 """How programs write numbers. Python also reads underscores and the digits of all scripts, which tell of a mistake."""
 NUMBERS: Final = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")

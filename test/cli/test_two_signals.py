@@ -32,9 +32,9 @@ LONG_WORK = {
 """Verbs with work for longer than a test."""
 ENDS_WITH = {"evaluate": "no findings"}
 """Last lines of verbs that a fast machine may have done before."""
-WITH_DASK = pytest.mark.skipif(not find_spec("cryptography"), reason="cryptography is not installed")
+WITH_PARQUET = pytest.mark.skipif(not find_spec("pyarrow"), reason="pyarrow is not installed")
 SEEDS = {name: seed for seed, name in enumerate(LONG_WORK)}
-VERBS = [pytest.param(name, marks=WITH_DASK) if name == "campaign" else name for name in LONG_WORK]
+VERBS = [pytest.param(name, marks=WITH_PARQUET) if name == "campaign" else name for name in LONG_WORK]
 LONGEST_S = {"campaign": 6.0, "evaluate": 1.0}
 """Time, s, in which the first signal comes, other than 2 s."""
 pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="there is no /proc")

@@ -24,14 +24,14 @@ def test_help_names_every_verb(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_version_and_extras(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "dask", None)
+    monkeypatch.setitem(sys.modules, "distributed", None)
     assert main(["--version"]) == 0
     first, _, *extras = capsys.readouterr().out.splitlines()
     assert first == f"lie-rigid-body {lie_rigid_body.__version__}"
     told = {line.split()[0]: line for line in extras}
     declared = {*metadata.metadata("lie_rigid_body").get_all("Provides-Extra", [])}
     assert {*told} == {*EXTRAS} == declared - {"bench", "docs", "league", "lint", "test"}
-    assert told["campaign"].endswith(" pip install 'lie-rigid-body[campaign]'")
+    assert told["cluster"].endswith(" pip install 'lie-rigid-body[cluster]'")
     for name, modules in EXTRAS.items():
         there = all(find_spec(module) for module in modules)
         assert ("pip install" not in told[name]) == there

@@ -24,8 +24,8 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
 CHANGELOG = ROOT / "CHANGELOG.rst"
 # What rosdep cannot give to a package that is released, or what is used where it is installed.
-WITHOUT_KEY = {"dask", "distributed", "flint", "lz4", "mcap", "numba", "plotly", "pyarrow", "simulation_interfaces"}
-WITHOUT_KEY |= {"pandas", "psutil", "zstandard"}
+WITHOUT_KEY = {"distributed", "flint", "lz4", "mcap", "numba", "plotly", "pyarrow", "simulation_interfaces"}
+WITHOUT_KEY |= {"pandas", "zstandard"}
 WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
 WITHOUT_KEY |= {"filelock"}  # where there is no flock, which the node has
 FOR_TYPES_ALONE = {"_typeshed", "typing_extensions"}

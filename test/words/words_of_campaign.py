@@ -14,7 +14,7 @@ import numpy as np
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.definition import Contender
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
-from lie_rigid_body.campaign.journal import Journal
+from lie_rigid_body.campaign.results import Results
 from lie_rigid_body.campaign.run import Row, carry_out
 from lie_rigid_body.cli import campaign_runs
 from lie_rigid_body.foundation.errors import LieRigidBodyError
@@ -72,6 +72,7 @@ MORE = [
     "estimators: {}",
     "estimators: {a: {function: 'bisect:bisect'}}",
     "estimator: 'bisect:bisect'",
+    "gives: [initial_body_rate]",
     f"estimators: {{a: {{function: 'a:b', grid: {{x: {[*range(101)]}}}}}}}",
 ]
 """What is wrong below the number of runs, the seed and the duration."""
@@ -113,55 +114,44 @@ def campaign(text=SHORT, **options):
 
 
 def begun(campaign=ONE, folder="out"):
-    return Journal(campaign, Path(folder))
+    return Results(campaign, Path(folder))
 
 
 def of_another():
-    with begun():
-        Path("out/bags/of_a_run").touch()
-    with begun(Campaign(1, 2, 1.0)):
-        pass
+    begun().add(Row(0))
+    begun(Campaign(1, 2, 1.0))
 
 
 def of_others():
     Path("precious").touch()
-    with begun(folder="."):
-        pass
-
-
-def at_work():
-    with begun(), begun():
-        pass
+    begun(folder=".")
 
 
 def no_folder():
     Path("out").touch()
-    with begun():
-        pass
+    begun()
 
 
 def damaged():
-    with begun() as journal:
-        heading = journal.path.read_bytes()
-    journal.path.write_bytes(heading + b"nonsense\n")
-    with begun():
-        pass
+    begun().add(Row(0))
+    Path("out/runs/000000.json").write_text("nonsense")
+    begun().write_table()
 
 
 def taken_away():
-    with begun() as journal:
-        journal.path.unlink()
-        journal.add(Row(0))
+    results = begun()
+    Path("out").rename("elsewhere")
+    results.add(Row(0))
 
 
 def failed():
     many = Campaign(runs=40, seed=1, duration=0.02)
-    with begun(many) as journal:
-        Path("out/bags/000002.mcap").mkdir()
-        try:
-            carry_out(many, 2, journal.bags)
-        except LieRigidBodyError as error:
-            raise campaign_runs._failure(many, journal, {2: error}) from None
+    results = begun(many)
+    Path("out/bags/000002.mcap").mkdir()
+    try:
+        carry_out(many, 2, Path("out"), keep=True)
+    except LieRigidBodyError as error:
+        raise campaign_runs._failure(many, results, {2: error}) from None
 
 
 def without_a_score(reason):
@@ -188,11 +178,9 @@ REFUSED = {
         *(lambda text=text: campaign(text) for text in CAMPAIGNS),
         *(lambda more=more: campaign(SHORT + more) for more in MORE),
         *(lambda one=one: drawn(one) for one in DISTRIBUTIONS),
-        lambda: campaign(scheduler="nonsense"),
         lambda: campaign(out="none/out"),
         of_another,
         of_others,
-        at_work,
         no_folder,
         damaged,
         taken_away,

@@ -100,22 +100,3 @@ def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: flo
         recorder.tick(5 * NS + wait_ns, Punctuality())
         bag.wait()
         assert bag.path.stat().st_size > before
-
-
-@pytest.mark.parametrize("paused", [False, True])
-def test_a_bag_that_is_taken_away_is_reported_once_and_the_run_goes_on(tmp_path: Path, paused: bool) -> None:
-    """Also while nothing is written."""
-    reported: list[str] = []
-    with PromptBag(tmp_path / "a.mcap", stamped_twist=True) as bag:
-        recorder = Recorder(bag, reported.append)
-        run = ScriptedRun(rate=100.0, sinks=[recorder], paused=paused)
-        run.play(
-            (NS, bag.path.unlink),
-            (NS + FLUSH_INTERVAL_NS + 1, lambda: None),
-            (2 * NS, reported.copy),
-            (3 * NS, run.live.pause),
-        )
-    known = run.time.answers[2]
-    assert known == reported == [str(recorder.failure)]
-    assert bag.path.name in reported[0]
-    assert len(run.sink.stamps) == (0 if paused else 300)
