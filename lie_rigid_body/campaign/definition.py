@@ -113,7 +113,8 @@ class Campaign:
                 raise InputError(f"there is no parameter {shown(name)}: {suggestion(str(name), BY_NAME, 'parameters')}")
             if name in self.parameters and name in self.vary:
                 raise InputError(f"{name} is in parameters and in vary: leave it out of one of them")
-            if (name in self.vary and BY_NAME[name].scope == "node") or (name == "record_path" and self.parameters[name]):
+            is_recorded = name == "record_path" and self.parameters.get(name)
+            if is_recorded or (name in self.vary and BY_NAME[name].scope == "node"):
                 raise InputError(
                     f"{name} is for the node: leave it out; a campaign keeps its bags in the folder of --out"
                 )
