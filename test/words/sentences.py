@@ -38,6 +38,7 @@ NUMBER = re.compile(r" *(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w])")
 
 VARYING = re.compile(
     r"(?<=\.py line )\d+|(?<= s, in )[\d.]+ m?s|(?<=and )[\d.]+ \w+(?= are free)|\d{4}(?:-\d\d){2}_\d\d(?:-\d\d){2}"
+    r"|\b0x[0-9a-f]{6,}"
 )
 """Lines of tests, times that something takes or begins, and space that is free."""
 
