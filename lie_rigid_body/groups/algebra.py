@@ -5,7 +5,6 @@ Equation numbers are those of A. Lucas, arXiv 1111.1275.
 
 from __future__ import annotations
 
-from dataclasses import fields
 from functools import cached_property
 from typing import Any, Final
 
@@ -16,7 +15,7 @@ from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, 
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups import exponential
-from lie_rigid_body.groups.arguments import within_doubles
+from lie_rigid_body.groups.arguments import MadeAnew, within_doubles
 from lie_rigid_body.groups.exponential import Matrix
 
 SPAN_TOLERANCE: Final = 1e-9
@@ -28,7 +27,7 @@ DEPENDENCE_LIMIT: Final = 1e-7
 SIZE_LIMIT: Final = 1e50
 """Largest entry that a generator may have; the inverse is the least. Products of others leave the range of a double."""
 
-MOST_GENERATORS: Final = 812
+MAX_GENERATORS: Final = 812
 """Largest dimension d of a named group: its structure constants, d³ doubles, take 4 GiB at most."""
 
 # at the dependence limit the normal equations err by cond² ε ≈ 0.02, which three squarings take to round-off
@@ -71,7 +70,7 @@ def dual_basis(flat: Array) -> Array:
 
 
 @short_dataclass(frozen=True, eq=False)
-class MatrixLieAlgebra:
+class MatrixLieAlgebra(MadeAnew):
     """The real span of matrices Tᵃ with [Tᵃ, Tᵇ] = fᵃᵇᶜTᶜ, eq. (42).
 
     Parameters
@@ -84,9 +83,6 @@ class MatrixLieAlgebra:
 
     def __post_init__(self) -> None:
         self.generators.setflags(write=False)
-
-    def __reduce__(self) -> tuple[type[MatrixLieAlgebra], tuple[Any, ...]]:
-        return type(self), tuple(getattr(self, field.name) for field in fields(self))
 
     @property
     def dimension(self) -> int:
@@ -308,15 +304,16 @@ def _as_generators(generators: ArrayLike) -> Matrix:
 def _refuse_dependent(T: Matrix) -> None:
     """Refuse dependent generators, with the first that lies in the span of those before it."""
     _refuse_sizes(np.abs(T).max(axis=(1, 2)))
-    size = frobenius(T)
-    flat = flattened(T) / size[:, np.newaxis]
-    if len(flat) <= flat.shape[1] and np.linalg.svd(flat, compute_uv=False)[-1] > DEPENDENCE_LIMIT:
+    flat = flattened(T) / frobenius(T)[:, np.newaxis]
+    if _are_independent(flat):
         return
-    for k in range(1, len(flat)):
-        weights = np.linalg.lstsq(flat[:k].T, flat[k], rcond=None)[0]
-        if np.linalg.norm(flat[k] - weights @ flat[:k]) <= DEPENDENCE_LIMIT * np.sqrt(len(flat)):
-            raise InputError(_dependence(k, weights * size[k] / size[:k]))
-    raise InputError(f"the generators are dependent to within {DEPENDENCE_LIMIT:g}: give fewer or more distinct ones")
+    first = next(k for k in range(len(flat)) if not _are_independent(flat[: k + 1]))
+    raise InputError(f"the generators are dependent: T{first} is a combination of those before it: leave it out")
+
+
+def _are_independent(flat: Array) -> bool:
+    """Whether rows of unit size are linearly independent, within `DEPENDENCE_LIMIT`."""
+    return bool(len(flat) <= flat.shape[1] and np.linalg.svd(flat, compute_uv=False)[-1] > DEPENDENCE_LIMIT)
 
 
 def _refuse_sizes(largest: Array) -> None:
@@ -333,12 +330,6 @@ def _refuse_sizes(largest: Array) -> None:
             f"the largest entry of T{worst} is {largest[worst]:.3g} (limits {1.0 / SIZE_LIMIT:g} and {SIZE_LIMIT:g}): "
             "rescale it, which changes the unit of its coordinate alone"
         )
-
-
-def _dependence(k: int, weights: Array) -> str:
-    kept = np.flatnonzero(np.abs(weights) > DEPENDENCE_LIMIT * np.max(np.abs(weights)))
-    combination = " ".join(f"{weights[j]:+.3g} T{j}" for j in kept)
-    return f"the generators are dependent, T{k} = {combination} over the reals: leave one of these out"
 
 
 def _refuse_open(algebra: MatrixLieAlgebra) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import fields
 from functools import wraps
-from typing import Final, ParamSpec, TypeVar
+from typing import Any, Final, ParamSpec, TypeVar, cast
 
 import numpy as np
 
@@ -25,6 +26,13 @@ _REMEDIES: Final = {
     "Hamiltonian": "legendre_transform(lagrangian)",
     "Generator": "numpy.random.default_rng(seed)",
 }
+
+
+class MadeAnew:
+    """Base class of frozen dataclasses whose copies are made by their constructors: what they cache stays behind."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), tuple(getattr(self, field.name) for field in fields(cast(Any, self)))
 
 
 def of_kind(value: object, kind: type[Kind]) -> Kind:

@@ -27,7 +27,7 @@ TIE_MARGIN: Final = 1e-13
 """Angle, rad, below which rounding decides which of two logarithms is the shorter."""
 
 MAX_SO: Final = 40
-"""Largest n of SO(n): the next has more than `MOST_GENERATORS`."""
+"""Largest n of SO(n): the next has more than `MAX_GENERATORS`."""
 
 MAX_SU: Final = 28
 """Largest n of SU(n), by the same limit."""

@@ -29,6 +29,8 @@ Complex = NDArray[np.complex128]
 
 _SU2: Final = SU(2)
 _SO3: Final = SO(3)
+_BASIS: Final = np.concatenate([2.0 * _SU2.generators, _SU2.identity[np.newaxis]])
+"""Elements of SU(2) of the quaternions i, j, k and 1."""
 
 STEP_LIMIT: Final = 0.5 * np.pi
 """Largest rotation angle, rad, between neighbours of a path that `lift` accepts."""
@@ -50,9 +52,7 @@ def from_quaternion(q: ArrayLike) -> Complex:
     worst = np.max(np.abs(quaternion.norm(q) - 1.0), initial=0.0)
     if not worst <= ELEMENT_TOLERANCE:
         raise InputError(f"a quaternion's norm is {worst:.3g} off 1 (limit {ELEMENT_TOLERANCE:g}): normalize it")
-    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    entries = np.stack([w - 1j * z, -y - 1j * x, y - 1j * x, w + 1j * z], axis=-1)
-    return entries.reshape(*q.shape[:-1], 2, 2)
+    return np.asarray(np.tensordot(q, _BASIS, axes=1))
 
 
 def to_quaternion(U: ArrayLike) -> Array:
@@ -67,9 +67,7 @@ def to_quaternion(U: ArrayLike) -> Array:
     ndarray, shape (..., 4)
         x, y, z, w.
     """
-    U = _SU2.as_elements(U)
-    a, b, c, d = U[..., 0, 0], U[..., 0, 1], U[..., 1, 0], U[..., 1, 1]
-    return np.asarray(0.5 * np.stack([-(b + c).imag, (c - b).real, (d - a).imag, (a + d).real], axis=-1))
+    return np.asarray(0.5 * np.real(np.einsum("aij,...ij->...a", _BASIS.conj(), _SU2.as_elements(U))))
 
 
 def rotation(U: ArrayLike) -> Array:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, NamedTuple, NoReturn
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lie_rigid_body.foundation.arrays import Array
+from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr, shown
@@ -23,7 +23,6 @@ from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.motion.motion import nanoseconds
 from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
-from lie_rigid_body.motion.munthe_kaas.integrator import GOOD_TURN
 from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
 from lie_rigid_body.motion.time_steps import require_order, steps_through
 
@@ -33,7 +32,7 @@ GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, C
 STEPS_BETWEEN_PROJECTIONS: Final = 100
 """Steps between two projections onto the group; between them only round-off moves the element off it."""
 
-LARGEST_CHART_TURN: Final = math.pi
+MAX_CHART_ROTATION: Final = math.pi
 """Largest turn of a step, rad, as eigenvalue of ad_β: half of the turn at which dexp(β) becomes singular."""
 
 
@@ -150,10 +149,7 @@ class GroupMovingChart:
         span = 1e-9 * (t_ns - time_ns)
         steps = max(math.ceil(span / self._max_step - 1e-9), int(span > 0.0))
         for count in range(done + 1, done + steps + 1):
-            end = self._end(momentum, span / steps)
-            if not np.isfinite(end).all():
-                self._refuse(momentum, span / steps)
-            coordinates, momentum = end.reshape(2, -1)
+            coordinates, momentum = self._end(momentum, span / steps).reshape(2, -1)
             # the element just reached becomes the centre of the next chart
             element = recentred(self._lagrangian.group, element, coordinates)
             if count % STEPS_BETWEEN_PROJECTIONS == 0:
@@ -161,22 +157,15 @@ class GroupMovingChart:
         return _Reached(t_ns, done + steps, element, momentum)
 
     def _end(self, momentum: Array, h: float) -> Array:
-        """Coordinates and momentum at the end of a step from coordinates 0, infinite where a stage overflows."""
+        """Coordinates and momentum at the end of a step from coordinates 0, shape (2d,)."""
         centre = np.concatenate([np.zeros_like(momentum), momentum])
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                return runge_kutta_step(self._tableau, partial(chart_rates, self._lagrangian), centre, h)
+                end = runge_kutta_step(self._tableau, partial(chart_rates, self._lagrangian), centre, h)
+            require_finite("state", end)
         except (ParameterError, np.linalg.LinAlgError):
-            return np.full(2 * len(momentum), np.inf)
-
-    def _refuse(self, momentum: Array, h: float) -> NoReturn:
-        # at the centre of the chart the rate of its coordinates is that of the motion
-        way = h * float(np.linalg.norm(self._lagrangian.rates(momentum)))
-        shorter = min(h / 10.0, GOOD_TURN * h / way) if way else h / 10.0
-        raise InputError(
-            f"a step of {h:g} s goes {way:.3g} rad at the rate of its start, or more (limit: where its end is finite): "
-            f"lower max_step, to about {shorter:.1g} s"
-        )
+            raise InputError(f"a step of {h:g} s leads beyond double precision: lower max_step") from None
+        return end
 
 
 def runge_kutta_step(tableau: Tableau, field: Callable[[Array], Array], start: Array, h: float) -> Array:
@@ -234,28 +223,18 @@ def recentred(group: MatrixLieGroup, centre: NDArray[Any], coordinates: Array) -
 
 
 def _require_reach(ad: Array) -> None:
-    """Refuse eigenvalues of ad_β beyond `LARGEST_CHART_TURN`; translations have none but 0."""
-    if float(np.abs(ad).max()) * len(ad) < LARGEST_CHART_TURN:
+    """Refuse eigenvalues of ad_β beyond `MAX_CHART_ROTATION`; translations have none but 0."""
+    if float(np.abs(ad).max()) * len(ad) < MAX_CHART_ROTATION:
         return  # a bound of every eigenvalue
     turn = float(np.abs(np.linalg.eigvals(ad)).max())
-    if not turn <= LARGEST_CHART_TURN:
+    if not turn <= MAX_CHART_ROTATION:
         raise InputError(
-            f"within a step the chart turns by {turn:.3g} rad (limit {LARGEST_CHART_TURN:.3g} rad): lower max_step"
+            f"within a step the chart turns by {turn:.3g} rad (limit {MAX_CHART_ROTATION:.3g} rad): lower max_step"
         )
 
 
 def _require_start(group: MatrixLieGroup, start: GroupState) -> tuple[NDArray[Any], Array]:
     if not isinstance(start, GroupState):
         raise InputError(f"start: {shown(start)} is no state: give GroupState(element, rate)")
-    rate = group.as_components(start.rate, "rates")
-    element = np.asarray(start.element)
-    if element.shape != (group.size, group.size) or rate.shape != (group.dimension,):
-        raise InputError(
-            f"start has shapes {element.shape} and {rate.shape}: give ({group.size}, {group.size}) and "
-            f"({group.dimension},) for {group.name}"
-        )
-    try:
-        element = group.as_elements(element)
-    except InputError as error:
-        raise InputError(f"the start is not an element of {group.name}: {error}") from None
-    return element, rate
+    rate = real_array("rates", start.rate, (group.dimension,))
+    return group.as_elements(shaped("element", start.element, (group.size,) * 2, group.generators.dtype)), rate

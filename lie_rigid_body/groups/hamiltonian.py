@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.short_dataclass import short_repr
-from lie_rigid_body.foundation.wording import call_repr
-from lie_rigid_body.groups.arguments import of_kind, require_batches, within_doubles
+from lie_rigid_body.foundation.short_dataclass import short_dataclass, short_repr
+from lie_rigid_body.groups.arguments import MadeAnew, of_kind, require_batches, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
-from lie_rigid_body.mechanics.array_input import Immutable, symmetrised
+from lie_rigid_body.mechanics.array_input import symmetrised
 
 
 class HamiltonsEquations(NamedTuple):
@@ -41,7 +40,8 @@ class HamiltonsEquations(NamedTuple):
         return short_repr(self)
 
 
-class Hamiltonian(Immutable):
+@short_dataclass(frozen=True, eq=False)
+class Hamiltonian(MadeAnew):
     """The Hamiltonian H = ½ (M⁻¹)ᵃᵇpᵃpᵇ on a matrix Lie group, eq. (34).
 
     Parameters
@@ -63,18 +63,13 @@ class Hamiltonian(Immutable):
         If M⁻¹ is of the wrong size, not finite, not symmetric or not positive definite.
     """
 
-    __slots__ = ("group", "inverse_metric")
+    group: MatrixLieGroup
+    inverse_metric: Array
 
-    def __init__(self, group: MatrixLieGroup, inverse_metric: ArrayLike) -> None:
-        self.group = of_kind(group, MatrixLieGroup)
-        self.inverse_metric: Array = require_metric(inverse_metric, group.dimension, "inverse_metric")
+    def __post_init__(self) -> None:
+        dimension = of_kind(self.group, MatrixLieGroup).dimension
+        object.__setattr__(self, "inverse_metric", require_metric(self.inverse_metric, dimension, "inverse_metric"))
         self.inverse_metric.setflags(write=False)
-
-    def __reduce__(self) -> tuple[type[Hamiltonian], tuple[MatrixLieGroup, Array]]:
-        return Hamiltonian, (self.group, self.inverse_metric)
-
-    def __repr__(self) -> str:
-        return call_repr(self, {"group": self.group, "inverse_metric": self.inverse_metric})
 
     @within_doubles
     def value(self, momentum: ArrayLike) -> Array:

@@ -23,6 +23,7 @@ the Levi-Civita connection of a left-invariant metric.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,15 +31,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.foundation.wording import call_repr
-from lie_rigid_body.groups.arguments import of_kind, within_doubles
+from lie_rigid_body.foundation.short_dataclass import short_dataclass
+from lie_rigid_body.groups.arguments import MadeAnew, of_kind, within_doubles
 from lie_rigid_body.groups.coadjoint import coadjoint_action
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
-from lie_rigid_body.mechanics.array_input import Immutable, positive, symmetrised
+from lie_rigid_body.mechanics.array_input import positive, symmetrised
 
 
-class Lagrangian(Immutable):
+@short_dataclass(frozen=True, eq=False)
+class Lagrangian(MadeAnew):
     """The Lagrangian L = ½ Mᵃᵇωᵃωᵇ on a matrix Lie group, eq. (14).
 
     Parameters
@@ -51,8 +53,8 @@ class Lagrangian(Immutable):
     Attributes
     ----------
     group : MatrixLieGroup
-    metric, inverse_metric : ndarray, shape (d, d)
-        M and M⁻¹. Read only.
+    metric : ndarray, shape (d, d)
+        M. Read only.
 
     Raises
     ------
@@ -60,20 +62,19 @@ class Lagrangian(Immutable):
         If M is of the wrong size, not finite, not symmetric or not positive definite.
     """
 
-    __slots__ = ("group", "inverse_metric", "metric")
+    group: MatrixLieGroup
+    metric: Array
 
-    def __init__(self, group: MatrixLieGroup, metric: ArrayLike) -> None:
-        self.group = of_kind(group, MatrixLieGroup)
-        self.metric: Array = require_metric(metric, group.dimension)
-        self.inverse_metric: Array = symmetrised(np.linalg.inv(self.metric))
-        for array in (self.metric, self.inverse_metric):
-            array.setflags(write=False)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "metric", require_metric(self.metric, of_kind(self.group, MatrixLieGroup).dimension))
+        self.metric.setflags(write=False)
 
-    def __reduce__(self) -> tuple[type[Lagrangian], tuple[MatrixLieGroup, Array]]:
-        return Lagrangian, (self.group, self.metric)
-
-    def __repr__(self) -> str:
-        return call_repr(self, {"group": self.group, "metric": self.metric})
+    @cached_property
+    def inverse_metric(self) -> Array:
+        """M⁻¹, shape (d, d), read only."""
+        inverse = symmetrised(np.linalg.inv(self.metric))
+        inverse.setflags(write=False)
+        return inverse
 
     @within_doubles
     def value(self, rate: ArrayLike) -> Array:

@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from lie_rigid_body.foundation.arrays import Array, real_array, require_finite, shaped, whole_number
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import MAX_LINE, shortened, shown
+from lie_rigid_body.foundation.wording import MAX_LINE, shortened
 from lie_rigid_body.groups import exponential
 from lie_rigid_body.groups.algebra import MatrixLieAlgebra, closed_algebra
-from lie_rigid_body.groups.arguments import MADE_BY, of_kind, within_doubles
+from lie_rigid_body.groups.arguments import of_kind, within_doubles
 from lie_rigid_body.groups.elements import Elements, GeneratedElements, measured
 from lie_rigid_body.groups.exponential import Matrix
 
@@ -54,12 +54,6 @@ class MatrixLieGroup(MatrixLieAlgebra):
     trace_metric: Array
     elements: Elements
     factors: tuple[MatrixLieGroup, ...] = ()
-
-    def __new__(cls, generators: Matrix, *fields: object, **named: object) -> MatrixLieGroup:
-        """The group before its fields are set, refused where matrices are all that is given."""
-        if len(fields) + len(named) < 3:  # name, trace metric and elements
-            raise InputError(f"MatrixLieGroup({shown(generators)}) has no elements: make a group by {MADE_BY}")
-        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         super().__post_init__()

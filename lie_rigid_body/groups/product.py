@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 from lie_rigid_body.foundation.arrays import Array, whole_number
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
-from lie_rigid_body.groups.algebra import MOST_GENERATORS, frobenius
+from lie_rigid_body.groups.algebra import MAX_GENERATORS, frobenius
 from lie_rigid_body.groups.elements import Elements
 from lie_rigid_body.groups.exponential import Matrix
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
@@ -39,7 +39,7 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
                 "as product(SO(3), SU(2))"
             )
     dtype = np.result_type(*(group.generators.dtype for group in groups))
-    d = whole_number("dimension", sum(g.dimension for g in groups), 1, MOST_GENERATORS)
+    d = whole_number("dimension", sum(g.dimension for g in groups), 1, MAX_GENERATORS)
     T = np.zeros((d, sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
     for group, rows, block in zip(groups, _slices(g.dimension for g in groups), _blocks(groups), strict=True):
         T[rows, block, block] = group.generators

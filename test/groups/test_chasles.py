@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
-from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 from scipy.stats import special_ortho_group
 
@@ -127,23 +126,6 @@ def test_no_other_rotation_fits_better(n, reflected):
             assert cost(found.rotation, found.translation + size * rng.normal(size=n)) > best
 
 
-@pytest.mark.parametrize("mirror", [1.0, -1.0])
-def test_a_blind_minimiser_finds_the_same(mirror):
-    rng = np.random.default_rng(3)
-    x, w = rng.normal(size=(7, 3)), rng.uniform(0.5, 2.0, 7)
-    y = x @ so3.exp([0.4, -0.9, 0.7]).T * [mirror, 1.0, 1.0] + 0.1 * rng.normal(size=(7, 3)) + [1.0, 2.0, 3.0]
-
-    def cost(q):
-        return np.sum(w[:, None] * (y - x @ so3.exp(q[:3]).T - q[3:]) ** 2)
-
-    starts = rng.normal(size=(5, 6))
-    blind = min((minimize(cost, s, tol=1e-14) for s in starts), key=lambda result: result.fun)
-    found = chasles(x, y, w)
-    np.testing.assert_allclose(found.rotation, so3.exp(blind.x[:3]), rtol=0, atol=1e-6)
-    np.testing.assert_allclose(found.translation, blind.x[3:], rtol=0, atol=1e-6)
-    assert found.residual == pytest.approx(np.sqrt(blind.fun / w.sum()), rel=1e-10)
-
-
 def test_scipy_finds_the_same_rotation_in_three_dimensions():
     rng = np.random.default_rng(5)
     x, w = rng.normal(size=(20, 3)), rng.uniform(0.5, 2.0, 20)
@@ -177,15 +159,6 @@ def test_errors_of_noisy_data_are_those_of_least_squares(n):
     residual = np.sqrt(np.mean([one.residual**2 for one in found]))
     freedoms = 30 * n - n - n * (n - 1) / 2
     assert residual == pytest.approx(noise * np.sqrt(freedoms / 30), rel=0.02)
-
-
-def test_error_is_proportional_to_the_noise():
-    rng = np.random.default_rng(0)
-    x, A = rng.normal(size=(10, 4)), rotation_of(4, rng)
-    noise = rng.normal(size=x.shape)
-    sizes = np.logspace(-10, -3, 8)
-    errors = [np.linalg.norm(chasles(x, x @ A.T + s * noise).rotation - A) for s in sizes]
-    assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_point_of_weight_two_counts_as_two_points_and_of_weight_zero_as_none():
@@ -227,24 +200,11 @@ def test_too_flat_bodies_are_refused(n, rank):
             chasles(x, y)
 
 
-@pytest.mark.parametrize("n", DIMENSIONS)
-def test_fewer_points_than_dimensions_are_refused(n):
-    x = np.random.default_rng(n).normal(size=(n - 1, n))
-    with pytest.raises(InputError):
-        chasles(x, x)
-
-
 def test_a_line_far_away_is_still_a_line():
     line = np.outer(np.linspace(-1.0, 1.0, 10_000), [0.3, -0.5, 0.7])
     for offset in (0.0, 1.0, 1e4, 1e8):
         with pytest.raises(InputError):
             chasles(line + offset, line @ so3.exp([0.1, 0.2, 0.3]).T)
-
-
-def test_a_body_squashed_onto_a_line_tells_no_rotation():
-    x = np.random.default_rng(1).normal(size=(10, 3))
-    with pytest.raises(InputError):
-        chasles(x, x * [1.0, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("n", DIMENSIONS)

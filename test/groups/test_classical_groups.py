@@ -92,18 +92,6 @@ def test_no_element_is_nearer_than_the_projection(group):
         assert group.contains(group.project(A), 1e-13)
 
 
-@pytest.mark.parametrize("size", [1e-3, 1e-5])
-def test_near_su_the_projection_is_the_nearest_to_first_order(size):
-    """The way from the projection to the matrix is orthogonal to the group but for terms of second order."""
-    group, rng = SU(3), np.random.default_rng(44)
-    noise = rng.normal(size=(3, 3)) + 1j * rng.normal(size=(3, 3))
-    A = group.random(rng) + size * noise
-    nearest = group.project(A)
-    assert group.contains(nearest, 1e-13)
-    slope = np.real(np.einsum("ail,il->a", (nearest @ group.generators).conj(), A - nearest))
-    assert np.abs(slope).max() < 10 * size**2
-
-
 def test_projection_of_a_reflection_is_a_rotation():
     nearest = SO(3).project(np.diag([3.0, 2.0, -1.0]))
     np.testing.assert_allclose(nearest, np.eye(3), rtol=0, atol=1e-15)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.groups import SO, SU, double_cover
+from lie_rigid_body.groups import SU, double_cover
 from lie_rigid_body.lie import quaternion, so3
 
 PAULI = np.array([[[0, 1], [1, 0]], [[0, -1j], [1j, 0]], [[1, 0], [0, -1]]])
@@ -39,11 +39,6 @@ def test_the_rotation_is_that_of_the_pauli_matrices(v):
     traces = 0.5 * np.einsum("iab,jba->ij", PAULI, turned).real
     np.testing.assert_allclose(double_cover.rotation(U), traces, rtol=0, atol=1e-14)
     np.testing.assert_allclose(double_cover.rotation(U), SU(2).Ad(U), rtol=0, atol=1e-14)
-
-
-@given(vectors)
-def test_coordinates_are_those_of_so3(v):
-    np.testing.assert_allclose(double_cover.rotation(SU(2).exp(v)), SO(3).exp(v), rtol=0, atol=1e-14)
 
 
 @given(vectors, vectors)

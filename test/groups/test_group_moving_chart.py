@@ -27,7 +27,7 @@ from lie_rigid_body.groups import (
     unitary_casimirs,
 )
 from lie_rigid_body.groups.group_moving_chart import runge_kutta_step
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion
 from sampled import sampled
 
 GROUPS = {"SO(4)": SO(4), "SO(5)": SO(5), "SO(6)": SO(6), "SU(2)": SU(2), "SU(3)": SU(3)}
@@ -305,9 +305,3 @@ def test_calls_continue_one_another():
     parts = [chart.at(times[:13]), chart.at(times[13:])]
     np.testing.assert_array_equal(whole.element, np.concatenate([p.element for p in parts]))
     assert GroupMovingChart(lagrangian, start).at(0).element.shape == (4, 4)
-
-
-def test_rotation_vector_of_so3_agrees():
-    """The chart coordinates of the generic group are rotation vectors."""
-    x = np.array([0.3, -0.2, 0.5])
-    np.testing.assert_allclose(SO(3).exp(x), so3.exp(x), rtol=0, atol=1e-15)

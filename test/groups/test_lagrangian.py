@@ -165,13 +165,6 @@ def test_spatial_momentum_and_energy_stand_still(name):
     np.testing.assert_allclose(np.sum(w * rate, axis=-1), 0.0, atol=1e-12 * (1 + np.abs(rate).max()))
 
 
-@pytest.mark.parametrize("name", COMPACT)
-def test_a_metric_proportional_to_the_unit_has_geodesics_of_constant_rate(name):
-    body = Lagrangian(COMPACT[name], 2.5 * np.eye(COMPACT[name].dimension))
-    w = np.random.default_rng(4).normal(size=(20, body.group.dimension))
-    np.testing.assert_allclose(body.acceleration(w), 0.0, atol=1e-13)
-
-
 @pytest.mark.parametrize("name", GROUPS)
 def test_batches_are_their_rows(name):
     body, w = random_case(GROUPS[name], 5)

@@ -169,18 +169,6 @@ def test_dexp_of_the_negative_is_the_body_derivative(group):
 
 
 @groups
-def test_dexpinv_is_the_series_of_bernoulli_numbers(group):
-    """A reference without Padé, solves or halving: Σ Bₖ ad(x)ᵏ/k! as far as k = 12 (Iserles et al., section 2.3)."""
-    x = coordinates(group, 19, scale=0.05)
-    ad, square = group.ad(x), group.ad(x) @ group.ad(x)
-    series = np.eye(group.dimension) - ad / 2
-    for coefficient in (1 / 12, -1 / 720, 1 / 30240, -1 / 1209600, 1 / 47900160):
-        series = series + coefficient * square
-        square = square @ group.ad(x) @ group.ad(x)
-    close(group.dexpinv(x), series, 1e-15 * 4)
-
-
-@groups
 def test_a_batch_gives_its_rows(group):
     x = coordinates(group, 20, 4, 3, scale=2.9)
     A = group.exp(x)

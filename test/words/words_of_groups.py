@@ -166,7 +166,6 @@ REFUSED = {
         lambda: SO(3).random(1),
         lambda: Lagrangian(SO(3), RigidBody([0.6, 0.8, 1.0])),
         lambda: TOP.action(np.eye(3), 0.1),
-        lambda: MatrixLieGroup([[[1.0]]]),
         lambda: SO(3).project(np.diag([1.0, 0.0, 0.0])),
         lambda: SU(2).project(np.diag([1.0, -1.0])),
         lambda: U1().project([[0.0]]),
