@@ -33,7 +33,6 @@ if find_spec("rclpy"):
     from std_msgs.msg import Header, String
 
     from lie_rigid_body.ros.following import Following
-    from lie_rigid_body.ros.session import OF_EVERY_NODE
 
 ESTIMATOR = Path(__file__).parents[2] / "examples" / "complementary_filter" / "complementary_filter_node.py"
 BENCH = assignments(
@@ -142,38 +141,6 @@ def test_without_ros_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
     assert main([]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert "rclpy" in line
-
-
-@pytest.mark.slow
-@pytest.mark.ros
-def test_of_several_bodies_that_of_the_estimate_is_meant(peer: Peer) -> None:
-    from lie_rigid_body import InputError, Scenario
-    from lie_rigid_body.estimates.live_estimate import LiveEstimate
-    from lie_rigid_body.evaluation import Limits
-    from lie_rigid_body.messages import encode_string
-
-    for name in ("a", "b"):
-        peer.node.create_publisher(String, f"/{name}/lie_rigid_body/scenario", 1)
-        peer.node.create_publisher(PoseStamped, f"/{name}/pose", 1)
-    for topic in ("/a/imu/data", "/imu/data"):
-        peer.node.create_publisher(Imu, topic, 1)
-    with Peer("evaluator") as other:  # a graph of its own
-        following = Following(other.node, partial(LiveEstimate, limits=Limits()))
-        eventually(lambda: len(following.published().keys() - {*OF_EVERY_NODE}) == 6, "all topics")
-        assert " /a/imu/data, /a/pose, /b/pose, /imu/data " in following.silence()
-        following.estimate = "/a/imu/data"
-        following.look()
-        assert set(following._subscriptions) == {"/a/imu/data", "/a/lie_rigid_body/scenario", "/a/pose"}
-        assert following.live is not None
-        unoriented = Imu()
-        unoriented.orientation_covariance[0] = -1.0
-        following.live.hear_estimates([serialize_message(unoriented)])
-        assert "/a/lie_rigid_body/scenario, /a/pose" in following.silence()
-        following.live.truth.hear_scenarios([encode_string(Segment(Scenario.from_parameters({}), 0, 0).to_json())])
-        assert following.silence().startswith("topic /a/imu/data ")
-        following.estimate, following.live = "/imu/data", None
-        with pytest.raises(InputError):
-            following.look()
 
 
 @pytest.mark.ros
