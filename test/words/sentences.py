@@ -32,7 +32,7 @@ MAX_LINE = 300
 """Largest length of a refusal, characters."""
 REMEDY = re.compile(r"[:;,] \S+ \S")
 """How a remedy follows: behind a colon, a semicolon or a comma."""
-ROUND_OFF = re.compile(r"\d(?:\.\d+)?e-1[4-9]|\d\.\d+e(?:-13|\+1[56])")
+ROUND_OFF = re.compile(r"(?:\d(?:\.\d+)?e-1[4-9]|\d\.\d+e(?:-13|\+1[56]))(?!\d)")
 """Numbers that depend on the last bits of a machine: in their lines no number and no width is compared."""
 NUMBER = re.compile(r" *(?<![\w.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w])")
 
