@@ -130,7 +130,8 @@ def compare(room: str, entries: Iterator[str], *, write: bool) -> None:
     """Write the text of a room, or compare it with the one that is there."""
     path = FOLDER / f"{room}.txt"
     lines = "\n".join([HEAD.format(room=room), *entries, ""]).splitlines()
-    text = "".join(f"{NUMBER.sub(' ~', line) if ROUND_OFF.search(line) else line}\n" for line in lines)
+    masked = [NUMBER.sub(" ~", line) if line[:1] == " " and ROUND_OFF.search(line) else line for line in lines]
+    text = "\n".join([*masked, ""])
     if write:
         path.write_text(text, encoding="utf-8")
     if WRITTEN_HERE:
