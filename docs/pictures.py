@@ -30,7 +30,7 @@ from lie_rigid_body.groups import (
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.report import write_plot
-from lie_rigid_body.report.recorded_motion import thinned_segments
+from lie_rigid_body.report.recorded_motion import recorded_segments
 from lie_rigid_body.report.recording_picture import draw
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ def dzhanibekov() -> Figure:
     with TemporaryDirectory() as folder:
         bag = f"{folder}/flips.mcap"
         record([bag, "--scenario", "dzhanibekov", "--duration", "60", "--quiet"])
-        return draw(thinned_segments(read_bag(bag)))
+        return draw(recorded_segments(read_bag(bag)))
 
 
 def first_score() -> Score:

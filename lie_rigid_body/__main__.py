@@ -104,7 +104,7 @@ def _main(arguments: list[str]) -> int:
 
 def run(name: str, argv: list[str]) -> int:
     """Import the verb and call it."""
-    from lie_rigid_body.report.request import is_live
+    from lie_rigid_body.report.score_options import is_live
 
     live = name == "sim" or (name == "evaluate" and is_live(argv))
     if not live:  # a verb's own lines tell what went wrong, and what libraries log would stand between them

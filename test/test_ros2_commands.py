@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 
 from lie_rigid_body.__main__ import VERBS
-from lie_rigid_body.report import request
+from lie_rigid_body.report import score_options
 from lie_rigid_body.ros import launching
 from lie_rigid_body.ros.sim import given_to_ros, parse
 from lie_rigid_body.scenario import Scenario
@@ -23,7 +23,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PARSERS: dict[str, Callable[[list[str]], object]] = {
     "check": parser_of("check").parse_args,
     "record": parser_of("record").parse_args,
-    "evaluate": request.parse,
+    "evaluate": score_options.parse,
 }
 
 

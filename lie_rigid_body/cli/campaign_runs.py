@@ -22,7 +22,7 @@ from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.wording import MAX_NAMES, counted, listed, printable, shown
 from lie_rigid_body.report import campaign_scores, html_page
-from lie_rigid_body.report.drawing import require_outputs
+from lie_rigid_body.report.outputs import require_outputs
 from lie_rigid_body.report.overview import Line, page
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interpreters import Interpreter
@@ -40,7 +40,7 @@ def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
     campaign = Campaign.from_file(given.campaign)
     named = [word for one in campaign.contenders.values() for word in words(one.command or "")]
-    require_outputs(given, [given.campaign, *named], with_figures=True)
+    require_outputs({"report": given.report}, [given.campaign, *named], overwrite=given.force, with_figures=True)
     if not Results.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
     if campaign.contenders:

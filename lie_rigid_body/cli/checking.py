@@ -22,9 +22,9 @@ from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bodies import topic_types
 from lie_rigid_body.report import certificates
-from lie_rigid_body.report.drawing import answer, require_outputs
+from lie_rigid_body.report.outputs import emit, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts
-from lie_rigid_body.report.recorded_motion import ResidualsOverTime, thinned_segments
+from lie_rigid_body.report.recorded_motion import ResidualsOverTime, recorded_segments
 from lie_rigid_body.system import console
 from lie_rigid_body.system.bounded_input import real
 from lie_rigid_body.system.interpreters import Interpreter, Interpreters
@@ -42,7 +42,8 @@ def check(given: argparse.Namespace) -> int:
     inertia = None if given.inertia is None else _inertia(given.inertia)
     max_attitude = None if given.max_attitude is None else _angle(given.max_attitude)
     judged = partial(certify, inertia=inertia, max_attitude=max_attitude)
-    require_outputs(given, (file for bag in given.bags for file in files_of(bag)), with_figures=True)
+    files = (file for bag in given.bags for file in files_of(bag))
+    require_outputs({"report": given.report}, files, overwrite=given.force, with_figures=True)
     if len(given.bags) > 1 or _is_folder_of_bags(given.bags[0]):
         _refuse_proof(given)
         return _answer(given, judge_all(_bags_of(given.bags), judged, topics))
@@ -62,16 +63,17 @@ def check(given: argparse.Namespace) -> int:
             return _answer(given, verdicts)
         bar.total = console.bytes_of(name) * (1 + passes(first, residuals) + (residuals is not None))
         certificate = judged(first, watch=residuals)
-        pieces = thinned_segments(first, certificate) if residuals and certificate.segments else []
+        pieces = recorded_segments(first, certificate) if residuals and certificate.segments else []
     proof = None
     if given.prove is not None:
         proved = prove(first, certificate, given.prove, inertia, max_attitude)
         proof = Proof(tuple(console.progress(proved, unit=" samples")))
-    return answer(
-        given,
+    return emit(
         {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},
         lambda: certificates.as_table(name, certificate, proof),
         lambda: certificates.as_json(name, certificate, proof),
+        as_json=given.json,
+        overwrite=given.force,
         passed=certificate.passed and (proof is None or proof.passed),
     )
 
@@ -125,11 +127,12 @@ def _answer(given: argparse.Namespace, verdicts: Sequence[Verdict]) -> int:
         if verdict.reason:
             console.complain(console.program("check"), verdict.reason)
     path = given.report if any(verdict.certificate for verdict in verdicts) else None
-    answer(
-        given,
+    emit(
         {path: lambda: page_of_verdicts(f"Certificates of {listed(given.bags)}", verdicts)},
         lambda: as_table(verdicts),
         lambda: as_json(verdicts),
+        as_json=given.json,
+        overwrite=given.force,
     )
     return max(verdict.status for verdict in verdicts)
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
 from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
-from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, words
+from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, ProgramEstimator, words
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system import console
@@ -36,7 +36,7 @@ ESTIMATOR: Final = (
 )
 
 
-def given_estimator(given: argparse.Namespace) -> tuple[str, CommandEstimator | str | None]:
+def given_estimator(given: argparse.Namespace) -> tuple[str, ProgramEstimator | str | None]:
     """Words, printable, that give the estimator on the command line, and the one that they name; nothing without one.
 
     Raises
@@ -92,11 +92,12 @@ def main(given: argparse.Namespace) -> int:
             "no estimator: give MODULE:FUNCTION, such as my_filter:estimate, --command PROGRAM, or --node COMMAND"
         )
 
-    from lie_rigid_body.report.drawing import answer, require_outputs
-    from lie_rigid_body.report.filters import lines_of_diagnosis, page_of_diagnosis
+    from lie_rigid_body.report.answer import as_page, as_text
+    from lie_rigid_body.report.filters import parts_of_diagnosis
+    from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.scenario.parameter_file import gather
 
-    require_outputs(given, [*given.params_file, *named_by(given)])
+    require_outputs({"report": given.report}, [*given.params_file, *named_by(given)], overwrite=given.force)
     chosen = gather(given.scenario, given.params_file, ())
     parameters: dict[str, Any] = dict(gather(None, (), given.assignments))
     with console.progress(desc="diagnose", unit=" runs") as bar:
@@ -109,11 +110,13 @@ def main(given: argparse.Namespace) -> int:
             progress=lambda runs: bar.update(runs - bar.n),
             **parameters,
         )
-    status = answer(
-        given,
-        {given.report: lambda: page_of_diagnosis(name, found)},
-        lambda: "\n".join(lines_of_diagnosis(found)),
+    parts = parts_of_diagnosis(found)
+    status = emit(
+        {given.report: lambda: as_page(f"Diagnosis of {name}", parts)},
+        lambda: as_text(parts),
         found.to_dict,
+        as_json=given.json,
+        overwrite=given.force,
         passed=found.passed,
     )
     if found.interrupted:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.report.request import answer, parse, require_room
+from lie_rigid_body.report.score_options import answer, parse, require_room
 from lie_rigid_body.system import console
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -16,10 +15,8 @@ from lie_rigid_body.foundation.parameters import Value, Vector
 
 if TYPE_CHECKING:
     from lie_rigid_body.motion.description import Description
+    from lie_rigid_body.report.answer import Part
     from lie_rigid_body.scenario import Scenario
-
-_WIDTH: Final = 98
-"""Width of a line of sentences, characters."""
 
 _TOPS: Final = {
     "asymmetric": (
@@ -40,6 +37,7 @@ _TOPS: Final = {
     ),
 }
 """Kinds of bodies: a sentence, and the principal axes in words, in ascending order of their moments."""
+_FLAT: Final = "It is flat: the largest moment is the sum of the others, as if all mass lay in one plane."
 _REGIMES: Final = {
     "rest": "The body is at rest, and stays so in any attitude.",
     "steady": "A steady rotation about {axis}. {stability}",
@@ -119,7 +117,8 @@ _WHY: Final = {
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
     from lie_rigid_body.motion.description import describe
-    from lie_rigid_body.report.drawing import answer
+    from lie_rigid_body.report.answer import as_text
+    from lie_rigid_body.report.outputs import emit
     from lie_rigid_body.scenario.parameter_file import scenario_files
 
     if given.name is not None and given.scenario is not None:
@@ -132,55 +131,41 @@ def main(given: argparse.Namespace) -> int:
         if name and not (given.params_file or given.assignments)  # which make another of it
         else ""
     )
-    return answer(
-        given,
+    return emit(
         {},
-        lambda: _as_text(scenario, description, title),
+        lambda: as_text(_parts(scenario, description), title),
         lambda: {"parameters": scenario.parameters(), **asdict(description), "conserved": _conserved(description)},
+        as_json=given.json,
     )
 
 
-def _as_text(scenario: Scenario, description: Description, title: str = "") -> str:
-    """Lines of the description for a terminal.
+def _parts(scenario: Scenario, description: Description) -> list[Part]:
+    """Answer about a scenario and its motion."""
+    from lie_rigid_body.report.answer import Sentences, Table
 
-    Parameters
-    ----------
-    scenario : Scenario
-    description : Description
-        Of its motion.
-    title : str, optional
-        The first line.
-
-    Returns
-    -------
-    str
-        Without a final newline.
-    """
     spins = "1 rad/s" if description.regime == "rest" else "this angular momentum"
-    sections = {
-        "Body, with its principal axes in the body frame": _body_lines(description),
-        "Motion": [*_wrapped(_regime(description)), *_columns(_motion_rows(description))],
-        f"Spinning about each principal axis with {spins}": _columns(_spin_rows(description)),
-        "Conserved": _conservation_lines(description),
-    }
-    if scenario.has_sensors:
-        sections[f"Sensors, of the grade {scenario.sensor_grade}"] = _columns(_sensor_rows(scenario))
-    lines = [
-        *filter(None, [title]),
-        f"inertia {_vector(scenario.inertia)} kg m², initial body rate {_vector(scenario.initial_body_rate)} rad/s",
+    inertia = _vector(scenario.inertia)
+    rate = _vector(scenario.initial_body_rate)
+    parts: list[Part] = [
+        Sentences([f"inertia {inertia} kg m², initial body rate {rate} rad/s"]),
+        Table((), _body_rows(description), "Body, with its principal axes in the body frame"),
+        Sentences([_TOPS[description.kind][0], *([_FLAT] if description.flat else [])]),
+        Table((), _motion_rows(description), "Motion"),
+        Sentences([_regime(description)]),
+        Table((), [*_spin_rows(description)], f"Spinning about each principal axis with {spins}"),
+        Sentences([*_conservation(description)], "Conserved"),
     ]
-    for heading, content in sections.items():
-        lines += ["", heading, *(f"  {line}" for line in content)]
-    return "\n".join(lines)
+    if scenario.has_sensors:
+        parts.append(Table((), _sensor_rows(scenario), f"Sensors, of the grade {scenario.sensor_grade}"))
+    return parts
 
 
-def _body_lines(description: Description) -> list[str]:
-    axes = [
+def _body_rows(description: Description) -> list[tuple[str, ...]]:
+    """Principal axes, their moments and directions."""
+    return [
         (_axis_name(description, i), f"{axis.moment_kg_m2:.6g} kg m²", f"along {_vector(axis.direction)}")
         for i, axis in enumerate(description.axes)
     ]
-    flat = "It is flat: the largest moment is the sum of the others, as if all mass lay in one plane."
-    return [_TOPS[description.kind][0], *([flat] if description.flat else []), *_columns(axes)]
 
 
 def _regime(description: Description) -> str:
@@ -261,14 +246,14 @@ def _conserved(description: Description) -> list[dict[str, Any]]:
     ]
 
 
-def _conservation_lines(description: Description) -> Iterator[str]:
-    """Conserved quantities, each with the reason below it."""
+def _conservation(description: Description) -> Iterator[str]:
+    """Conserved quantities, their values, and the reasons."""
     for fact in _conserved(description):
         values = fact["values"]
-        yield f"{fact['quantity']}: {f'{values[0]:.6g}' if len(values) == 1 else _vector(values)} {fact['unit']}"
-        yield from _wrapped(fact["why"], indent="  ")
+        value = f"{values[0]:.6g}" if len(values) == 1 else _vector(values)
+        yield f"{fact['quantity']}: {value} {fact['unit']}. {fact['why']}"
     if not description.conserved_body_momenta:
-        yield from _wrapped(_WHY["no axis"])
+        yield _WHY["no axis"]
 
 
 def _sensor_rows(scenario: Scenario) -> list[tuple[str, str]]:
@@ -308,15 +293,3 @@ def _vector(values: Sequence[float]) -> str:
 def _axis_name(description: Description, index: int) -> str:
     """A principal axis by its number and in words."""
     return f"axis {index + 1} ({_TOPS[description.kind][1][index]})"
-
-
-def _wrapped(sentences: str, indent: str = "") -> list[str]:
-    """Sentences broken into lines for a terminal."""
-    return textwrap.wrap(sentences, _WIDTH, initial_indent=indent, subsequent_indent=indent)
-
-
-def _columns(rows: Iterable[tuple[str, ...]]) -> list[str]:
-    """Rows of cells as lines of aligned columns."""
-    table = list(rows)
-    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    return ["   ".join(map(str.ljust, row, widths)).rstrip() for row in table]

@@ -41,11 +41,12 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.league import CASES, EDITION, reference
     from lie_rigid_body.league.playing import play
     from lie_rigid_body.league.table import rows_of
-    from lie_rigid_body.report.drawing import answer, require_outputs
-    from lie_rigid_body.report.filters import lines_of_league, page_of_league
+    from lie_rigid_body.report.answer import as_page, as_text
+    from lie_rigid_body.report.filters import parts_of_league
+    from lie_rigid_body.report.outputs import emit, require_outputs
     from lie_rigid_body.system.portable import cores
 
-    require_outputs(given, [*given.others, *named_by(given)])
+    require_outputs({"report": given.report}, [*given.others, *named_by(given)], overwrite=given.force)
     own = [row for path in given.others for row in rows_of(path)]
     name, estimate = given_estimator(given)
     if estimate is not None:
@@ -56,9 +57,11 @@ def main(given: argparse.Namespace) -> int:
                 0, play(name, source, workers=given.workers or cores(), timeout_s=given.timeout, progress=bar.update)
             )
     table = reference().with_rows(own)
-    return answer(
-        given,
-        {given.report: lambda: page_of_league(table, own)},
-        lambda: "\n".join(lines_of_league(table, own)),
+    parts = parts_of_league(table, own)
+    return emit(
+        {given.report: lambda: as_page(f"League of attitude filters {EDITION}", parts)},
+        lambda: as_text(parts),
         lambda: {"edition": EDITION, "rows": [row.to_json() for row in (own[:1] if estimate else table.rows)]},
+        as_json=given.json,
+        overwrite=given.force,
     )

@@ -38,15 +38,16 @@ def main(given: argparse.Namespace) -> int:
     require_room(out, files_of(given.bag), overwrite=given.force)
 
     from lie_rigid_body.recording.bag_reader import Bag
-    from lie_rigid_body.report.drawing import answer, png
-    from lie_rigid_body.report.recorded_motion import thinned_segments
+    from lie_rigid_body.report.drawing import png
+    from lie_rigid_body.report.outputs import emit
+    from lie_rigid_body.report.recorded_motion import recorded_segments
 
     with console.progress_of_bags([given.bag]) as bar:
-        pieces = thinned_segments(Bag(given.bag, bar.update, topics))
+        pieces = recorded_segments(Bag(given.bag, bar.update, topics))
 
     def picture() -> bytes:
         from lie_rigid_body.report.recording_picture import draw  # only now: it loads Matplotlib
 
         return png(lambda: draw(pieces))
 
-    return answer(given, {out: picture})
+    return emit({out: picture}, overwrite=given.force)

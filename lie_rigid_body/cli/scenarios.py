@@ -15,7 +15,7 @@ from lie_rigid_body.command_line import argument, verb
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    from lie_rigid_body.report.drawing import answer
+    from lie_rigid_body.report.outputs import emit
     from lie_rigid_body.scenario import Scenario
     from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
 
@@ -28,7 +28,7 @@ def main(given: argparse.Namespace) -> int:
         }
         for name, path in scenario_files().items()
     ]
-    return answer(given, {}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries)
+    return emit({}, lambda: "\n".join(map(_paragraph, entries)), lambda: entries, as_json=given.json)
 
 
 def describe(path: Path) -> str:

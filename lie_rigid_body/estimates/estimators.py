@@ -16,7 +16,7 @@ from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
 
-from lie_rigid_body.estimates.programs import CommandEstimator, time_limit
+from lie_rigid_body.estimates.programs import ProgramEstimator, time_limit
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.foundation.errors import PACKAGE_FOLDER, FilterError, InputError, LieRigidBodyError, describe
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -123,7 +123,7 @@ class NamedFunction:
         return found
 
 
-Source: TypeAlias = NamedFunction | CommandEstimator
+Source: TypeAlias = NamedFunction | ProgramEstimator
 """Place at which any process of this machine finds an estimator: its method ``load`` gives it."""
 
 
@@ -134,7 +134,7 @@ def source_of(estimate: Estimator | str) -> Source | None:
     """
     if isinstance(estimate, str):
         return NamedFunction(estimate)
-    if isinstance(estimate, CommandEstimator):
+    if isinstance(estimate, ProgramEstimator):
         return estimate
     module, name = getattr(estimate, "__module__", None), getattr(estimate, "__qualname__", "")
     if module in (None, "__main__") or not name.isidentifier() or sys.modules.get(module) is None:
@@ -168,7 +168,7 @@ class Workers(Interpreters):
     """
 
     def __init__(self, source: Source, count: int, timeout_s: float) -> None:
-        self._source, grace_s = source, _GRACE_S * isinstance(source, CommandEstimator)
+        self._source, grace_s = source, _GRACE_S * isinstance(source, ProgramEstimator)
         self._timeout_s = time_limit(timeout_s) + grace_s
         super().__init__(count)
 

@@ -10,12 +10,13 @@ import shutil
 import subprocess
 import tempfile
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
-from typing import Any, BinaryIO, Final, NamedTuple
+from typing import Any, BinaryIO, ClassVar, Final, NamedTuple
 
 import numpy as np
 
@@ -80,7 +81,7 @@ def words(command: str) -> list[str]:
 
 
 @short_dataclass(frozen=True)
-class CommandEstimator:
+class ProgramEstimator(ABC):
     """An estimator that starts a program for each run.
 
     Attributes
@@ -96,6 +97,7 @@ class CommandEstimator:
         If the command has no program, or a quotation without an end, or if the time is no limit.
     """
 
+    kind: ClassVar[str]
     command: str
     timeout_s: float = 60.0
 
@@ -121,9 +123,24 @@ class CommandEstimator:
                 fault = "it is a folder" if os.path.isdir(program) else fault
             raise InputError(f"{place}{self._name} cannot be started: {fault}: give the path of a program")
 
-    def load(self) -> CommandEstimator:
+    def load(self) -> ProgramEstimator:
         """The estimator itself, for a process that is told where one is."""
         return self
+
+    @abstractmethod
+    def __call__(self, run: Run) -> object:
+        """Estimate of a run, as `Estimate.of` takes it."""
+
+    @property
+    def _name(self) -> str:
+        return f"{self.kind} {shown(self.command)}"
+
+
+@short_dataclass(frozen=True)
+class CommandEstimator(ProgramEstimator):
+    """A program that reads readings as CSV and prints attitudes; see `ProgramEstimator` for the parameters."""
+
+    kind: ClassVar[str] = "command"
 
     def __call__(self, run: Run) -> tuple[Integers, Array]:
         """Stamps, ns, shape (N,), and attitudes world-from-body, scalar last, shape (N, 4), that the program prints.
@@ -140,10 +157,6 @@ class CommandEstimator:
                 return _attitudes(self._name, self._output("\n".join([HEADER, *_lines(run), ""]), errors))
             except InputError as error:
                 raise InputError(f"{error}{last_words(errors)}") from None
-
-    @property
-    def _name(self) -> str:
-        return f"command {shown(self.command)}"
 
     def _output(self, readings: str, errors: BinaryIO) -> str:
         self.require_program()
@@ -252,22 +265,19 @@ class Answered(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class NodeEstimator(CommandEstimator):
-    """An estimator that starts a node for each run.
+class NodeEstimator(ProgramEstimator):
+    """A ROS 2 node, such as ``ros2 run my_package my_filter``; see `ProgramEstimator` for the other parameters.
 
     Attributes
     ----------
-    command : str
-        Program and arguments, such as ``ros2 run my_package my_filter``; no shell is started.
-    timeout_s : float
-        Longest time of a run, s.
     topic : str
         Topic of its attitudes.
     """
 
+    kind: ClassVar[str] = "node"
     topic: str = ATTITUDE_TOPIC
 
-    def __call__(self, run: Run) -> Estimate:  # type: ignore[override]  # a node may tell a covariance as well
+    def __call__(self, run: Run) -> Estimate:
         """Attitudes that the node publishes, with their covariances where all have one.
 
         Raises
@@ -286,10 +296,6 @@ class NodeEstimator(CommandEstimator):
         P = track.covariance
         told = None if P is None or not P[first].any(axis=(1, 2)).all() else P[first]
         return Estimate(track.attitude_xyzw[first], stamps - _BEGIN_NS, told)
-
-    @property
-    def _name(self) -> str:
-        return f"node {shown(self.command)}"
 
     def _played(self, readings: tuple[Reading, ...]) -> Answered:
         player = Interpreter()

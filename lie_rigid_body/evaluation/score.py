@@ -1,10 +1,8 @@
-"""The score of an attitude estimate: numbers, and words and columns for terminals, pages and the messages of tests."""
+"""The score of an attitude estimate: errors, their statistics and their causes."""
 
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -13,7 +11,7 @@ import numpy as np
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound, mean_square
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics, bias_error
+from lie_rigid_body.evaluation.statistics import Limits, Statistics, bias_error
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, data_frame, report
@@ -25,8 +23,6 @@ if TYPE_CHECKING:
 
 LARGEST_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
-HEADINGS: Final = ("rms", "median", "95 %", "largest", "final")
-"""Headings of the columns of statistics."""
 
 
 @short_dataclass(frozen=True)
@@ -190,10 +186,8 @@ class Score(Shown):
         return f"<Score: {self.total_deg.rms:.4g}° rms of {counted(self.samples, 'sample')}{found}{broken}>"
 
     def __str__(self) -> str:
-        """Table and findings in several lines, as ``evaluate`` prints them."""
-        return "\n".join(
-            [*table(self), "", *findings(self), *(line for text in verdict(self) for line in wrapped(text))]
-        )
+        """Verdict, tables and findings in several lines, as ``evaluate`` prints them."""
+        return str(report("scores").as_text(self))
 
     @property
     def gyro_bias_rad_s(self) -> Statistics | None:
@@ -258,84 +252,3 @@ class Score(Shown):
         nees = {"nees": self.consistency.nees} if self.consistency else {}
         best = {"unavoidable_deg": self.best.filtered_deg} if self.best and not self.best.unobserved else {}
         return {**angles, **nees, **best, **(self.gyro_bias.at(self.stamps_ns) if self.gyro_bias else {})}
-
-
-def table(score: Score) -> list[str]:
-    """Statistics of the errors and of the best possible, and below what else the score tells, in aligned columns."""
-    return [
-        f"{'error, deg':<20}" + "".join(f"{heading:>11}" for heading in HEADINGS),
-        *(f"{name:<20}" + "".join(f"{n:>11}" for n in numbers(statistics)) for name, statistics in angles(score)),
-        "",
-        *(f"{name:<14}{value}" for name, value in facts(score)),
-    ]
-
-
-def findings(score: Score) -> list[str]:
-    """Findings under their codes, wrapped; if there is none, a line that says so, with a warning of large errors."""
-    found = [line for finding in score.findings for line in wrapped(finding.message, f"{finding.code}: ")]
-    large = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
-    return found or [f"no findings{large if score.total_deg.median > LARGEST_SETTLED_DEG else ''}"]
-
-
-def angles(score: Score) -> Iterator[tuple[str, Statistics]]:
-    """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
-    best = score.best if score.best and score.best.filtered else None
-    calibrated = best and best.calibrated
-    rows = {
-        "total": score.total_deg,
-        "heading": score.heading_deg,
-        "inclination": score.inclination_deg,
-        "best filter": best and best.filtered,
-        "best smoother": best and best.smoothed,
-        "calibrated filter": calibrated and calibrated.filtered,
-        "calibrated smoother": calibrated and calibrated.smoothed,
-    }
-    return ((name, found) for name, found in rows.items() if found)
-
-
-def numbers(statistics: Statistics) -> list[str]:
-    """Statistics as text, degrees, in the order of `HEADINGS`: round-off, of 1e-13°, counts as 0."""
-    return [f"{round(value, 12):.4g}" for value in asdict(statistics).values()]
-
-
-def facts(score: Score) -> Iterator[tuple[str, str]]:
-    """Other facts of a score by name, each a sentence."""
-    limit = f"{score.converged_deg:.4g}°"
-    if score.time_to_converge_s is None:
-        yield "converged", f"never: the last error is above {limit}"
-    else:
-        yield "converged", f"{score.time_to_converge_s:.4g} s after the first, to below {limit}"
-    if score.lag_s is None:
-        yield "lag", "not told by this motion and these errors"
-    else:
-        # stamps are whole nanoseconds
-        yield "lag", f"{round(score.lag_s, 9):+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
-    if score.of_sensors_deg is not None:
-        left = f"{score.of_sensors_deg:.2g}°"
-        yield "sensors", f"a constant turn is about what these sensors leave to a right filter, {left}"
-    if score.gyro_at_limit:
-        share = f"{100.0 * score.gyro_at_limit:.3g} %"
-        yield "gyro", f"at the limit of its range in {share} of the readings: the body turns faster"
-    if score.truth_uncertainty_deg > SMALLEST_LIMIT:
-        yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
-    if score.consistency:
-        yield "NEES", score.consistency.sentence
-        if score.consistency.remark:
-            yield "remark", score.consistency.remark
-    if bias := score.gyro_bias_rad_s:
-        yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
-    if score.best and score.best.unobserved:
-        yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
-    if score.best and score.best.beaten:
-        yield "remark", "nearer than noise allows: it has seen the truth, or the noise is not as declared"
-
-
-def verdict(score: Score) -> list[str]:
-    """Sentences about whether limits are kept; none if none were given."""
-    kept = [] if score.limits == Limits() else ["PASSED: every limit is kept."]
-    return [f"BROKEN: {sentence}." for sentence in score.broken] or kept
-
-
-def wrapped(sentence: str, mark: str = "", width: int = 88) -> list[str]:
-    """Lines of a sentence for a terminal, the first after a mark."""
-    return textwrap.wrap(sentence, width, initial_indent=mark, subsequent_indent="  ")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import partial
 
 import numpy as np
 
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import attitude_error, bias_error
-from lie_rigid_body.evaluation.statistics import rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG
+from lie_rigid_body.evaluation.statistics import LEAST_SHARE, rms, settling_limit, time_to_converge
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
 from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
@@ -59,21 +60,32 @@ def _play_here(estimate: Estimator, case: Case) -> tuple[CaseResult, str]:
 def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
     """Score a filter in one case; it is given the readings, and nothing of the truth."""
     run = run_of(case, seed)
+    begin_ns = run.t_ns[0]
+    due_ns = run.sensors["imu"].t_ns
     try:
         found = called(estimate, BlindRun.without_truth(run), SETTLED_S)
         error = attitude_error(found.attitude_xyzw, run.attitude().at(found.t_ns))
-        t_s = (found.t_ns - run.t_ns[0]) / 1e9
-        settled, bias = t_s >= SETTLED_S, found.gyro_bias
-        off = None if bias is None else bias_error(bias[settled], run.gyro_bias_at(found.t_ns[settled])).rms
+        t_s = (found.t_ns - begin_ns) / 1e9
+        settled = t_s >= SETTLED_S
+        count = int(np.sum(settled))
+        due = int(np.sum(due_ns - begin_ns >= SETTLED_S * 1e9))
+        if count < LEAST_SHARE * due:
+            raise InputError(
+                f"{count} attitudes after {SETTLED_S:g} s, for {due} readings of the IMU: give half at least"
+            )
     except InputError as failure:
         return lost(failure)
+    off = None
+    if found.gyro_bias is not None:
+        with suppress(InputError):  # one that is not finite costs no attitude
+            off = bias_error(found.gyro_bias[settled], run.gyro_bias_at(found.t_ns[settled])).rms
     total = np.degrees(error.total)
     of_axis = [float(np.degrees(rms(angle[settled]))) for angle in (error.total, error.heading, error.inclination)]
     return CaseResult(
         of_axis[0],
         of_axis[1],
         of_axis[2],
-        converged_s=time_to_converge(t_s, total, settling_limit(t_s, total)),
+        converged_s=time_to_converge(t_s, total, min(settling_limit(t_s, total), LARGEST_SETTLED_DEG)),
         gyro_bias_rms_rad_s=off,
     )
 

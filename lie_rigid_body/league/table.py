@@ -139,7 +139,7 @@ class FilterRow:
 
 def _is_size(value: object) -> bool:
     """Whether a value of JSON is a finite number that is not below 0."""
-    return isinstance(value, int | float) and value is not True and 0 <= value <= sys.float_info.max
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= sys.float_info.max
 
 
 def is_of(case: Case, grade: str, *, faults: bool = False) -> bool:

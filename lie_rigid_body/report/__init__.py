@@ -8,10 +8,13 @@
 - `figures`, `html_page`: the figures of pages, by plotly.js, and the frame of a page;
 - `recorded_motion`: what is drawn of a long recording, its samples and residuals, and the geometry that these share;
 - `notebook`: what a notebook shows of a result;
-- `drawing`: pictures in the formats of files, and the answer of a verb;
-- `request`: what is asked for of a score, by a command line or, as `write_plot` and `write_report`, from Python.
+- `answer`: the model of an answer, which the first four make, as text and as HTML;
+- `drawing`: colours, and pictures in the formats of files;
+- `outputs`: the files of a verb, and its answer on stdout;
+- `score_options`: the options of ``evaluate``;
+- `files`: `write_plot` and `write_report` from Python.
 """
 
-from lie_rigid_body.report.request import write_plot, write_report
+from lie_rigid_body.report.files import write_plot, write_report
 
 __all__ = ["write_plot", "write_report"]

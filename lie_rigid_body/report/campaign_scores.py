@@ -1,4 +1,4 @@
-"""Estimators of a campaign: a table and sentences for a terminal, and sections of its page."""
+"""Answer about the estimators of a campaign."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ import numpy as np
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, Standing
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
-from lie_rigid_body.evaluation.score import wrapped
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.wording import counted, listed, printable, shortened
+from lie_rigid_body.foundation.wording import counted, listed
+from lie_rigid_body.report import answer
+from lie_rigid_body.report.answer import Part, Sentences, Table
 from lie_rigid_body.report.drawing import DISTINCT
 from lie_rigid_body.report.html_page import (
     axis,
@@ -25,8 +26,6 @@ from lie_rigid_body.report.html_page import (
     line,
     listing,
     logarithmic,
-    paragraph,
-    table,
 )
 from lie_rigid_body.scenario.parameter_file import recording
 
@@ -42,7 +41,6 @@ _COLUMNS: Final = (
     "a reading",
 )
 _HEAD: Final = "Medians over the runs; of errors and times 95 % of the runs are below the second number."
-_WIDTHS: Final = "{:<24} {:>15} {:>15} {:>15} {:>15} {:>6} {:>10} {:>7} {:>9}"
 _PAIRS: Final = {"total_rms_deg": "°", "heading_rms_deg": "°", "inclination_rms_deg": "°", "converged_s": " s"}
 """Scores of which the median and a larger one are told, and their units."""
 
@@ -51,17 +49,41 @@ Varied = Mapping[int, Mapping[str, Any]]
 
 
 def as_text(comparison: Comparison) -> str:
-    """The table, and a sentence for each pair, grid, covariance and failure."""
-    rows = [_WIDTHS.format(*row).rstrip() for row in (_COLUMNS, *map(_cells, comparison.standings))]
-    sentences = [row for sentence in _sentences(comparison) for row in wrapped(printable(sentence))]
-    return "\n".join([_HEAD, "", *rows, "", *sentences])
+    """Answer for a terminal."""
+    return answer.as_text(_parts(comparison))
+
+
+def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[str]:
+    """HTML of the answer, with figures and the commands of the worst runs."""
+    shown = [*zip(comparison.standings, cycle(DISTINCT), strict=False)]
+    commands = [
+        f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
+        for one in comparison.standings
+        for run in one.worst(3)
+    ]
+    return [
+        *answer.as_html(_parts(comparison)),
+        grid(_figures(comparison, shown, varied), wide=True),
+        listing("Worst runs", commands),
+    ]
+
+
+def _parts(comparison: Comparison) -> list[Part]:
+    """Table of the estimators, and sentences on pairs, grids, covariances and failures."""
+    standings = comparison.standings
+    failed = {number for number, one in enumerate(standings) if one.failed.any()}
+    return [
+        Table(_COLUMNS, [_cells(one) for one in standings], "Estimators", failed),
+        Sentences([_HEAD]),
+        Sentences([*_sentences(comparison)]),
+    ]
 
 
 def _cells(one: Standing) -> list[str]:
     unit, size = ("µs", 1e-6) if one.reading_s < 1e-3 else ("ms", 1e-3)
     bias = one.quantile("gyro_bias_rms_rad_s", 0.5)
     return [
-        shortened(printable(one.name), 24),
+        one.name,
         *(
             " ".join(_number(one.quantile(column, share), unit) for share in (0.5, 0.95)).strip()
             for column, unit in _PAIRS.items()
@@ -119,24 +141,6 @@ def _at_the_edge(one: Standing) -> Iterator[str]:
             for end, further in ((min(values), "smaller"), (max(values), "larger")):
                 if best == end:
                     yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
-
-
-def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[str]:
-    """HTML of the estimators."""
-    shown = [*zip(comparison.standings, cycle(DISTINCT), strict=False)]
-    commands = [
-        f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
-        for one in comparison.standings
-        for run in one.worst(3)
-    ]
-    return [
-        "<h2>Estimators</h2>",
-        *map(paragraph, _sentences(comparison)),
-        table(_COLUMNS, [(_cells(one), not one.failed.any()) for one in comparison.standings]),
-        paragraph(_HEAD),
-        grid(_figures(comparison, shown, varied), wide=True),
-        listing("Worst runs", commands),
-    ]
 
 
 def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Varied) -> Iterator[str]:

@@ -291,7 +291,9 @@ def _parts(
         )
         yield html_page.grid(panels)
     yield html_page.listing("Not certified", map(escaped, certificate.not_certified))
-    yield from (html_page.scenario(segment.segment) for segment in certificate.segments[:MOST_TABLES])
+    yield from (
+        html_page.details(*html_page.scenario(segment.segment)) for segment in certificate.segments[:MOST_TABLES]
+    )
 
 
 def _laws(certificate: Certificate) -> Iterator[str]:

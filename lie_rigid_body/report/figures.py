@@ -27,6 +27,7 @@ from lie_rigid_body.report.html_page import (
     paragraph,
 )
 from lie_rigid_body.report.recorded_motion import (
+    EYE,
     FEW_SAMPLES,
     MOST_RESETS,
     Ellipsoid,
@@ -36,7 +37,6 @@ from lie_rigid_body.report.recorded_motion import (
     extremes,
     path,
     reset_times,
-    screen,
     times,
     usable,
 )
@@ -149,8 +149,7 @@ def polhode(piece: RecordedSegment) -> Figure | None:
         f"{name}axis": {"title": {"text": f"ω<sub>{i}</sub>"}, "range": [-1.08 * radius, 1.08 * radius], **look}
         for i, (name, radius) in enumerate(zip("xyz", ellipsoid.radii, strict=True), 1)
     }
-    eye, *_ = screen(ellipsoid.best_view())
-    camera = {"eye": coordinates(_DISTANCE * eye), "projection": {"type": "orthographic"}}
+    camera = {"eye": coordinates(_DISTANCE * EYE), "projection": {"type": "orthographic"}}
     return drawn(traces, scene={**axes, "aspectmode": "data", "camera": camera}, showlegend=False)
 
 
@@ -233,7 +232,8 @@ def body(piece: RecordedSegment) -> tuple[Figure, str] | None:
 
 def _frames(piece: RecordedSegment) -> tuple[Array, State]:
     """Times since the first sample, s, and states of the frames."""
-    t, fastest = times(piece.stamps_ns[: piece.close], [piece]), piece.segment.scenario.rate_bound()
+    t = times(piece.stamps_ns, [piece])
+    fastest = piece.segment.scenario.rate_bound()
     horizon = min(float(t.max(initial=0.0)), FRAMES * _TURN / fastest if fastest else np.inf)
     at = np.unique(np.searchsorted(t, np.linspace(0.0, horizon, FRAMES) - 1e-9))[: len(t)]  # of no sample none
     states, sane = usable(piece, at)

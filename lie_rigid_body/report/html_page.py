@@ -287,9 +287,9 @@ def listing(heading: str, items: Iterable[str], empty: str = "") -> str:
     return content and f"<h2>{heading}</h2>{content}"
 
 
-def scenario(segment: Segment) -> str:
-    """Scenario of a segment, which is shown on request."""
-    return details(f"Scenario from {segment.start_ns} ns on", segment.to_json())
+def scenario(segment: Segment) -> tuple[str, str]:
+    """Summary and JSON of the scenario of a segment, for `details`."""
+    return f"Scenario from {segment.start_ns} ns on", segment.to_json()
 
 
 def details(summary: str, content: str) -> str:

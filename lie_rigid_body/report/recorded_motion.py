@@ -1,12 +1,9 @@
-"""A recorded motion as it is drawn: thinned to samples and residuals that look as all, and the geometry of pictures.
-
-All pictures share times, resets, curves, and the ellipsoid of the energy.
-"""
+"""A recorded motion as it is drawn: its samples, its largest residuals, and what pictures share of times and curves."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
 import numpy as np
 
@@ -36,17 +33,6 @@ _STEP: Final = 0.05
 """Turn from one point of a path to the next, rad, where the samples are as near."""
 _FAR: Final = 1e3
 """Largest body rate that is drawn, as a multiple of the fastest of the motion: a larger one was damaged."""
-_SEEN_POINTS: Final = 400
-"""Number of points of the polhode by which a view is judged."""
-_FROM_BELOW: Final = 0.8
-"""Merit of a view from below, which is less usual, as a share of that from above."""
-
-_ALL_OF: Final = 20_000
-"""Number of samples that are drawn of a curve, from the first one on; a segment of no more is drawn as it is."""
-_BUCKETS: Final = 2000
-"""Number of pieces of a long bag of which the extreme samples are drawn: a picture has as many columns."""
-_CLOSE: Final = 0.05
-"""Largest turn, rad, that a line may stand for."""
 RESIDUAL_INTERVALS: Final = 400
 """Most intervals of time of which the largest residual is kept."""
 
@@ -59,22 +45,13 @@ class RecordedSegment(Block):
     ----------
     segment : Segment
         As the bag declares it.
-    count : int
-        Number of samples that the bag has of it: more than N where they were thinned.
-    close : int
-        Number of samples, from the first one on, that follow each other so closely that a line between them is a curve.
     """
 
     segment: Segment
-    count: int
-    close: int
 
 
-def thinned_segments(bag: Bag | Recording, certificate: Certificate | None = None) -> list[RecordedSegment]:
-    """Segments of a bag with so few of their samples that they can be drawn, and look as all would.
-
-    Of many samples only those are kept that are extreme among their neighbours, in a component of body rate or world
-    momentum or in energy. A curve through them has the envelope of all.
+def recorded_segments(bag: Bag | Recording, certificate: Certificate | None = None) -> list[RecordedSegment]:
+    """Segments of a bag with their samples, 80 bytes each.
 
     Parameters
     ----------
@@ -87,52 +64,15 @@ def thinned_segments(bag: Bag | Recording, certificate: Certificate | None = Non
     BagError, ParameterError
         See `survey`.
     """
-    found = (
-        [(each.segment, each.count) for each in survey(bag).segments]
-        if certificate is None
-        else [(each.segment, each.samples) for each in certificate.segments]
-    )
-    size = -(-sum(count for _, count in found) // _BUCKETS)
-    thinning = [_Thinning(segment, count, size) for segment, count in found]
-    for i, block in numbered_blocks(bag, [segment for segment, _ in found]):
-        thinning[i].add(block)
-    return [each.result() for each in thinning]
-
-
-class _Thinning:
-    """Samples of a segment as they come: of the first ones enough for a curve, of all the extreme ones."""
-
-    def __init__(self, segment: Segment, count: int, size: int) -> None:
-        scenario = segment.scenario
-        turn = scenario.rate_bound() / scenario.rate
-        self._segment, self._count, self._size, self._body = segment, count, size, scenario.body()
-        self._stride = 1 if count <= _ALL_OF else max(1, int(min(_CLOSE, count * turn) / (turn or 1.0)))
-        self._resolved = _ALL_OF * self._stride
-        self._kept: list[Block] = []
-        self._taken = self._close = 0
-
-    def add(self, block: Block) -> None:
-        """Take the samples that come next."""
-        for i in range(0, len(block.samples), self._size):
-            bucket = block[i : i + self._size]
-            places = self._taken + np.arange(len(bucket.samples))
-            of_curve = np.flatnonzero((places % self._stride == 0) & (places < self._resolved))
-            chosen = np.union1d(self._extreme(bucket), of_curve)
-            self._close += int(np.count_nonzero(places[chosen] < self._resolved))
-            self._kept.append(bucket[chosen])
-            self._taken += len(places)
-
-    def _extreme(self, bucket: Block) -> Integers:
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
-            energy = self._body.kinetic_energy(bucket.states)
-            momentum = self._body.angular_momentum(bucket.states)
-        columns = np.column_stack([bucket.states.body_rate, energy, momentum])
-        return np.unique([columns.argmin(axis=0), columns.argmax(axis=0)])
-
-    def result(self) -> RecordedSegment:
-        """Return the segment with what was kept."""
-        kept = Block.joined(self._kept)
-        return RecordedSegment(**vars(kept), segment=self._segment, count=self._count, close=self._close)
+    found = survey(bag).segments if certificate is None else certificate.segments
+    segments = [each.segment for each in found]
+    blocks: list[list[Block]] = [[] for _ in segments]
+    for i, block in numbered_blocks(bag, segments):
+        blocks[i].append(block)
+    return [
+        RecordedSegment(**vars(Block.joined(own)), segment=segment)
+        for own, segment in zip(blocks, segments, strict=True)
+    ]
 
 
 class ResidualsOverTime(Watch):
@@ -241,32 +181,17 @@ def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Boo
 
 def path(piece: RecordedSegment, most: int) -> State:
     """States of the first part of a segment that a path is drawn through, at most so many, as dense as it needs."""
-    scenario, last = piece.segment.scenario, min(piece.close, len(piece.stamps_ns)) - 1
-    turn = scenario.rate_bound() * float(piece.stamps_ns[last] - piece.stamps_ns[0]) * 1e-9 / max(last, 1)
+    scenario = piece.segment.scenario
+    turn = scenario.rate_bound() / scenario.rate
     step = max(1, int(_STEP / turn)) if turn > 0.0 else 1
-    states, _ = usable(piece, slice(0, piece.close, step))
-    return states[:most]
+    states, _ = usable(piece, slice(0, step * most, step))
+    return states
 
 
-View: TypeAlias = tuple[float, float]
-"""Direction from which something is seen in space: elevation and azimuth, degrees."""
-
-
-def screen(view: View) -> tuple[Array, Array, Array]:
-    """Unit vectors towards the eye, to the right and up."""
-    e, a = np.radians(view)
-    eye = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
-    return eye, right, np.cross(eye, right)
-
-
-VIEWS: Final = tuple(
-    (elevation, quarter + azimuth)
-    for elevation in (24.0, 45.0, -24.0)
-    for quarter in (0.0, 90.0, 180.0, 270.0)
-    for azimuth in (35.0, 20.0, 55.0, 70.0)
-)
-"""Views that a polhode may be seen from: off the axes, so that all three are seen."""
+VIEW: Final = (24.0, 35.0)
+"""Direction from which a polhode is seen, off the axes: elevation and azimuth, degrees."""
+EYE: Final = np.array([0.748, 0.524, 0.407])
+"""Unit vector in this direction."""
 
 
 @short_dataclass(frozen=True)
@@ -305,21 +230,3 @@ class Ellipsoid:
         angle = np.linspace(0, 2 * np.pi, 181)
         ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         return np.asarray(self.radii * np.stack([np.insert(ring, plane, 0.0, axis=-1) for plane in range(3)]))
-
-    def faces(self, points: Array, view: View) -> Booleans:
-        """Whether the surface at each of its points, shape (N, 3), faces the eye."""
-        return np.asarray((points / self.radii**2) @ screen(view)[0] >= 0.0)
-
-    def best_view(self) -> View:
-        """View from which most of the polhode is in front, and widest."""
-        points = self.polhode[:: len(self.polhode) // _SEEN_POINTS + 1]
-
-        def merit(view: View) -> tuple[float, float]:
-            in_front = float(np.mean(self.faces(points, view)))
-            seen = (points / self.radii.max()) @ np.stack(screen(view)[1:], axis=-1)
-            # the lesser of the two widths of the curve on the screen: 0 if it is seen as a chord
-            width = float(np.linalg.svd(seen - seen.mean(axis=0), compute_uv=False)[-1]) / len(seen) ** 0.5
-            usual = 1.0 if view[0] > 0.0 else _FROM_BELOW
-            return round(usual * in_front * width, 9), usual * in_front
-
-        return max(VIEWS, key=merit)

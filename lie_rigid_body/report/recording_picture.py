@@ -17,19 +17,17 @@ from lie_rigid_body.foundation.wording import counted, numerals
 from lie_rigid_body.lie import so3
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
-    DOTS,
-    FEW_SAMPLES,
+    EYE,
     MANY_SAMPLES,
     MOST_RESETS,
+    VIEW,
     Ellipsoid,
     RecordedSegment,
     curve_style,
+    extremes,
     reset_times,
     times,
 )
-
-ENVELOPE_INTERVALS: Final = 60
-"""Number of intervals of time, each of which an envelope shows by its smallest and its largest value."""
 
 _LARGEST: Final = 1e300
 """Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
@@ -86,7 +84,7 @@ def _draw_rate(axes: Axes, pieces: Sequence[RecordedSegment]) -> None:
         t = times(piece.stamps_ns, pieces)
         for name, colour, rates in zip("xyz", COLOURS, piece.states.body_rate.T, strict=True):
             label = rf"$\omega_{name}$" if piece is pieces[0] else None
-            axes.plot(t, _drawable(rates), color=colour, label=label, **curve_style(piece.count, 1.4))
+            _draw_curve(axes, t, rates, colour, label, 1.4)
     axes.set_ylabel("body rate [rad/s]")
 
 
@@ -94,12 +92,12 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
     """Draw relative changes of kinetic energy and world momentum since the start."""
     t = np.concatenate([times(piece.stamps_ns, pieces) for piece in pieces])
     drifts = np.concatenate([_drifts(piece) for piece in pieces])
-    _draw_envelope(energy, t, drifts[:, 0], GREY)
+    _draw_curve(energy, t, drifts[:, 0], GREY, None, 0.6)
     for name, colour, drift in zip("xyz", COLOURS, drifts[:, 1:].T, strict=True):
-        _draw_envelope(momentum, t, drift, colour, rf"$L_{name}$")
+        _draw_curve(momentum, t, drift, colour, rf"$L_{name}$", 0.6, alpha=0.6)
     energy.set_ylabel("energy drift\n$(H - H_0)/H_0$")
     momentum.set_ylabel("world momentum drift\n" + r"$(L - L_0)/|L_0|$")
-    momentum.set_xlabel(f"time since the first sample [s]; bands: smallest to largest of each 1/{ENVELOPE_INTERVALS}")
+    momentum.set_xlabel("time since the first sample [s]")
 
 
 def _drifts(piece: RecordedSegment) -> Array:
@@ -110,36 +108,13 @@ def _drifts(piece: RecordedSegment) -> Array:
     return np.column_stack([(body.kinetic_energy(piece.states) - H) / (H or 1.0), of_momentum])
 
 
-def _drawable(values: Array) -> Array:
-    """Numbers that an axis can have, NaN in place of those that are too large."""
-    return np.where(np.abs(values) < _LARGEST, values, np.nan)
-
-
-def _draw_envelope(axes: Axes, t: Array, values: Array, colour: str, label: str | None = None) -> None:
-    """Draw the smallest and the largest value in each interval of time, as a band: others are seen through it."""
-    t, lowest, highest = map(_drawable, envelope(t, values))
-    axes.fill_between(t, lowest, highest, color=colour, alpha=0.2, lw=0.0)
-    axes.plot(t, lowest, color=colour, lw=0.9, **(DOTS if len(t) <= FEW_SAMPLES else {}))
-    axes.plot(t, highest, color=colour, lw=0.9, label=label)
-
-
-def envelope(t: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Smallest and largest value in each of `ENVELOPE_INTERVALS` equal parts of the samples, or of each sample.
-
-    Parameters
-    ----------
-    t, values : ndarray, shape (N,)
-
-    Returns
-    -------
-    t, lowest, highest : ndarray, shape (M,)
-        The times in the middle of the parts.
-    """
-    if len(t) <= ENVELOPE_INTERVALS:
-        return t, values, values
-    first = np.linspace(0, len(t), ENVELOPE_INTERVALS, endpoint=False).astype(np.int64)
-    last = np.append(first[1:], len(t)) - 1
-    return 0.5 * (t[first] + t[last]), np.minimum.reduceat(values, first), np.maximum.reduceat(values, first)
+def _draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | None, width: float, **look: Any) -> None:
+    """Draw a curve by its extremes, without numbers that an axis cannot have."""
+    known = np.abs(values) < _LARGEST
+    t = t[known]
+    values = values[known]
+    few = extremes(t, values)
+    axes.plot(t[few], values[few], color=colour, label=label, **curve_style(len(t), width) | look)
 
 
 def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None:
@@ -149,17 +124,14 @@ def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None
         axes.text2D(0.5, 0.5, "at rest: no polhode", transform=axes.transAxes, ha="center")
         axes.set_axis_off()
         return
-    view = ellipsoid.best_view()
-    axes.view_init(*view)
+    axes.view_init(*VIEW)
     axes.set_proj_type("ortho")
     axes.plot_surface(*ellipsoid.surface(), color=SURFACE, alpha=0.5, linewidth=0, antialiased=False, shade=False)
-    on_surface = [(circle, FRAME, 0.7) for circle in ellipsoid.principal_circles()]
-    for points, colour, width in [*on_surface, (ellipsoid.polhode, RED, 2.6)]:
-        facing = ellipsoid.faces(points, view)
-        for visible, alpha in ((False, 0.25), (True, 1.0)):  # faint behind, as the renderer sorts no lines by depth
-            part = np.where((facing == visible)[:, np.newaxis], points, np.nan)
-            look = {"color": colour, "lw": width, "alpha": alpha, "zorder": 10 if visible else 1}
-            axes.plot(*part.T, solid_capstyle="round", **look)
+    for circle in ellipsoid.principal_circles():
+        axes.plot(*circle.T, color=FRAME, lw=0.7)
+    facing = (ellipsoid.polhode / ellipsoid.radii**2) @ EYE >= 0.0
+    for part, alpha in ((facing, 1.0), (~facing, 0.3)):  # faint behind, as the renderer sorts no lines by depth
+        axes.plot(*np.where(part, ellipsoid.polhode.T, np.nan), color=RED, lw=2.6, alpha=alpha, zorder=10)
     axes.plot(*ellipsoid.polhode[:1].T, marker="o", ms=6, color=RED, mec="white", zorder=20)
     _label_axes(axes, ellipsoid.radii)
     # words of the figure: axes in space do not keep to their frame, as those seen from below have labels above it
@@ -195,5 +167,5 @@ def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     return (
         f"torque-free body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "
         f"initial body rate [{numerals(scenario.initial_body_rate)}] rad/s\n"
-        f"{motion}; {counted(sum(piece.count for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
+        f"{motion}; {counted(sum(len(piece.samples) for piece in pieces), 'sample')} at {scenario.rate:g} Hz{resets}"
     )

@@ -1,10 +1,11 @@
-"""Scores of one estimate or of several: a table, JSON, a picture, and a page that needs no network."""
+"""Scores of one estimate or of several: an answer for people, JSON, and a picture."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
 from functools import partial
-from itertools import chain, combinations
+from itertools import combinations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
@@ -13,23 +14,13 @@ from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.differences import Difference, of_run
-from lie_rigid_body.evaluation.score import (
-    HEADINGS,
-    BiasEstimate,
-    Score,
-    angles,
-    facts,
-    findings,
-    numbers,
-    table,
-    verdict,
-    wrapped,
-)
+from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BiasEstimate, Score
+from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, printable, shortened
-from lie_rigid_body.report import html_page
+from lie_rigid_body.report import answer, html_page
+from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
-from lie_rigid_body.report.html_page import escaped
 from lie_rigid_body.report.recorded_motion import curve_style, extremes
 
 if TYPE_CHECKING:
@@ -53,7 +44,6 @@ _HEADINGS: Final = (
     "gyro bias",
     "findings",
 )
-_WIDTHS: Final = "{:<22} {:>8} {:>8} {:>11} {:>8} {:>9} {:>10} {:>6} {:>12}  {}"
 _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
 SCORE_COLUMNS: Final = 2000
@@ -66,24 +56,47 @@ _NARROW: Final = 5.0
 """Width, inches, up to which a figure is for the screen of a phone."""
 
 
-def as_table(title: str, read: RecordedEstimate, score: Score) -> str:
-    """Lines of a score for a terminal, without a final newline."""
-    notes = (line for note in read.notes for line in wrapped(note, "note: "))
-    sentences = chain(findings(score), *map(wrapped, verdict(score)))
-    return "\n".join([printable(title), *wrapped(extent(read, score)), "", *table(score), "", *notes, *sentences])
+def as_text(score: Score) -> str:
+    """Lines of a score in arrays, for a terminal."""
+    return answer.as_text([_verdict(score), *tables(score), _findings(score)])
 
 
-def table_of_several(title: str, scored: Scored) -> str:
-    """Lines of several scores for a terminal, without a final newline."""
-    rows = [_WIDTHS.format(*cells) for cells in (_HEADINGS, *(_cells(*each) for each in scored))]
-    return "\n".join([printable(title), "", *rows, "", *chain.from_iterable(map(wrapped, _sentences(scored)))])
+def parts(read: RecordedEstimate | None, score: Score) -> list[Part]:
+    """Answer about the score of an estimate that was read, or of one in arrays."""
+    return [
+        _verdict(score),
+        Sentences([summary(score)]),
+        Picture(lambda: html_page.picture(lambda width: draw("", score, width))),
+        *tables(score),
+        _findings(score),
+        Sentences(read.notes if read else (), "Notes"),
+        Sentences([f"{extent(read, score)}.", f"{_SOURCE}."]),
+        *(Details(*html_page.scenario(segment)) for segment in (read.motion.segments if read else ())),
+    ]
+
+
+def parts_of_several(scored: Scored) -> list[Part]:
+    """Answer about the scores of several estimates."""
+    return [
+        *(_verdict(score, f"{read.track.topic}: ") for read, score in scored if not score.passed),
+        Table(
+            _HEADINGS,
+            [_cells(*each) for each in scored],
+            marked={number for number, (_, score) in enumerate(scored) if not score.passed},
+        ),
+        Sentences([f"{difference.sentence(*names)}." for names, difference in differences(scored)]),
+        Picture(lambda: html_page.picture(lambda width: curves("", scored, width))),
+        Sentences([f"{_SOURCE}; RMS and 95 % of the total error, degrees."]),
+        *(_findings(score, f"Findings of {read.track.topic}") for read, score in scored if score.findings),
+    ]
 
 
 def _cells(read: RecordedEstimate, score: Score) -> list[str]:
     """Cells of a score under `_HEADINGS`."""
-    converged, lag = score.time_to_converge_s, score.lag_s
+    converged = score.time_to_converge_s
+    lag = score.lag_s
     return [
-        printable(read.track.topic),
+        read.track.topic,
         *(f"{angle.rms:.4g}°" for angle in (score.total_deg, score.heading_deg, score.inclination_deg)),
         f"{score.total_deg.p95:.4g}°",
         "never" if converged is None else f"{converged:.3g} s",
@@ -94,11 +107,77 @@ def _cells(read: RecordedEstimate, score: Score) -> list[str]:
     ]
 
 
-def _sentences(scored: Scored) -> Iterator[str]:
-    """What is said of several scores: the difference of each pair, and the limits that are broken."""
-    yield from (f"{difference.sentence(*names)}." for names, difference in differences(scored))
-    for read, score in scored:
-        yield from (f"{read.track.topic}: {sentence}" for sentence in verdict(score) if not score.passed)
+def _verdict(score: Score, name: str = "") -> Conclusion:
+    """Sentences about whether limits are kept; none if none were given."""
+    kept = [] if score.limits == Limits() else ["PASSED: every limit is kept."]
+    return Conclusion([f"BROKEN: {name}{sentence}." for sentence in score.broken] or kept, score.passed)
+
+
+def _findings(score: Score, heading: str = "Findings") -> Sentences:
+    """Findings under their codes; if there is none, a sentence that says so, with a warning of large errors."""
+    large = score.total_deg.median > LARGEST_SETTLED_DEG
+    hint = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
+    found = [f"{finding.code}: {finding.message}" for finding in score.findings]
+    return Sentences(found, heading, f"No findings{hint * large}.")
+
+
+def tables(score: Score) -> list[Table]:
+    """Statistics of the errors and of the best possible, and what else the score tells."""
+    names = ("rms", "median", "95 %", "largest", "final")
+    # round-off, of 1e-13°, counts as 0
+    rows = [(name, *(f"{round(value, 12):.4g}" for value in asdict(found).values())) for name, found in _angles(score)]
+    return [Table(("error, deg", *names), rows), Table((), [*_facts(score)])]
+
+
+def _angles(score: Score) -> Iterator[tuple[str, Statistics]]:
+    """Statistics of the three errors by name, and of the best total error that the noise allows, where it is known."""
+    best = score.best if score.best and score.best.filtered else None
+    calibrated = best and best.calibrated
+    rows = {
+        "total": score.total_deg,
+        "heading": score.heading_deg,
+        "inclination": score.inclination_deg,
+        "best filter": best and best.filtered,
+        "best smoother": best and best.smoothed,
+        "calibrated filter": calibrated and calibrated.filtered,
+        "calibrated smoother": calibrated and calibrated.smoothed,
+    }
+    return ((name, found) for name, found in rows.items() if found)
+
+
+def _facts(score: Score) -> Iterator[tuple[str, str]]:
+    """Other facts of a score, each a name and a sentence."""
+    converged = score.time_to_converge_s
+    limit = f"{score.converged_deg:.4g}°"
+    yield (
+        "converged",
+        f"never: the last error is above {limit}"
+        if converged is None
+        else f"{converged:.4g} s after the first, to below {limit}",
+    )
+    if score.lag_s is None:
+        yield "lag", "not told by this motion and these errors"
+    else:
+        # stamps are whole nanoseconds
+        yield "lag", f"{round(score.lag_s, 9):+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+    if score.of_sensors_deg is not None:
+        told = f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°"
+        yield "sensors", told
+    if score.gyro_at_limit:
+        share = f"{100.0 * score.gyro_at_limit:.3g} %"
+        yield "gyro", f"at the limit of its range in {share} of the readings: the body turns faster"
+    if score.truth_uncertainty_deg > SMALLEST_LIMIT:
+        yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
+    if score.consistency:
+        yield "NEES", score.consistency.sentence
+        if score.consistency.remark:
+            yield "remark", score.consistency.remark
+    if bias := score.gyro_bias_rad_s:
+        yield "gyro bias", f"off by {bias.rms:.4g} rad/s rms, {bias.final:.4g} rad/s at the end"
+    if score.best and score.best.unobserved:
+        yield "best filter", f"not known: no sensor tells {score.best.unobserved}"
+    if score.best and score.best.beaten:
+        yield "remark", "nearer than noise allows: it has seen the truth, or the noise is not as declared"
 
 
 def differences(scored: Scored) -> Iterator[tuple[tuple[str, str], Difference]]:
@@ -158,61 +237,6 @@ def summary(score: Score) -> str:
     best = "" if score.best is None or score.best.filtered is None else score.best.filtered.rms
     least = f"; the noise of the sensors leaves {best:.3g}° to the best filter" if best else ""
     return f"The attitude error is {score.total_deg.rms:.3g}° rms: heading {heading}, inclination {inclination}{least}."
-
-
-def tables(score: Score) -> list[str]:
-    """Statistics of the errors, and what else the score tells, as tables of HTML."""
-    return [
-        html_page.table(("error, deg", *HEADINGS), [((name, *numbers(found)), True) for name, found in angles(score)]),
-        html_page.table(("", ""), [((name, value), True) for name, value in facts(score)]),
-    ]
-
-
-def page(title: str, read: RecordedEstimate | None, score: Score) -> bytes:
-    """Make the page of a score.
-
-    Parameters
-    ----------
-    title : str
-    read : RecordedEstimate or None
-        None of an estimate in arrays.
-    score : Score
-
-    Returns
-    -------
-    bytes
-        HTML.
-    """
-    parts = [
-        *(html_page.badge(sentence, passed=score.passed) for sentence in verdict(score)),
-        html_page.paragraph(summary(score)),
-        html_page.picture(lambda width: draw("", score, width)),
-        _findings("Findings", score, "None."),
-        html_page.listing("Notes", map(escaped, read.notes if read else ())),
-        "<h2>Errors</h2>",
-        *tables(score),
-        html_page.paragraph(f"{extent(read, score)}."),
-        *map(html_page.scenario, read.motion.segments if read else ()),
-        html_page.paragraph(f"{_SOURCE}."),
-    ]
-    return html_page.document(title, parts)
-
-
-def page_of_several(title: str, scored: Scored) -> bytes:
-    """Make the page of several scores."""
-    parts = [
-        *map(html_page.paragraph, _sentences(scored)),
-        html_page.picture(lambda width: curves("", scored, width)),
-        *(_findings(escaped(read.track.topic), score, "No findings.") for read, score in scored),
-        "<h2>Errors</h2>",
-        html_page.table(_HEADINGS, [(_cells(*each), each[1].passed) for each in scored]),
-        html_page.paragraph(f"{_SOURCE}; RMS and 95 % of the total error, degrees."),
-    ]
-    return html_page.document(title, parts)
-
-
-def _findings(heading: str, score: Score, none: str) -> str:
-    return html_page.listing(heading, (f"<code>{f.code}</code> {escaped(f.message)}" for f in score.findings), none)
 
 
 def draw(title: str, score: Score, width: float = 10.0) -> Figure:

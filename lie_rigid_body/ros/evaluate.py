@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from lie_rigid_body.report.request import parse, require_room
+from lie_rigid_body.report.score_options import parse, require_room
 from lie_rigid_body.ros.installation import require_ros
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import Interruption

@@ -31,7 +31,7 @@ from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.parameters import exact_duration
 from lie_rigid_body.foundation.wording import suggestion
 from lie_rigid_body.messages.layout import Layout, header
-from lie_rigid_body.report.request import answer
+from lie_rigid_body.report.score_options import answer
 from lie_rigid_body.ros.control.parameters import overrides
 from lie_rigid_body.ros.following import Following
 from lie_rigid_body.ros.publishing.diagnostics import DIAGNOSTICS_TOPIC, Status, report

@@ -29,7 +29,7 @@ from lie_rigid_body.report import figures as of_pages
 from lie_rigid_body.report import html_page, write_report
 from lie_rigid_body.report.html_page import badge, escaped, paragraph, table
 from lie_rigid_body.report.overview import MOST_LINES, Line, Verdict, page, page_of_verdicts
-from lie_rigid_body.report.recorded_motion import extremes, path, thinned_segments
+from lie_rigid_body.report.recorded_motion import extremes, path, recorded_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -224,7 +224,7 @@ def test_an_impossible_body_and_another_inertia(bag: Path, tmp_path: Path) -> No
 
 @pytest.fixture(scope="module")
 def piece(bag: Path) -> Any:
-    [found] = thinned_segments(read_bag(bag))
+    [found] = recorded_segments(read_bag(bag))
     return found
 
 

@@ -16,7 +16,7 @@ import yaml
 from launched import LAUNCH, Node, described, launched, stand_ins
 
 from lie_rigid_body.foundation.errors import LieRigidBodyError
-from lie_rigid_body.report import request
+from lie_rigid_body.report import score_options
 from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import parse_assignment, scenario_files
@@ -123,7 +123,7 @@ def test_filters_and_evaluators_read_what_they_are_given(launch: Launch) -> None
     assert scenario.sensors.imu is not None
     assert scenario.sensors.magnetometer is not None
     *_, evaluator = launch(ESTIMATOR, package="imu_filter_madgwick", max_after="1s:3deg 10s:2deg", duration="60")
-    asked = request.parse(evaluator["arguments"])
+    asked = score_options.parse(evaluator["arguments"])
     assert (asked.max_after, asked.duration) == (["1s:3deg", "10s:2deg"], 60.0)
     locked, *_ = launch(ESTIMATOR, package="imu_filter_madgwick", lockstep="true")
     assert read_parameters(parameters_of(locked))["lockstep_nodes"] == ("evaluator",)

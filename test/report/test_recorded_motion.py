@@ -1,4 +1,4 @@
-"""What is drawn of a long recording: its extreme samples, and the largest residuals, whatever the blocks are."""
+"""What is drawn of a recording: all of its samples, and the largest residuals, whatever the blocks are."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ import pytest
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.recording.bag_reader import Bag, read_bag
+from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.samples import Block, numbered_blocks
-from lie_rigid_body.report import recorded_motion
-from lie_rigid_body.report.recorded_motion import RESIDUAL_INTERVALS, LawOverTime, ResidualsOverTime, thinned_segments
+from lie_rigid_body.report.recorded_motion import RESIDUAL_INTERVALS, LawOverTime, ResidualsOverTime, recorded_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, Taken
 
@@ -66,30 +64,15 @@ def two_segments(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_a_thinned_bag_keeps_its_envelope(two_segments, monkeypatch):
-    monkeypatch.setattr(recorded_motion, "_ALL_OF", 10)
-    monkeypatch.setattr(recorded_motion, "_BUCKETS", 12)
-    thin_segments = thinned_segments(Bag(two_segments))
-    blocks = [*numbered_blocks(read_bag(two_segments), [thin.segment for thin in thin_segments])]
-    for i, (thin, count) in enumerate(zip(thin_segments, (1500, 700), strict=True)):
-        whole = Block.joined([block for place, block in blocks if place == i])
-        assert thin.count == len(whole.samples) == count
-        assert thin.close >= 10
-        assert np.diff(thin.samples[: thin.close]).max() * thin.segment.scenario.rate_bound() / 100 < 0.05
-        assert len(thin.samples) < thin.count / 4
-        for extreme in (np.min, np.max):
-            np.testing.assert_array_equal(
-                extreme(thin.states.body_rate, axis=0), extreme(whole.states.body_rate, axis=0)
-            )
-        assert np.isin(thin.samples, whole.samples).all()
-
-
-def test_a_certificate_tells_the_segments_that_are_thinned(two_segments):
+def test_all_samples_are_drawn_of_the_segments_that_a_certificate_tells(two_segments):
     recording = read_bag(two_segments)
-    found, told = thinned_segments(recording), thinned_segments(recording, certify(recording))
-    assert [(each.segment, each.count, each.close) for each in found] == [
-        (each.segment, each.count, each.close) for each in told
-    ]
+    found = recorded_segments(recording)
+    told = recorded_segments(recording, certify(recording))
+    assert [len(each.samples) for each in found] == [1500, 700]
+    for one, other in zip(found, told, strict=True):
+        assert one.segment == other.segment
+        np.testing.assert_array_equal(one.stamps_ns, other.stamps_ns)
+    np.testing.assert_array_equal(np.concatenate([each.stamps_ns for each in found]), recording.poses.stamps_ns)
 
 
 def test_to_watch_changes_nothing_and_sees_the_worst(two_segments):

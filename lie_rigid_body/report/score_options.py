@@ -1,31 +1,21 @@
-"""Request for a score, from a command line or from Python, and the answer: table or JSON, picture, page, status."""
+"""Options of ``evaluate``, of a bag and of topics, and the answer that they ask for."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from lie_rigid_body.command_line import TOPIC_OPTION, Parser, argument, file_name, require_suffix, split_ros_arguments
+from lie_rigid_body.command_line import TOPIC_OPTION, Parser, argument, file_name, split_ros_arguments
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import listed, shown
+from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.system import console
-from lie_rigid_body.system.output_file import write_file
 
 if TYPE_CHECKING:
     from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
     from lie_rigid_body.evaluation import Score
 
-TITLE: Final = "attitude estimate"
-"""Title of a picture or a page that is given none."""
-_INSTEAD: Final = {
-    "Run": "give run.score(attitude_xyzw)",
-    "Certificate": "lie-rigid-body check BAG --report OUT.html writes its page",
-    "FilterDiagnosis": "lie-rigid-body diagnose ESTIMATOR --report OUT.html writes its page",
-}
-"""Remedies where another result is given for a score, by its class."""
 _OF_A_BAG: Final = {"run": "run", "estimate": "estimate", "truth": "truth", "topic": "truth", "out": ""}
 """Options that go with a bag, each with the topic that one remaps without a bag, if there is one."""
 _OF_TOPICS: Final = {"duration": "", "wait": ""}
@@ -123,6 +113,8 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         parser.error("the following arguments are required: --estimate")
     if given.estimate and len({topic.lstrip("/") for topic in given.estimate}) < len(given.estimate):
         raise InputError(f"--estimate {listed(given.estimate)}: give each topic once")
+    if given.series and not given.json:
+        raise InputError("--series goes only with --json: give both, or leave it out")
     if len(given.max_rms) > 1:
         raise InputError(f"--max-rms is given {len(given.max_rms)} times, {listed(given.max_rms)}: give one limit")
     given.max_rms = next(iter(given.max_rms), None)
@@ -130,12 +122,13 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def require_room(given: argparse.Namespace) -> None:
-    """Refuse outputs before the work, of arguments as `parse` gives them; see `report.drawing.require_outputs`."""
+    """Refuse outputs before the work, of arguments as `parse` gives them; see `report.outputs.require_outputs`."""
     from lie_rigid_body.recording.bag_files import files_of
-    from lie_rigid_body.report.drawing import require_outputs
+    from lie_rigid_body.report.outputs import require_outputs
 
     bags = filter(None, (given.run, given.truth))
-    require_outputs(given, (file for bag in bags for file in files_of(bag)), ("plot", "report", "out"))
+    outputs = {"plot": given.plot, "report": given.report, "out": given.out}
+    require_outputs(outputs, (file for bag in bags for file in files_of(bag)), overwrite=given.force)
 
 
 def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
@@ -154,89 +147,36 @@ def answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[Record
     int
         The exit status: that of an unusable input where a covariance is none.
     """
-    status = _answer(given, source, scored)
+    from lie_rigid_body.estimates.recorded_estimate import write_scored
+    from lie_rigid_body.report import drawing, scores
+    from lie_rigid_body.report.answer import as_page, as_text
+    from lie_rigid_body.report.outputs import emit
+
+    (read, score), *others = scored
+    truth = given.truth or given.run
+    if others:
+        title = source
+        parts = scores.parts_of_several(scored)
+        draw = partial(scores.curves, title, scored)
+        content = partial(scores.json_of_several, source, scored, series=given.series)
+    else:
+        title = ": ".join(filter(None, (source, read.track.topic)))
+        parts = scores.parts(read, score)
+        draw = partial(scores.draw, title, score)
+        content = partial(scores.as_json, source or None, read, score, series=given.series)
+    status = emit(
+        {
+            given.out: partial(write_scored, given.out, truth, scored, given.covariance_axes, overwrite=given.force),
+            given.plot: lambda: drawing.png(draw),
+            given.report: lambda: as_page(title, parts),
+        },
+        lambda: as_text(parts, title),
+        content,
+        as_json=given.json,
+        overwrite=given.force,
+        passed=all(score.passed for _, score in scored),
+    )
     for fault in filter(None, (read.fault for read, _ in scored)):
         console.complain(console.program("evaluate"), fault)
         status = console.UNUSABLE
     return status
-
-
-def _answer(given: argparse.Namespace, source: str, scored: Sequence[tuple[RecordedEstimate, Score]]) -> int:
-    from lie_rigid_body.estimates.recorded_estimate import write_scored
-    from lie_rigid_body.report import drawing, scores
-
-    (read, score), *others = scored
-    title = source if others else ": ".join(filter(None, (source, read.track.topic)))
-    truth, axes = given.truth or given.run, given.covariance_axes
-    bag = {given.out: partial(write_scored, given.out, truth, scored, axes, overwrite=given.force)}
-    if others:
-        return drawing.answer(
-            given,
-            {
-                **bag,
-                given.plot: lambda: drawing.png(partial(scores.curves, title, scored)),
-                given.report: lambda: scores.page_of_several(title, scored),
-            },
-            lambda: scores.table_of_several(title, scored),
-            lambda: scores.json_of_several(source, scored, series=given.series),
-            passed=all(score.passed for _, score in scored),
-        )
-    return drawing.answer(
-        given,
-        {
-            **bag,
-            given.plot: lambda: drawing.png(partial(scores.draw, title, score)),
-            given.report: lambda: scores.page(title, read, score),
-        },
-        lambda: scores.as_table(title, read, score),
-        lambda: scores.as_json(source or None, read, score, series=given.series),
-        passed=score.passed,
-    )
-
-
-def _write(
-    score: object, path: str | Path, suffix: str, title: object, content: Callable[[], bytes], *, overwrite: bool
-) -> None:
-    """Write what shows a score, unless it is none, the title no text, or the name of the file ends otherwise."""
-    from lie_rigid_body.evaluation import Score
-
-    if not isinstance(title, str):
-        raise InputError(f"title {shown(title)} is no text: give one, or leave it out")
-    if not isinstance(score, Score):
-        kind = type(score).__name__
-        raise InputError(f"a {kind} is no score: {_INSTEAD.get(kind, 'give what evaluate() or run.score() returns')}")
-    require_suffix("path", str(path), suffix)
-    write_file(path, content(), overwrite=overwrite)
-
-
-def write_plot(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Draw the errors over time, with the limits and the best that the noise allows, as a PNG.
-
-    Parameters
-    ----------
-    score : Score
-    path : str or Path
-        Its name ends in ``.png``.
-    title : str, optional
-    overwrite : bool, optional
-        Whether an existing file is replaced.
-
-    Raises
-    ------
-    InputError, BagError
-        If it is no score, the title no text, the name ends otherwise, or the file exists or cannot be written.
-    """
-    from lie_rigid_body.report import drawing, scores
-
-    picture = partial(scores.draw, title, score)
-    _write(score, path, ".png", title, partial(drawing.png, picture), overwrite=overwrite)
-
-
-def write_report(score: Score, path: str | Path, *, title: str = TITLE, overwrite: bool = False) -> None:
-    """Write score, findings and picture as one HTML page, which needs no network.
-
-    Parameters and errors are those of `write_plot`, but the name of the file ends in ``.html``.
-    """
-    from lie_rigid_body.report import scores
-
-    _write(score, path, ".html", title, partial(scores.page, title, None, score), overwrite=overwrite)

@@ -1,0 +1,88 @@
+"""Outputs of a verb: files that are refused before the work and written after it, and the answer on stdout."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final
+
+from lie_rigid_body.command_line import require_suffix
+from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.wording import printable
+from lie_rigid_body.system import console
+from lie_rigid_body.system.output_file import require_other, require_room, write_file
+
+_SUFFIXES: Final = {"report": ".html", "plot": ".png", "out": ".mcap"}
+
+
+def require_outputs(
+    outputs: Mapping[str, str | None], inputs: Iterable[str | Path], *, overwrite: bool, with_figures: bool = False
+) -> None:
+    """Refuse files before the work that are of another kind, inputs, one file, or could not be written after it.
+
+    Parameters
+    ----------
+    outputs : mapping of str to str or None
+        Files by the names of their options: ``report``, ``plot`` or ``out``; None where it is not wanted.
+    inputs : iterable of str or Path
+    overwrite : bool
+        Whether existing files are replaced.
+    with_figures : bool, optional
+        Whether plotly draws some of them, and has to be installed.
+
+    Raises
+    ------
+    InputError, BagError
+    """
+    wanted = {name: path for name, path in outputs.items() if path is not None}
+    for name, path in wanted.items():
+        require_suffix(f"--{name}", path, _SUFFIXES[name])
+    if wanted and with_figures and not find_spec("plotly"):
+        raise InputError("--report needs plotly: pip install 'lie-rigid-body[report]'")
+    paths = [*wanted.values()]
+    read = [*inputs] if wanted else []
+    for number, path in enumerate(paths):
+        require_room(path, read, overwrite=overwrite)
+        require_other(path, paths[:number], "output")
+
+
+def emit(
+    files: Mapping[str | None, Callable[[], bytes | None]],
+    text: Callable[[], str] | None = None,
+    content: Callable[[], object] | None = None,
+    *,
+    as_json: bool = False,
+    overwrite: bool = False,
+    passed: bool = True,
+) -> int:
+    """Write the files of a verb, print its answer on stdout, and return its exit status.
+
+    Parameters
+    ----------
+    files : mapping of str or None to callable
+        Function that gives the content of each file, by its path, or writes it itself; None where it is not wanted.
+    text : callable, optional
+        Gives the answer for people; lines that name the files follow it.
+    content : callable, optional
+        Gives the answer for programs, for JSON; a number that is not finite becomes null.
+    as_json : bool, optional
+        Whether the answer is the one for programs.
+    overwrite : bool, optional
+        Whether existing files are replaced.
+    passed : bool, optional
+        Whether no law and no limit is broken, and no mistake is named.
+    """
+    os.environ["MPLBACKEND"] = "agg"  # no window is needed, and the one that Jupyter names may not be installed
+    made = {path: make() for path, make in files.items() if path is not None}
+    if content and as_json:
+        lines = [json.dumps(json.loads(json.dumps(content()), parse_constant=lambda name: None), indent=2)]
+    else:
+        lines = [*([text()] if text else []), *(f"wrote {printable(name)}" for name in made)]
+    for path, data in made.items():
+        if data is not None:
+            write_file(path, data, overwrite=overwrite)
+    console.say("\n".join(lines), done=", ".join(f"{name} is written" for name in made))
+    return console.SUCCESS if passed else console.BROKEN
