@@ -23,7 +23,7 @@ from lie_rigid_body.foundation.parameters import Value
 from lie_rigid_body.foundation.wording import MAX_NAMES, counted, listed, printable, shown
 from lie_rigid_body.report import campaign_scores, html_page
 from lie_rigid_body.report.outputs import require_outputs
-from lie_rigid_body.report.overview import Line, page
+from lie_rigid_body.report.overview import VerdictRow, page
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interpreters import Interpreter
 from lie_rigid_body.system.interruption import Interruption
@@ -228,7 +228,7 @@ def _scored(rows: Sequence[Row]) -> str:
 
 def _page(campaign: Campaign, name: str, rows: Sequence[Row], first: Sequence[str]) -> bytes:
     lines = [
-        Line(
+        VerdictRow(
             (str(row.run), *(_cell(row.parameters[name]) for name in campaign.vary)),
             row.certified,
             row.attitude_accuracy_rad,

@@ -6,7 +6,7 @@ from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.diagnosis import FilterDiagnosis
 from lie_rigid_body.evaluation.score import Score
 from lie_rigid_body.report import certificates, filters, scores
-from lie_rigid_body.report.answer import Conclusion, Part, Sentences, Table, as_html
+from lie_rigid_body.report.answer import Part, Sentences, Table, as_html
 from lie_rigid_body.runs import Run
 
 
@@ -16,9 +16,7 @@ def html(result: Score | Certificate | FilterDiagnosis | Run) -> str:
         case Score():
             parts = scores.parts(None, result)
         case Certificate():
-            laws = [certificates.law_cells(law, None) for law in result.laws]
-            verdict = Conclusion([certificates.verdict(result)], result.passed)
-            parts = [verdict, Table(certificates.LAW_HEADINGS, laws)]
+            parts = certificates.parts(result)
         case FilterDiagnosis():
             parts = filters.parts_of_diagnosis(result)
         case Run():

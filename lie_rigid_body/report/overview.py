@@ -1,4 +1,4 @@
-"""Verdicts on many bags or runs: a table for people, JSON for programs, and a page of residuals."""
+"""Answer about many bags, and the page of many runs."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ from typing import Final
 from lie_rigid_body.certificate import Certificate, LawResult
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import counted, printable
-from lie_rigid_body.report import certificates, figures, html_page
-from lie_rigid_body.report.html_page import escaped
+from lie_rigid_body.report import answer, certificates, figures, html_page
+from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, Table
 from lie_rigid_body.system import console
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
-_COLUMNS: Final = "{:<9} {:>9} {:>8} {:<34} {:>7}  {}"
 _MOST_TOLD: Final = 10
-"""Number of broken bags of which the table is followed by what is broken, and of things that are not certified."""
-MOST_LINES: Final = 500
+"""Number of things that are not certified of which the answer tells."""
+MAX_ROWS: Final = 500
 """Largest number of lines of the table; of more the worst are shown."""
-MOST_MESSAGES: Final = 100
+MAX_MESSAGES: Final = 100
 """Largest number of broken laws that are told in words."""
 
 
@@ -59,11 +58,39 @@ class Verdict:
 
 
 def as_table(verdicts: Sequence[Verdict]) -> str:
-    """Lines for a terminal: a row for each verdict, how many there are of each, what is broken or left out."""
-    head = _COLUMNS.format("verdict", "samples", "rad", "worst law", "of limit", "bag")
-    left_out = [certificates.wrapped(line, "  - ") for line in uncovered(verdicts)]
-    remark = ["Not certified, besides what is not of any bag:"] if left_out else []
-    return "\n".join([head, *map(_row, verdicts), "", _summary(verdicts), *_faults(verdicts), *remark, *left_out])
+    """Answer for a terminal."""
+    return answer.as_text(_parts(verdicts))
+
+
+def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
+    """Answer as a page, of at least one bag or body that has a certificate."""
+    rows = [
+        VerdictRow(("",), each.certificate.passed, each.certificate.attitude_accuracy, each.certificate.residuals)
+        for each in verdicts
+        if each.certificate is not None
+    ]
+    curves = Picture(lambda: "".join(_distributions(kind_of(verdicts), rows)))
+    return answer.as_page(title, [*_parts(verdicts), curves], with_figures=True)
+
+
+def _parts(verdicts: Sequence[Verdict]) -> list[Part]:
+    """Answer about many bags: how many there are of each verdict, a row for each, what is broken or left out."""
+    passed = all(verdict.status == console.SUCCESS for verdict in verdicts)
+    judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
+    broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
+    more = len(broken) - MAX_MESSAGES
+    marked = {number for number, verdict in enumerate(verdicts) if verdict.status != console.SUCCESS}
+    return [
+        Conclusion([_summary(verdicts)], passed),
+        Table(
+            ("verdict", "samples", "attitude, rad", "worst law", "of limit", kind_of(verdicts)),
+            [_cells(verdict) for verdict in verdicts],
+            marked=marked,
+        ),
+        Sentences(broken if more <= 0 else [*broken[:MAX_MESSAGES], f"and {more} more"], "Broken laws"),
+        Sentences(uncovered(verdicts), "Not certified, besides what is not of any bag"),
+        Sentences([verdict.reason for verdict in verdicts if verdict.certificate is None], "Not judged"),
+    ]
 
 
 def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
@@ -81,13 +108,15 @@ def as_json(verdicts: Sequence[Verdict]) -> dict[str, object]:
     }
 
 
-def _row(verdict: Verdict) -> str:
-    certificate, cells = verdict.certificate, ("", "", "", "")
-    if certificate is not None:
-        samples, worst = sum(segment.samples for segment in certificate.segments), _worst_law(certificate)
-        accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
-        cells = str(samples), accuracy, worst.name, certificates.of_limit(worst.worst, worst.limit)
-    return _COLUMNS.format(_VERDICTS[verdict.status], *cells, printable(verdict.name)).rstrip()
+def _cells(verdict: Verdict) -> tuple[str, ...]:
+    certificate = verdict.certificate
+    if certificate is None:
+        return _VERDICTS[verdict.status], "", "", "", "", verdict.name
+    samples = sum(segment.samples for segment in certificate.segments)
+    worst = _worst_law(certificate)
+    accuracy = f"{certificate.attitude_accuracy:.2g}" if certificate.passed else ""
+    of_limit = certificates.of_limit(worst.worst, worst.limit)
+    return _VERDICTS[verdict.status], str(samples), accuracy, worst.name, of_limit, verdict.name
 
 
 def _worst_law(certificate: Certificate) -> LawResult:
@@ -116,16 +145,6 @@ def kind_of(verdicts: Sequence[Verdict]) -> str:
     return "bodies" if any(verdict.body is not None for verdict in verdicts) else "bags"
 
 
-def _faults(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Lines about what is broken worst in each bag, of not too many."""
-    broken = [(v.name, v.certificate) for v in verdicts if v.certificate is not None and not v.certificate.passed]
-    for name, certificate in broken[:_MOST_TOLD]:
-        more = f" ({len(certificate.messages) - 1} more)" if len(certificate.messages) > 1 else ""
-        yield certificates.wrapped(f"{printable(name)}: {_worst_law(certificate).message}{more}", "  - ")
-    if len(broken) > _MOST_TOLD:
-        yield f"  - and {len(broken) - _MOST_TOLD} more"
-
-
 def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
     """Sentences about what no law speaks of in some bags, each once, with the name of its bag or how many have it."""
     found: dict[str, list[tuple[Verdict, str]]] = {}
@@ -144,7 +163,7 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 @short_dataclass(frozen=True)
-class Line:
+class VerdictRow:
     """One of many bags, or of the runs of a campaign.
 
     Parameters
@@ -175,11 +194,11 @@ class Line:
         return self.certified, -math.inf if math.isnan(self.accuracy) else -self.accuracy
 
     @property
-    def row(self) -> tuple[tuple[str, ...], bool]:
-        """Cells of the table, and whether it is certified: only then its attitudes are worth a bound."""
+    def row(self) -> tuple[str, ...]:
+        """Cells of the table; only attitudes that are certified are worth a bound."""
         accuracy, verdict = (f"{self.accuracy:.2g}", "certified") if self.certified else ("", "NOT CERTIFIED")
         # the verdict is beside the name: a wide table is cut off at the right
-        return (self.cells[0], verdict, *self.cells[1:], *self.worst, accuracy), self.certified
+        return (self.cells[0], verdict, *self.cells[1:], *self.worst, accuracy)
 
 
 def _share(worst: float, limit: float) -> tuple[bool, float]:
@@ -187,58 +206,27 @@ def _share(worst: float, limit: float) -> tuple[bool, float]:
     return not worst <= limit, 0.0 if worst == 0.0 else math.inf if limit == 0.0 or math.isnan(worst) else worst / limit
 
 
-def page_of_verdicts(title: str, verdicts: Sequence[Verdict]) -> bytes:
-    """Make the page of several bags, or of several bodies, of which at least one has a certificate.
-
-    Parameters
-    ----------
-    title : str
-    verdicts : sequence of Verdict
-
-    Returns
-    -------
-    bytes
-        HTML.
-    """
-    judged = [(verdict.name, verdict.certificate) for verdict in verdicts if verdict.certificate is not None]
-    broken = [f"{name}: {message}" for name, certificate in judged for message in certificate.messages]
-    if len(broken) > MOST_MESSAGES:
-        broken[MOST_MESSAGES:] = [f"and {len(broken) - MOST_MESSAGES} more"]
-    unusable = [verdict.reason for verdict in verdicts if verdict.certificate is None]
-    told = {
-        "Broken laws": broken,
-        "Not certified, besides what is not of any bag": uncovered(verdicts),
-        "Not judged": unusable,
-    }
-    more = [html_page.listing(heading, map(escaped, sentences)) for heading, sentences in told.items()]
-    lines = [Line((name,), each.passed, each.attitude_accuracy, each.residuals) for name, each in judged]
-    return page(title, kind_of(verdicts), ("bag",), lines, more, len(unusable))
-
-
 def page(
     title: str,
     what: str,
     headings: Sequence[str],
-    lines: Sequence[Line],
+    rows: Sequence[VerdictRow],
     more: Sequence[str] = (),
-    unusable: int = 0,
     first: Sequence[str] = (),
 ) -> bytes:
-    """Make the page of lines.
+    """Make the page of rows.
 
     Parameters
     ----------
     title : str
     what : str
-        Noun in the plural for what the lines are.
+        Noun in the plural for what the rows are.
     headings : sequence of str
         Of their own cells.
-    lines : sequence of Line
+    rows : sequence of VerdictRow
         At least one.
     more : sequence of str, optional
         HTML at the end.
-    unusable : int, optional
-        How many others could not be judged.
     first : sequence of str, optional
         HTML before the residuals.
 
@@ -247,36 +235,33 @@ def page(
     bytes
         HTML.
     """
-    count, accuracies = len(lines) + unusable, [line.accuracy for line in lines if line.certified]
-    whose = "Attitudes" if len(accuracies) == count else f"The attitudes of the {what} that are certified"
+    accuracies = [row.accuracy for row in rows if row.certified]
+    passed = len(accuracies) == len(rows)
+    whose = "Attitudes" if passed else f"The attitudes of the {what} that are certified"
     within = f"{whose} are within {max(accuracies, default=0.0):.2g} rad of the exact motion."
-    parts = [
-        html_page.badge(f"{len(accuracies)} of {count} {what} CERTIFIED", passed=len(accuracies) == count),
-        *([html_page.paragraph(within)] if accuracies else []),
-        *first,
-        *_distributions(what, lines),
-        *more,
-        *_table(what, headings, lines),
+    worst = sorted(rows, key=lambda row: row.rank)[:MAX_ROWS]
+    listed = [row for row in rows if row in worst] if len(rows) > MAX_ROWS else rows
+    parts: list[Part] = [
+        Conclusion([f"{len(accuracies)} of {len(rows)} {what} CERTIFIED"], passed),
+        Sentences([within] if accuracies else []),
+        Picture(lambda: "".join([*first, *_distributions(what, rows), *more])),
+        Sentences([f"Of {len(rows)} {what} these {MAX_ROWS} are the worst."] if len(rows) > MAX_ROWS else []),
+        Table(
+            (headings[0], "", *headings[1:], "worst law", "of limit", "attitude, rad"),
+            [row.row for row in listed],
+            what.capitalize(),
+            {number for number, row in enumerate(listed) if not row.certified},
+        ),
     ]
-    return html_page.document(title, parts, with_figures=True)
+    return answer.as_page(title, parts, with_figures=True)
 
 
-def _distributions(what: str, lines: Sequence[Line]) -> Iterator[str]:
+def _distributions(what: str, rows: Sequence[VerdictRow]) -> Iterator[str]:
     laws: dict[str, list[Sequence[float]]] = {}
-    for line in lines:
-        for name, pair in line.residuals.items():
+    for row in rows:
+        for name, pair in row.residuals.items():
             laws.setdefault(name, []).append(pair)
     if panels := list(figures.distributions(laws, what)):
         yield "<h2>Residuals</h2>"
         yield html_page.paragraph(f"How many {what} have a worst residual of each size, beside the limits.")
         yield html_page.grid(panels)
-
-
-def _table(what: str, headings: Sequence[str], lines: Sequence[Line]) -> Iterator[str]:
-    yield f"<h2>{what.capitalize()}</h2>"
-    if len(lines) > MOST_LINES:
-        shown = {id(line) for line in sorted(lines, key=lambda line: line.rank)[:MOST_LINES]}
-        yield html_page.paragraph(f"Of {len(lines)} {what} these {MOST_LINES} are the worst.")
-        lines = [line for line in lines if id(line) in shown]
-    head = (headings[0], "", *headings[1:], "worst law", "of limit", "attitude, rad")
-    yield html_page.table(head, [line.row for line in lines])

@@ -166,8 +166,27 @@ def test_an_estimated_bias_of_the_gyro_has_its_error_in_the_row():
 
     found = play_case(lambda blind: estimate(blind, 0.01), case)
     assert found.gyro_bias_rms_rad_s == pytest.approx(0.01)
-    assert play_case(lambda blind: estimate(blind, np.nan), case).total_deg == 180.0
+    without = play_case(lambda blind: estimate(blind, np.nan), case)
+    assert (without.total_deg < 1.0, without.gyro_bias_rms_rad_s) == (True, None)
     assert play_case(lambda blind: run.attitude().at(run.imu.t_ns), case).gyro_bias_rms_rad_s is None
+
+
+def test_few_attitudes_are_a_failure_and_a_large_error_is_no_convergence():
+    case = Case("slow_tumble", "mems")
+    run: Any = run_of(case)
+    last = run.imu.t_ns[-1:]
+    few = play_case(lambda blind: Estimate(run.attitude().at(last), last), case)
+    assert (few.total_deg, few.failure != "") == (180.0, True)
+    still = play_case(lambda blind: np.tile([0.0, 0.0, 0.0, 1.0], (len(run.imu.t_ns), 1)), case)
+    assert (still.total_deg > 20.0, still.converged_s) == (True, None)
+
+
+@pytest.mark.parametrize("value", [True, False])
+def test_a_flag_is_no_size_of_an_error(value: bool) -> None:
+    content = reference().rows[0].to_json()
+    next(iter(content["results"].values()))["total_deg"] = value
+    with pytest.raises(InputError):
+        FilterRow.from_json(content)
 
 
 @pytest.mark.slow
