@@ -49,11 +49,13 @@ def page(
     proof : Proof, optional
     """
     drawn = [piece for piece in pieces if len(piece.samples)]
-    conclusion, *others = parts(certificate, proof)
+    conclusion, verdict, *others = parts(certificate, proof)
     motion = Picture(lambda: "".join(figures.sections(drawn) if drawn else ()))
     curves = Picture(lambda: _residuals(certificate, residuals, drawn) if drawn else "")
     scenarios = [Details(*html_page.scenario(each.segment)) for each in certificate.segments[:MAX_TABLES]]
-    return answer.as_page(f"Certificate of {bag}", [conclusion, motion, *others, curves, *scenarios], with_figures=True)
+    return answer.as_page(
+        f"Certificate of {bag}", [conclusion, verdict, motion, *others, curves, *scenarios], with_figures=True
+    )
 
 
 def parts(certificate: Certificate, proof: Proof | None = None) -> list[Part]:
@@ -63,7 +65,7 @@ def parts(certificate: Certificate, proof: Proof | None = None) -> list[Part]:
         Conclusion([first], certificate.passed),
         Sentences([*others, *([_proved(proof)] if proof else [])]),
         *_laws(certificate),
-        Sentences(certificate.not_certified, "Not certified"),
+        Sentences([each.removeprefix("and ") for each in certificate.not_certified], "Not certified"),
     ]
 
 

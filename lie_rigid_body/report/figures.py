@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from itertools import product
 from typing import Any, Final
 
@@ -13,7 +14,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.mechanics.shapes import box_sides
-from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
+from lie_rigid_body.report.drawing import COLOURS, GREY, RED, svg
 from lie_rigid_body.report.html_page import (
     Figure,
     axis,
@@ -27,10 +28,8 @@ from lie_rigid_body.report.html_page import (
     paragraph,
 )
 from lie_rigid_body.report.recorded_motion import (
-    EYE,
     FEW_SAMPLES,
     MOST_RESETS,
-    Ellipsoid,
     LawOverTime,
     RecordedSegment,
     ResidualsOverTime,
@@ -42,12 +41,7 @@ from lie_rigid_body.report.recorded_motion import (
 )
 
 _POINTS: Final = 3000
-"""Largest number of points of a polhode or herpolhode."""
-_ABOVE: Final = 0.995
-"""Size of the surface that is drawn, as a share of the ellipsoid: the polhode lies on that and is not to sink in."""
-_DISTANCE: Final = 1.15
-"""Distance of the eye, in sizes of the figure."""
-
+"""Largest number of points of a herpolhode."""
 FRAMES: Final = 200
 """Largest number of frames."""
 _TURN: Final = 0.25
@@ -96,12 +90,20 @@ def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
     if film := body(first):
         yield figure(f"The body{whose}", *film, kind="body")
     yield figure("Body rate", rate(pieces), "Angular velocity in the frame of the body.")
-    paths = (
-        (polhode(first), "Polhode", "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."),
-        (herpolhode(first), "Herpolhode", "ω in the world, seen along the angular momentum (cross)."),
-    )
-    figures = [figure(f"{name}{whose}", content, text, kind="tall") for content, name, text in paths if content]
-    yield grid(figures, wide=True) if figures else paragraph("The body is at rest: no polhode, no herpolhode.")
+    if across := herpolhode(first):
+        seen = "ω in the world, seen along the angular momentum (cross)."
+        yield grid([_polhode(first, whose), figure(f"Herpolhode{whose}", across, seen, kind="tall")], wide=True)
+    else:
+        yield paragraph("The body is at rest: no polhode, no herpolhode.")
+
+
+def _polhode(piece: RecordedSegment, whose: str) -> str:
+    """The polhode as it is in the picture of a recording."""
+    from lie_rigid_body.report.recording_picture import polhode  # only now: it loads Matplotlib
+
+    what = "ω [rad/s] in the principal frame, on the ellipsoid of the kinetic energy."
+    below = f"<figcaption>{what}</figcaption>"
+    return f"<figure><h3>Polhode{whose}</h3>{svg(partial(polhode, piece))}{below}</figure>"
 
 
 def rate(pieces: Sequence[RecordedSegment]) -> Figure:
@@ -122,35 +124,6 @@ def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> 
     marks = {"mode": "lines+markers" if len(t) <= 50 else "lines", "marker": {"color": colour, "size": 5}}
     points = np.stack([t, values], axis=-1)[extremes(t, values)]
     return line(points, name, colour, 1.2, **{"cliponaxis": False, **marks, **more})
-
-
-def polhode(piece: RecordedSegment) -> Figure | None:
-    """Path of ω in the principal frame, on the ellipsoid of the energy; none of a body at rest."""
-    ellipsoid = Ellipsoid.of(piece, _POINTS)
-    if ellipsoid is None:
-        return None
-    circles = np.insert(ellipsoid.principal_circles(), 0, np.nan, axis=1).reshape(-1, 3)
-    traces = [
-        {
-            "type": "surface",
-            **coordinates(np.moveaxis(ellipsoid.surface(_ABOVE), 0, -1)),
-            "colorscale": [[0, SURFACE], [1, SURFACE]],
-            "showscale": False,
-            "opacity": 0.75,
-            "hoverinfo": "skip",
-            "lighting": {"specular": 0.1, "diffuse": 0.6},
-        },
-        line(circles, "principal planes", FRAME, 1.5),
-        line(ellipsoid.polhode, "polhode", RED, 5),
-        mark(ellipsoid.polhode[0], "first sample", size=4, color="black"),
-    ]
-    look = {"nticks": 4, "showbackground": False, "gridcolor": "#D5DAE0", "zeroline": False}
-    axes = {
-        f"{name}axis": {"title": {"text": f"ω<sub>{i}</sub>"}, "range": [-1.08 * radius, 1.08 * radius], **look}
-        for i, (name, radius) in enumerate(zip("xyz", ellipsoid.radii, strict=True), 1)
-    }
-    camera = {"eye": coordinates(_DISTANCE * EYE), "projection": {"type": "orthographic"}}
-    return drawn(traces, scene={**axes, "aspectmode": "data", "camera": camera}, showlegend=False)
 
 
 def herpolhode(piece: RecordedSegment) -> Figure | None:

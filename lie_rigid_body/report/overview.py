@@ -83,7 +83,7 @@ def _parts(verdicts: Sequence[Verdict]) -> list[Part]:
     return [
         Conclusion([_summary(verdicts)], passed),
         Table(
-            ("verdict", "samples", "attitude, rad", "worst law", "of limit", kind_of(verdicts)),
+            ("verdict", "samples", "attitude, rad", "worst law", "of limit", "bag"),
             [_cells(verdict) for verdict in verdicts],
             marked=marked,
         ),

@@ -117,7 +117,14 @@ def _draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | N
     axes.plot(t[few], values[few], color=colour, label=label, **curve_style(len(t), width) | look)
 
 
-def _draw_polhode(figure: SubFigure, piece: RecordedSegment, whose: str) -> None:
+def polhode(piece: RecordedSegment) -> Figure:
+    """Figure of the polhode alone."""
+    figure = Figure(figsize=(5.0, 5.0), layout="constrained")
+    _draw_polhode(figure, piece, "")
+    return figure
+
+
+def _draw_polhode(figure: Figure | SubFigure, piece: RecordedSegment, whose: str) -> None:
     axes: Axes3D = figure.add_subplot(projection="3d")
     ellipsoid = Ellipsoid.of(piece, MANY_SAMPLES)
     if ellipsoid is None:

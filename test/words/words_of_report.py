@@ -16,11 +16,11 @@ from test_recording_picture import segments
 from lie_rigid_body import LieRigidBodyError, simulate
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.report import recording_picture
-from lie_rigid_body.report.overview import Line, Verdict, page, page_of_verdicts
+from lie_rigid_body.report.overview import VerdictRow, Verdict, page, page_of_verdicts
 
-CERTIFIED = Line(("a",), True, 1e-9, {"closed form [rad]": (1e-9, 1e-7)})
-EXACT = Line(("b",), True, 0.0, {"closed form [rad]": (0.0, 1e-7)})
-BROKEN = Line(("c",), False, np.nan, {"closed form [rad]": (1e-3, 1e-7)})
+CERTIFIED = VerdictRow(("a",), True, 1e-9, {"closed form [rad]": (1e-9, 1e-7)})
+EXACT = VerdictRow(("b",), True, 0.0, {"closed form [rad]": (0.0, 1e-7)})
+BROKEN = VerdictRow(("c",), False, np.nan, {"closed form [rad]": (1e-3, 1e-7)})
 
 
 def of_segments(count):
