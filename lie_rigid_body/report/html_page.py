@@ -262,7 +262,7 @@ def escaped(text: str) -> str:
 
 def badge(sentence: str, *, passed: bool) -> str:
     """Verdict in colour."""
-    return f'<p><span class="badge {"passed" if passed else "broken"}">{escaped(sentence)}</span></p>'
+    return f'<p><strong class="badge {"passed" if passed else "broken"}">{escaped(sentence)}</strong></p>'
 
 
 def paragraph(text: str) -> str:

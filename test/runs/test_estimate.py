@@ -13,6 +13,7 @@ from lie_rigid_body import Estimate, InputError, Run, certify, simulate
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.report import scores
 from lie_rigid_body.report.answer import as_page
 
 SIZE = np.radians(0.5)
@@ -40,7 +41,7 @@ def test_an_estimate_is_scored_as_its_parts_are(run, attitude):
     of_samples = score.to_dict(series=True)["series"]["gyro_bias_error_rad_s"]
     assert of_samples == pytest.approx(score.samples * [0.01 * np.sqrt(3.0)])
     assert "0.01732 rad/s" in str(score)
-    assert "0.01732 rad/s" in as_page("title", parts(None, score)).decode()
+    assert "0.01732 rad/s" in as_page("title", scores.parts(None, score)).decode()
     later = run.score(estimate, after_s=1.0, diagnosed=False)
     assert later.samples == np.count_nonzero(run.t_ns - run.t_ns[0] >= 10**9)
 

@@ -16,7 +16,7 @@ from test_recording_picture import segments
 from lie_rigid_body import LieRigidBodyError, simulate
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.report import recording_picture
-from lie_rigid_body.report.overview import VerdictRow, Verdict, page, page_of_verdicts
+from lie_rigid_body.report.overview import Verdict, VerdictRow, page, page_of_verdicts
 
 CERTIFIED = VerdictRow(("a",), True, 1e-9, {"closed form [rad]": (1e-9, 1e-7)})
 EXACT = VerdictRow(("b",), True, 0.0, {"closed form [rad]": (0.0, 1e-7)})
