@@ -18,7 +18,7 @@ from refused_runs import refused
 from lie_rigid_body import Estimate, Run, Scenario, simulate
 from lie_rigid_body.estimates import live_estimate
 from lie_rigid_body.estimates.buffers import DISORDERED, UNUSABLE, _longest_rising, rising
-from lie_rigid_body.estimates.live_estimate import RECENT, LiveEstimate
+from lie_rigid_body.estimates.live_estimate import LiveEstimate
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.evaluation import Limits, Score, evaluate
 from lie_rigid_body.lie import quaternion
@@ -224,16 +224,6 @@ def test_of_scenarios_of_one_start_the_last_before_the_samples_counts(own):
     assert live.truth.contradictions == 1
 
 
-def test_what_is_out_of_order_is_left_out_and_named(own, stamps, noisy, tmp_path):
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
-    live = followed(bag, POSE_STAMPED)
-    live.hear_estimates([payload for topic, payload in of(bag) if topic == "/estimate"][:70])  # the bag in a loop
-    read, score = live.score()
-    assert score.total_deg == scored(bag).total_deg
-    assert left_out(live) == {DISORDERED: 70}
-    assert numbers(read.notes[1])[:2] == [70, 219]
-
-
 def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps, noisy, tmp_path):
     """One message that is overtaken, a doubled stretch, and a covariance of its own for each."""
     order = np.r_[:60, 61, 60, 62:100, 80:100, 100 : len(stamps)]
@@ -283,13 +273,6 @@ def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, t
         live.truth.hear_scenarios([encode_string("a scene")])
 
 
-def test_another_clock_is_refused(own, stamps, noisy, tmp_path):
-    """Though a scenario would tell a truth at any time."""
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps + 10**18, noisy))
-    with refused("another clock", count=149):
-        followed(bag, POSE_STAMPED).score()
-
-
 @pytest.mark.parametrize(
     ("shift_ns", "size", "why"),
     [
@@ -317,22 +300,6 @@ def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
         if topic.endswith("/scenario"):
             live.truth.hear_scenarios([payload])
     assert live.score()[1].total_deg.rms == pytest.approx(scored(bag).total_deg.rms, rel=1e-12)
-
-
-@pytest.mark.parametrize("broken", [np.nan, 0.0])
-def test_unusable_attitudes_are_left_out_and_named(broken, own, stamps, noisy, tmp_path):
-    spoilt = noisy.copy()
-    spoilt[[40, 90]] = broken
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, spoilt))
-    live = followed(bag, POSE_STAMPED)
-    read, score = live.score()
-    kept = np.delete(np.arange(len(stamps)), [40, 90])
-    alone = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[kept], noisy[kept]))
-    assert score.total_deg == scored(alone).total_deg
-    assert left_out(live) == {UNUSABLE: 2}
-    _, note = read.notes
-    assert numbers(note) == [2, 149, stamps[40] / NS]
-    assert followed(alone, POSE_STAMPED).left_out() == {}
 
 
 def test_a_filter_that_dies_before_the_end_is_told(own, stamps, noisy):
@@ -561,16 +528,6 @@ def test_transforms_of_a_thousand_other_frames_hide_none(own, stamps, noisy):
     assert len(live.estimate.frames) < 30
 
 
-def test_a_clock_that_steps_back_by_an_hour_costs_the_time_behind(own, stamps, noisy):
-    """What comes meanwhile is left out, on either topic; what comes once it is right again counts."""
-    heard = messages_in_turn(own, stamps[:70], noisy[:70], "/lie_rigid_body/scenario")
-    hour = [messages_in_turn(own, stamps[:70] - 3600 * NS, noisy[:70], "/lie_rigid_body/scenario")[i] for i in (61, 63)]
-    earlier = [("/pose", one_pose(stamp - 3600 * NS, IDENTITY)) for stamp in (1_200_000_000, 1_240_000_000)]
-    spoilt = live_of([*heard[:60], *hour, *earlier, *heard[60:]])
-    assert spoilt.score()[1].to_dict(series=True) == live_of(heard).score()[1].to_dict(series=True)
-    assert {*spoilt.left_out()} == {"disordered", "pose disordered"}
-
-
 @pytest.mark.parametrize(
     ("seconds", "left_out"),
     [
@@ -626,16 +583,3 @@ def test_the_last_after_a_pause_count(without, own, stamps, noisy, tmp_path):
     estimate = POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[rows], noisy[rows]
     read = recorded_estimate(beside(own, tmp_path / "bag.mcap", estimate, without=without), "/estimate")
     assert read.track.stamps_ns.tolist() == stamps[rows].tolist()
-
-
-def test_a_truth_that_begins_anew_many_times_is_counted_and_the_score_stays(own, stamps, noisy, tmp_path):
-    """As where its recording is played in a loop."""
-    topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:70], noisy[:70])
-    bag = beside(own, tmp_path / "bag.mcap", topic, without="/twist /lie_rigid_body/scenario")
-    live = followed(bag, POSE_STAMPED)
-    again = [payload for topic, payload in of(bag) if topic == "/pose"][:5]
-    for _ in range(2 * RECENT):
-        live.truth.hear_poses("/pose", POSE_STAMPED, again)
-    live.judge()
-    assert len(live.truth.poses.scorable()[1][DISORDERED]) == 10 * RECENT
-    assert live.score()[1].total_deg == scored(bag).total_deg
