@@ -10,7 +10,7 @@ import numpy as np
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
 from lie_rigid_body.certificate.limits import MAX_NORM_ERROR, RATE_FACTOR, closed_form_error, max_attitude_error, remedy
 from lie_rigid_body.foundation.arrays import Array, Integers, same_bits
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.recording.samples import Block
 from lie_rigid_body.simulation import Segment
@@ -91,16 +91,16 @@ class SegmentLaws:
         x, y, z, cosine = quaternion.product(quaternion.conjugate(exact.attitude_xyzw).T, unit.attitude_xyzw.T)
         angle = 2.0 * np.arctan2(np.sqrt(x * x + y * y + z * z), np.abs(cosine))
         # the largest rate so far, so that one pass through the bag is enough
-        speeds = np.maximum(np.maximum.accumulate(so3.norm(exact.body_rate)), self._largest_rate)
+        speeds = np.maximum(np.maximum.accumulate(vectors.norm(exact.body_rate)), self._largest_rate)
         self._largest_rate = float(speeds[-1])
         momentum = self._body.angular_momentum(unit)
         return (
             angle + closed_form_error(speeds, elapsed_ns),
-            _relative(so3.norm(recorded.body_rate - exact.body_rate), speeds),
+            _relative(vectors.norm(recorded.body_rate - exact.body_rate), speeds),
             np.abs(norm - 1.0),
             np.where(cosine < 0.0, 2.0, 0.0),
             _relative(np.abs(self._body.kinetic_energy(unit) - self._energy), self._energy),
-            _relative(so3.norm(momentum - self._momentum), so3.norm(self._momentum)),
+            _relative(vectors.norm(momentum - self._momentum), vectors.norm(self._momentum)),
         )
 
     def results(self) -> SegmentResults:

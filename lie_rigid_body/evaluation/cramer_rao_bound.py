@@ -38,6 +38,7 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie.vectors import norm
 
 MIN_NOISE: Final = 1e-7
 """Smallest standard deviation of a reading, as a share of the vector, in rad or in rad/s.
@@ -195,7 +196,7 @@ def cramer_rao_bound(
         np.zeros((0, 3, 3)) if gyro_linear_errors is None else gyro_linear_errors,
     )
     for name, sensor in (("gyro", gyro), *(("vector", each) for each in vectors)):
-        _require_noise(name, sensor.noise / float(so3.norm(sensor.vector)))
+        _require_noise(name, sensor.noise / float(norm(sensor.vector)))
     F, Q, H, deviations, constants = _system(stamps_ns, truth_xyzw, initial, readings, gyro, vectors, attitudes)
     found = covariances(F, Q, H, deviations)
     # where a sample's readings stand for some that come one by one until the next, a filter is between before and after
@@ -279,7 +280,7 @@ def _system(
     Q[:, 3:6, :3] = np.swapaxes(Q[:, :3, 3:6], 1, 2)
     Q[:, 3:6, 3:6] = _diagonal(walk)
     for i, sensor in enumerate(vectors):
-        unit = float(so3.norm(sensor.vector))
+        unit = float(norm(sensor.vector))
         own = slice(6 + 3 * i, 9 + 3 * i)
         read = _count(stamps, sensor.stamps_ns)
         # as many readings of one vector are one of as much less noise
@@ -297,7 +298,7 @@ def _system(
     for sensor in sensors:
         # the smoother divides by what a bias that wanders begins with
         begin = max(sensor.bias.turn_on, 1e-6 * sensor.bias.step)
-        deviations += [begin / float(so3.norm(sensor.vector))] * 3
+        deviations += [begin / float(norm(sensor.vector))] * 3
     first = np.array([*deviations, *[1.0] * (n - begins[0])])
     kept = np.flatnonzero(first)
     return (

@@ -21,8 +21,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion, series
-from lie_rigid_body.lie.vectors import as_matrices, as_vectors
-from lie_rigid_body.lie.vectors import norm as norm
+from lie_rigid_body.lie.vectors import as_matrices, as_vectors, norm
 
 
 def hat(v: ArrayLike) -> Array:

@@ -14,7 +14,7 @@ from mpl_toolkits.mplot3d.axes3d import Axes3D
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.wording import counted, numerals
-from lie_rigid_body.lie import so3
+from lie_rigid_body.lie import vectors
 from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
     EYE,
@@ -104,7 +104,7 @@ def _drifts(piece: RecordedSegment) -> Array:
     """Relative changes of kinetic energy and world momentum since the start, shape (N, 4)."""
     body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
     H, L = float(body.kinetic_energy(start)), body.angular_momentum(start)
-    of_momentum = (body.angular_momentum(piece.states) - L) / (float(so3.norm(L)) or 1.0)
+    of_momentum = (body.angular_momentum(piece.states) - L) / (float(vectors.norm(L)) or 1.0)
     return np.column_stack([(body.kinetic_energy(piece.states) - H) / (H or 1.0), of_momentum])
 
 

@@ -20,7 +20,7 @@ from lie_rigid_body.evaluation.scoring import SensorLimits
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS
-from lie_rigid_body.lie import so3
+from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorAid
@@ -156,7 +156,7 @@ def _left_by_errors(scenario: Scenario) -> float:
     if imu is None:
         return 0.0
     references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
-    lengths = so3.norm(references)
+    lengths = norm(references)
     directions = references / lengths[:, np.newaxis]
     across = np.linalg.norm(np.cross(directions[:, np.newaxis], directions), axis=-1).max(initial=0.0) or 1.0
     told = np.sqrt(2.0) * np.array([aid.turn_on_bias for aid in aids]) / lengths

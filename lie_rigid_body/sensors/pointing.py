@@ -10,7 +10,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
@@ -109,7 +109,7 @@ def direction(values: Values, name: str) -> Vector:
         If the numbers are 0, or so large or small that they tell no direction.
     """
     components = values[name]
-    size = float(so3.norm(components))
+    size = float(vectors.norm(components))
     if not 1e-100 < size < 1e100:
         raise ParameterError(name, f"{list(components)} tells no direction: give for example [0.0, 0.0, 1.0]")
     return tuple(component / size for component in components)

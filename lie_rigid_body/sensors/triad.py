@@ -13,7 +13,7 @@ from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.lie import so3
+from lie_rigid_body.lie import so3, vectors
 from lie_rigid_body.mechanics.inertia import apply_tensor
 from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty, nanoseconds, stream
 from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
@@ -251,7 +251,7 @@ class TriadModel:
             faults=TriadFaults.from_values(sensor, values),
         )
         require_at_most(f"{sensor}_scale_factor", found.scale_factor, 1e6, "")
-        angle = float(so3.norm(found.misalignment))
+        angle = float(vectors.norm(found.misalignment))
         if angle > math.pi:
             raise ParameterError(
                 f"{sensor}_misalignment",

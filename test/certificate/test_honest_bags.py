@@ -17,7 +17,7 @@ from test_certified_faults import EVERY, LATE, LATER, LOST
 from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.recording.bag_reader import Bag
@@ -68,8 +68,8 @@ class Elsewhere:
         """The states at some times, moved."""
         states = self._motion.at(t_ns)
         turns, change = (self._random.normal(size=states.body_rate.shape) for _ in range(2))
-        turns *= 1e-15 / so3.norm(turns)[..., np.newaxis]
-        change *= (12.0 * U * so3.norm(states.body_rate) / so3.norm(change))[..., np.newaxis]
+        turns *= 1e-15 / vectors.norm(turns)[..., np.newaxis]
+        change *= (12.0 * U * vectors.norm(states.body_rate) / vectors.norm(change))[..., np.newaxis]
         attitude = quaternion.multiply(states.attitude_xyzw, quaternion.exp(turns))
         return State.trusted(attitude, states.body_rate + change)
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from lie_rigid_body import RigidBody, State
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 
 COMPONENT = st.floats(-3.0, 3.0).filter(lambda x: x == 0.0 or abs(x) > 1e-3)
 RATES = st.tuples(COMPONENT, COMPONENT, COMPONENT)
@@ -60,5 +60,5 @@ def growth(angle: float) -> float:
 def difference(found: State, expected: State) -> float:
     """The larger of the distances of quaternions, signs included, and of rates relative to the largest."""
     attitude = np.abs(found.attitude_xyzw - expected.attitude_xyzw).max()
-    size = max(float(so3.norm(expected.body_rate).max()), 1e-300)
+    size = max(float(vectors.norm(expected.body_rate).max()), 1e-300)
     return float(max(attitude, np.abs(found.body_rate - expected.body_rate).max() / size))

@@ -8,7 +8,7 @@ from random_motions import difference, unit
 from regimes import ATTITUDES, REGIMES
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov import loop
 from reference import TruthPoint, attitude_error, rate_error, truth_cases
@@ -37,7 +37,7 @@ def require_flips(size: float) -> None:
     stepped, exact = MovingChart(body, start, max_step=0.02).at(times), ClosedForm(body, start).at(times)
     assert np.abs(exact.body_rate[:, 1]).min() < 0.9
     turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), stepped.attitude_xyzw)
-    assert so3.norm(quaternion.log(turned)).max() < 5e-15
+    assert vectors.norm(quaternion.log(turned)).max() < 5e-15
     assert np.abs(stepped.body_rate - exact.body_rate).max() < 5e-15
 
 
@@ -57,7 +57,7 @@ def test_every_order_follows_the_truth_as_closely_as_it_says(method: str, name: 
     """An order p makes, for each radian, an error of order (|ω|h)ᵖ, with a coefficient below 1 for these methods."""
     case, turn_of_a_step = CASES[name], 1.0 / 16.0
     points = [point for point in case.points if point.t_ns <= 10**10]
-    speed = 1.25 * float(so3.norm(case.start.body_rate))  # a turn may be somewhat faster than at the start
+    speed = 1.25 * float(vectors.norm(case.start.body_rate))  # a turn may be somewhat faster than at the start
     chart = MovingChart(case.body, case.start, method=method, max_step=turn_of_a_step / speed)
     states = chart.at([point.t_ns for point in points])
     for point, attitude, rate in zip(points, states.attitude_xyzw, states.body_rate, strict=True):

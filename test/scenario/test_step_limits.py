@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lie_rigid_body import ClosedForm, MovingChart, ParameterError
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.time_steps import steps_to
 from lie_rigid_body.scenario import Scenario
@@ -21,7 +21,7 @@ def off(scenario: Scenario) -> float:
     """How far the attitudes of a scenario's motion are from the closed form, rad."""
     exact = ClosedForm(scenario.body(), scenario.start()).at(TIMES).attitude_xyzw
     found = scenario.make_motion().at(TIMES).attitude_xyzw
-    return float(so3.norm(quaternion.log(quaternion.multiply(quaternion.conjugate(exact), found))).max())
+    return float(vectors.norm(quaternion.log(quaternion.multiply(quaternion.conjugate(exact), found))).max())
 
 
 @pytest.mark.parametrize("method", LIMITED)

@@ -8,7 +8,7 @@ from mpmath import mp, mpf
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.lie import quaternion, so3
+from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, loop
 from lie_rigid_body.motion.moser_veselov.integrator import motion_constants
 from lie_rigid_body.motion.moser_veselov.layout import ALPHA
@@ -26,7 +26,7 @@ SOME_STEPS = 30_000
 
 def angles(found: State, exact: State) -> np.ndarray:
     turned = quaternion.multiply(quaternion.conjugate(exact.attitude_xyzw), found.attitude_xyzw)
-    return so3.norm(quaternion.log(turned))
+    return vectors.norm(quaternion.log(turned))
 
 
 def random_bodies(count: int) -> list[tuple[RigidBody, State]]:
@@ -53,7 +53,7 @@ def run(steps: int, samples: int) -> tuple[State, State]:
 def require_invariants(states: State) -> None:
     energy, momentum = BODY.kinetic_energy(START), BODY.angular_momentum(START)
     assert np.abs(BODY.kinetic_energy(states) / energy - 1.0).max() <= 5e-16
-    assert so3.norm(BODY.angular_momentum(states) - momentum).max() <= 1.5e-15
+    assert vectors.norm(BODY.angular_momentum(states) - momentum).max() <= 1.5e-15
 
 
 def test_energy_momentum_and_attitude_stay_true():
