@@ -145,12 +145,10 @@ class Campaign:
             If the file cannot be read, or is no campaign.
         """
         content = read_yaml(path)
-        if not isinstance(content, dict) or not all(isinstance(key, str) for key in content):
+        if not isinstance(content, dict) or not {*_KEYS[:3]} <= {*content}:
             raise InputError(f"{path} is no campaign: give it at least 'runs:', 'seed:' and 'duration:'")
         if unknown := [key for key in content if key not in _KEYS]:
             raise InputError(f"{path}: there is no {shown(unknown[0])} in a campaign: give {', '.join(_KEYS)}")
-        if missing := [key for key in _KEYS[:3] if key not in content]:
-            raise InputError(f"{path} has no '{missing[0]}:': add it")
         if content.get("estimators") == {}:
             raise InputError(f"{path}: estimators are none: write 'name: {{function: …}}' below, or leave it out")
         try:
@@ -302,21 +300,16 @@ class Contender:
             CommandEstimator(str(self.command)).require_program(f"estimators.{self.name}.")
             return
         function = NamedFunction(self.function).load()
-        try:
-            taken = inspect.signature(function).parameters
-        except (TypeError, ValueError):  # of a function in C that does not tell
-            return
         place = f"estimators.{self.name}" if self.name else "estimator"
-        given = (*self.parameters, *self.grid)
-        own = {
-            one.name: one for one in [*taken.values()][1:] if one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY)
-        }
-        takes_any = any(one.kind is one.VAR_KEYWORD for one in taken.values())
-        if unknown := [name for name in given if name not in own and not takes_any]:
-            remedy = suggestion(unknown[0], own, "parameters") if own else "leave it out"
-            raise InputError(f"{place}: {self.function} takes no {shown(unknown[0])}: {remedy}")
-        if missing := [name for name, one in own.items() if one.default is one.empty and name not in given]:
-            raise InputError(f"{place}: {self.function} needs {missing[0]}: give it in 'parameters', or a default")
+        given = dict.fromkeys((*self.parameters, *self.grid))
+        try:
+            signature = inspect.signature(function)
+        except ValueError:  # of a function in C that does not tell what it takes
+            return
+        try:
+            signature.bind(None, **given)
+        except TypeError as error:
+            raise InputError(f"{place}: {self.function}: {error}: give the parameters that it takes") from None
 
     def load(self) -> Estimator:
         """The estimator as a function of a run.
@@ -346,20 +339,20 @@ def _contender(name: object, content: object) -> Contender:
         raise InputError(f"{place}: give function or command, one of them")
     if function is not None and not re.fullmatch(_FUNCTION, str(function)):
         raise InputError(f"{place}.function: {shown(function)} names no function: give module:function")
-    parameters, grid = (_mapping(f"{place}.{key}", content.get(key)) for key in ("parameters", "grid"))
+    parameters = _mapping(f"{place}.parameters", content.get("parameters"))
+    grid = _mapping(f"{place}.grid", content.get("grid"))
     if command is not None and (not isinstance(command, str) or not words(command) or parameters or grid):
         raise InputError(
             f"{place}.command: {shown(command)}: a program takes its parameters in its line: give a text, with its "
             "quotations closed, and no parameters or grid"
         )
-    if wrong := [key for key, values in grid.items() if not (isinstance(values, list | tuple) and values)]:
-        raise InputError(
-            f"{place}.grid.{wrong[0]}: {shown(grid[wrong[0]])} is no list of values: give some, or leave it out"
-        )
-    if both := [key for key in parameters if key in grid]:
-        raise InputError(f"{place}: {both[0]} is in parameters and in grid: leave it out of one of them")
     if "grid" in content and not grid:
         raise InputError(f"{place}.grid is of nothing: give a parameter and its values, or leave it out")
+    for key, values in grid.items():
+        if not (isinstance(values, list | tuple) and values) or key in parameters:
+            raise InputError(
+                f"{place}.grid.{key}: {shown(values)}: give a list of values of a name that is not in parameters"
+            )
     _require_plain(place, [parameters, grid])
     return Contender(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
 

@@ -7,17 +7,17 @@ version of NumPy. Each becomes one uniform number between 0 and 1, and every dis
 from __future__ import annotations
 
 import hashlib
+import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from operator import attrgetter
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.foundation.arrays import as_double
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import shortened, shown, suggestion
+from lie_rigid_body.foundation.wording import shown, suggestion
 from lie_rigid_body.sensors.noise import uniform
 
 
@@ -75,29 +75,25 @@ def distribution(what: str, given: object) -> Draw:
         raise InputError(
             f"{what}: there is no distribution {shown(name)}: {suggestion(name, DISTRIBUTIONS, 'distributions')}"
         )
-    allowed, draw, *checks = DISTRIBUTIONS[name]
+    draw, *checks = DISTRIBUTIONS[name]
     values = {key: value for key, value in given.items() if key != "distribution"}
-    if wrong := _wrong_keys(set(values), [*allowed]):
-        keys = ", ".join(map(" or ".join, allowed)) or "nothing more"
-        raise InputError(f"{what}: {name} takes {keys}, and {wrong}")
-    readers = {key: reader for keys, reader in allowed.items() for key in keys}
-    read = {key: readers[key](f"{what}.{key}", value) for key, value in values.items()}
+    _require_keys(f"{what}: {name}", draw, values)
+    read = {key: _READERS[key](f"{what}.{key}", value) for key, value in values.items()}
     for require in checks:
         require(what, **read)
     return partial(draw, **read)
 
 
-def _wrong_keys(given: set[Any], allowed: Sequence[tuple[str, ...]]) -> str:
-    """The first mistake in the keys of a distribution, and the remedy; empty if one of each alternative is given."""
-    if unknown := sorted(map(str, given.difference(*allowed))):
-        return f"{shortened(unknown[0], 40)} is none of that: leave it out"
-    for keys in allowed:
-        found = [key for key in keys if key in given]
-        if not found:
-            return f"{' or '.join(keys)} is missing: add it"
-        if len(found) > 1:
-            return f"{' and '.join(found)} are given: leave one out"
-    return ""
+def _require_keys(what: str, draw: Callable[..., Any], values: Mapping[Any, object]) -> None:
+    """Refuse keys that a function that draws does not take, or lacks."""
+    signature = inspect.signature(draw)
+    keys = [*signature.parameters][1:]
+    try:
+        signature.bind(None, **values)
+    except TypeError as error:
+        raise InputError(f"{what}: {error}: it takes {', '.join(keys) or 'nothing more'}") from None
+    if "mass" in keys and ("mass" in values) == ("density" in values):
+        raise InputError(f"{what} has a mass or a density: give one of them")
 
 
 def _number(what: str, value: object) -> float:
@@ -178,8 +174,7 @@ def _loguniform(u: Uniforms, low: float, high: float) -> float:
     share = u.next()
     if math.isfinite(high / low):
         return min(max(low * float((high / low) ** share), low), high)
-    first, last = math.log(low), math.log(high)
-    return min(max(math.exp(first + share * (last - first)), low), high)
+    return min(max(math.exp(math.log(low) + share * (math.log(high) - math.log(low))), low), high)
 
 
 def _normal(u: Uniforms, mean: float, std: float) -> float:
@@ -194,53 +189,69 @@ def _choice(u: Uniforms, values: Sequence[Any]) -> Any:
 
 def _rotation(u: Uniforms) -> list[float]:
     """A uniformly distributed rotation: K. Shoemake, "Uniform random rotations", Graphics Gems III (1992) 124."""
-    share, first, second = u.next(), 2.0 * math.pi * u.next(), 2.0 * math.pi * u.next()
-    a, b = math.sqrt(1.0 - share), math.sqrt(share)
+    share = u.next()
+    first = 2.0 * math.pi * u.next()
+    second = 2.0 * math.pi * u.next()
+    a = math.sqrt(1.0 - share)
+    b = math.sqrt(share)
     return [a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)]
 
 
 def _direction(u: Uniforms, norm: Draw) -> list[float]:
     """A vector whose direction is uniform on the sphere: its z is uniform, by Archimedes."""
-    z, angle = 2.0 * u.next() - 1.0, 2.0 * math.pi * u.next()
-    radius, length = math.sqrt(1.0 - z * z), norm(u)
+    z = 2.0 * u.next() - 1.0
+    angle = 2.0 * math.pi * u.next()
+    radius = math.sqrt(1.0 - z * z)
+    length = norm(u)
     return [length * radius * math.cos(angle), length * radius * math.sin(angle), length * z]
 
 
-def _box(u: Uniforms, edges: Sequence[Draw], **heavy: Draw) -> list[float]:
+def _run(u: Uniforms) -> int:
+    return u.run
+
+
+def _box(u: Uniforms, edges: Sequence[Draw], mass: Draw | None = None, density: Draw | None = None) -> list[float]:
     """Moments m (b² + c²)/12, m (a² + c²)/12, m (a² + b²)/12 of a homogeneous box with edges a, b, c along x, y, z."""
     a, b, c = (edge(u) for edge in edges)
-    mass = _mass(u, a * b * c, heavy)
-    return [mass * (y * y + z * z) / 12.0 for y, z in ((b, c), (a, c), (a, b))]
+    m = _mass(u, a * b * c, mass, density)
+    return [m * (y * y + z * z) / 12.0 for y, z in ((b, c), (a, c), (a, b))]
 
 
-def _cylinder(u: Uniforms, radius: Draw, height: Draw, **heavy: Draw) -> list[float]:
+def _cylinder(
+    u: Uniforms, radius: Draw, height: Draw, mass: Draw | None = None, density: Draw | None = None
+) -> list[float]:
     """Moments m (3r² + h²)/12 across and m r²/2 about the axis of a homogeneous cylinder, which is the body's z."""
-    r, h = radius(u), height(u)
-    mass = _mass(u, math.pi * r * r * h, heavy)
-    across = mass * (3.0 * r * r + h * h) / 12.0
-    return [across, across, mass * r * r / 2.0]
+    r = radius(u)
+    h = height(u)
+    m = _mass(u, math.pi * r * r * h, mass, density)
+    across = m * (3.0 * r * r + h * h) / 12.0
+    return [across, across, m * r * r / 2.0]
 
 
-def _mass(u: Uniforms, volume: float, heavy: Mapping[str, Draw]) -> float:
-    """The mass, kg, of a volume, m³: as given, or from a density, kg/m³."""
-    [(key, draw)] = heavy.items()
-    return float(draw(u)) * (1.0 if key == "mass" else volume)
+def _mass(u: Uniforms, volume: float, mass: Draw | None, density: Draw | None) -> float:
+    """Mass, kg, of a volume, m³: as given, or from a density, kg/m³."""
+    return float(mass(u)) if mass else float(density(u)) * volume if density else math.nan
 
 
 _OF_SEVERAL: Final = ("uniform_rotation", "direction", "box", "cylinder")
 """Distributions that draw several numbers at once."""
-_LIMITS: Final = {("low",): _number, ("high",): _number}
-_MASS: Final = {("density", "mass"): _above_0}
-DISTRIBUTIONS: Final[Mapping[str, tuple[Any, ...]]] = {
-    "uniform": (_LIMITS, _uniform, _require_range),
-    "loguniform": (_LIMITS, _loguniform, _require_range, _require_logarithm),
-    "normal": ({("mean",): _number, ("std",): _number}, _normal, _require_deviation),
-    "choice": ({("values",): _values}, _choice),
-    "uniform_rotation": ({}, _rotation),
-    "direction": ({("norm",): _at_least_0}, _direction),
-    "box": ({**_MASS, ("edges",): _edges}, _box),
-    "cylinder": ({**_MASS, ("radius",): _above_0, ("height",): _above_0}, _cylinder),
-    "run": ({}, attrgetter("run")),
+_READERS: Final[Mapping[str, Callable[[str, object], Any]]] = {
+    **dict.fromkeys(("low", "high", "mean", "std"), _number),
+    **dict.fromkeys(("mass", "density", "radius", "height"), _above_0),
+    "values": _values,
+    "norm": _at_least_0,
+    "edges": _edges,
 }
-"""Distributions by name: the readers of the keys, each for one key or for alternative ones; the function that draws;
-the checks of what was read."""
+"""Readers of the keys of distributions."""
+DISTRIBUTIONS: Final[Mapping[str, tuple[Callable[..., Any], ...]]] = {
+    "uniform": (_uniform, _require_range),
+    "loguniform": (_loguniform, _require_range, _require_logarithm),
+    "normal": (_normal, _require_deviation),
+    "choice": (_choice,),
+    "uniform_rotation": (_rotation,),
+    "direction": (_direction,),
+    "box": (_box,),
+    "cylinder": (_cylinder,),
+    "run": (_run,),
+}
+"""Distributions by name: the function that draws, and the checks of what it is given."""

@@ -1,4 +1,4 @@
-"""Files from outside, read within bounds: nothing endless, nothing that keeps one waiting, no YAML that multiplies."""
+"""Files from outside, read within bounds: nothing endless, no YAML that multiplies."""
 
 from __future__ import annotations
 
@@ -6,11 +6,7 @@ import errno
 import json
 import os
 import re
-import select
 import stat
-import sys
-import time
-from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any, BinaryIO, Final
@@ -20,12 +16,6 @@ import yaml
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 
-LONGEST_WAIT: Final = 10.0
-"""Longest time that the writers of a pipe may take to close it, s."""
-SILENT_WAIT: Final = 1.0
-"""Wait, s, after which a line on stderr says what is waited for."""
-MOST_NESTED: Final = 20
-"""Largest depth of brackets and braces in YAML. PyYAML looks at all that are open for each token."""
 LONGEST_NUMBER: Final = 1000
 """Largest length of a number in YAML, characters: of parts with colons between them it is computed part by part."""
 LARGEST_CHUNK: Final = 256 * 2**20
@@ -76,7 +66,7 @@ def as_path(given: str | PathLike[str], what: str = "file", remedy: str = "that 
 
 
 def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
-    """Open a file for reading, without waiting for anybody.
+    """Open a file for reading; of a pipe, where one will do, its writer is waited for.
 
     Parameters
     ----------
@@ -97,8 +87,7 @@ def open_file(path: str | Path, *, pipes: bool = False) -> BinaryIO:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not (stat.S_ISREG(mode) or (is_pipe and pipes)):
         raise InputError(f"{path} is {'a pipe' if is_pipe else 'a device'}: give a regular file")
-    without_waiting = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
-    return open(path, "rb", opener=lambda name, flags: os.open(name, flags | without_waiting))
+    return open(path, "rb")
 
 
 def read_text(path: str | Path, limit: int, *, kind: str = "a YAML file", pipes: bool = True) -> str:
@@ -117,12 +106,11 @@ def read_text(path: str | Path, limit: int, *, kind: str = "a YAML file", pipes:
     Raises
     ------
     InputError
-        If it cannot be read, is longer or no text, or if a pipe stays open too long.
+        If it cannot be read, is longer or no text.
     """
     try:
         with open_file(path, pipes=pipes) as stream:
-            piped = stat.S_ISFIFO(os.fstat(stream.fileno()).st_mode)
-            content = (_drained(stream, limit, path) if piped else stream.read(limit + 1)) or b""
+            content = stream.read(limit + 1)
         if len(content) > limit:
             raise InputError(f"{path} is longer than the {limit} bytes that such a file may have: give another one")
         return content.decode("utf-8")
@@ -138,24 +126,8 @@ def read_text(path: str | Path, limit: int, *, kind: str = "a YAML file", pipes:
         raise InputError(f"{path} {known.get(type(error), other)}") from None
 
 
-def _drained(pipe: BinaryIO, limit: int, path: str | Path) -> bytes:
-    """Bytes written into a pipe until its last writer closes it, or until there are more than the limit."""
-    content, end = b"", time.monotonic() + LONGEST_WAIT
-    if not select.select([pipe], [], [], min(SILENT_WAIT, LONGEST_WAIT))[0]:
-        with suppress(OSError, ValueError):
-            print(f"waiting for whoever writes into the pipe {path}, {LONGEST_WAIT:g} s at most", file=sys.stderr)
-    while len(content) <= limit:
-        if not select.select([pipe], [], [], max(0.0, end - time.monotonic()))[0]:
-            raise InputError(f"{path} is a pipe that nobody closed within {LONGEST_WAIT:g} s: give a file")
-        piece = os.read(pipe.fileno(), 65536)
-        if not piece:
-            break
-        content += piece
-    return content
-
-
 class BoundedLoader(yaml.SafeLoader):
-    """A YAML loader whose result is no larger than its text: without aliases, as in rcl, and not deeply nested.
+    """A YAML loader whose result is no larger than its text: without aliases, as in rcl.
 
     No key is given twice, as readers differ in which of the two they take.
     """
@@ -170,32 +142,22 @@ class BoundedLoader(yaml.SafeLoader):
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
         """Refuse a key that is given twice."""
-        node, before = super().compose_mapping_node(anchor), set[str]()
+        node = super().compose_mapping_node(anchor)
+        before = set[str]()
         for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
             if key.value in before:
                 raise yaml.MarkedYAMLError(problem=f"{key.value!r} is given twice", problem_mark=key.start_mark)
             before.add(key.value)
         return node
 
-    def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:
-        """Refuse too many open brackets."""
-        if self.flow_level >= MOST_NESTED:
-            raise yaml.MarkedYAMLError(
-                problem=f"brackets are nested deeper than {MOST_NESTED} levels", problem_mark=self.get_mark()
-            )
-        super().fetch_flow_collection_start(token)
-
     def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
-        """Refuse a number without end, and half of a character, which goes into no file."""
+        """Refuse a number without end."""
         if node.tag in NUMBERS and len(node.value) > LONGEST_NUMBER:
             raise yaml.MarkedYAMLError(
                 problem=f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read",
                 problem_mark=node.start_mark,
             )
-        text = str(super().construct_scalar(node))
-        if any("\ud800" <= character <= "\udfff" for character in text):
-            raise yaml.MarkedYAMLError(problem="an escape is half of a character", problem_mark=node.start_mark)
-        return text
+        return str(super().construct_scalar(node))
 
 
 def load_json(text: str | bytes, source: str, kind: str = "a JSON file") -> Any:

@@ -66,11 +66,6 @@ def limit(name: str) -> float:
     return math.inf if found == resource.RLIM_INFINITY else found
 
 
-def open_itself(path: str, flags: int, mode: int = 0o666) -> int:
-    """Open a file of that name itself, as an ``opener``; a link is an error."""
-    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), mode)
-
-
 def real_path(path: Path) -> Path:
     """A path whose links are followed; links in a circle, which lead to no file, stay in it."""
     return Path(os.path.realpath(path))
@@ -81,11 +76,6 @@ def user() -> int:
     return os.geteuid() if hasattr(os, "geteuid") else 0
 
 
-def is_others(state: os.stat_result) -> bool:
-    """Whether a file is of another user, who is not the system either."""
-    return state.st_uid not in (0, user())
-
-
 def is_private(folder: Path) -> bool:
     """Whether only this user, and the system itself, may write to a folder or put another in its place.
 
@@ -94,13 +84,14 @@ def is_private(folder: Path) -> bool:
     may_write = os.access(folder, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
     if not hasattr(os, "geteuid"):
         return may_write
-    above, own = [parent.stat() for parent in folder.resolve().parents], folder.stat()
+    above = [parent.stat() for parent in folder.resolve().parents]
+    own = folder.stat()
     return (
         own.st_uid == user()
         and not _others_write(own)
         and may_write
         and not any(_others_write(state) and not state.st_mode & stat.S_ISVTX for state in above)
-        and not any(map(is_others, above))
+        and all(state.st_uid in (0, user()) for state in above)
     )
 
 
