@@ -8,8 +8,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.campaign.definition import Campaign, Contender
-from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Judgement, Row, errors_of
+from lie_rigid_body.campaign.definition import Campaign, EstimatorSpec
+from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Row, RunScore, errors_of
 from lie_rigid_body.evaluation.differences import Difference, of_runs
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
 from lie_rigid_body.foundation.arrays import Array, Integers
@@ -47,12 +47,12 @@ class Point:
 
 
 @short_dataclass(frozen=True, eq=False)
-class Standing:
+class EstimatorSummary:
     """An estimator over the runs in which it is scored: all, or with a grid those of odd number.
 
     Attributes
     ----------
-    entry : Contender
+    entry : EstimatorSpec
         With the parameters of the best point of its grid.
     runs : ndarray of int, shape (R,)
         Numbers of the runs.
@@ -72,7 +72,7 @@ class Standing:
         Those of its grid.
     """
 
-    entry: Contender
+    entry: EstimatorSpec
     runs: Integers
     scores: Mapping[str, Array]
     failed: Any
@@ -122,9 +122,9 @@ class Comparison:
 
     Attributes
     ----------
-    standings : tuple of Standing
+    summaries : tuple of EstimatorSummary
         In the order of the campaign.
-    differences : tuple of (Standing, Standing, Difference)
+    differences : tuple of (EstimatorSummary, EstimatorSummary, Difference)
         Of each pair: difference of the RMS of the total error, degrees, over the runs in which both are scored.
     t_s : ndarray, shape (`CURVE`,)
         Times of the curves, s.
@@ -134,25 +134,22 @@ class Comparison:
         Whether no two runs have the same noise, without which nothing is said of covariances.
     has_covariances : bool
         Whether any estimate has one.
-    gives : tuple of str
-        Parameters of the truth that the estimators were given.
     fixed_constants : tuple of str
         Parameters of errors that no filter knows, such as the scale of the gyro, and that are the same in every run.
     """
 
-    standings: tuple[Standing, ...]
-    differences: tuple[tuple[Standing, Standing, Difference], ...]
+    summaries: tuple[EstimatorSummary, ...]
+    differences: tuple[tuple[EstimatorSummary, EstimatorSummary, Difference], ...]
     t_s: Array
     best: Best | None
     independent: bool
     has_covariances: bool
-    gives: tuple[str, ...]
     fixed_constants: tuple[str, ...]
 
     @property
-    def worst_first(self) -> list[Standing]:
+    def worst_first(self) -> list[EstimatorSummary]:
         """Estimators in the order of the share of runs in which they failed, and then of their median total error."""
-        return sorted(self.standings, key=lambda one: (-np.mean(one.failed), -one.quantile(_TOTAL, 0.5)))
+        return sorted(self.summaries, key=lambda one: (-np.mean(one.failed), -one.quantile(_TOTAL, 0.5)))
 
 
 def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
@@ -168,20 +165,19 @@ def compare(campaign: Campaign, rows: Iterable[Row]) -> Comparison:
     seeds: list[object] = []
     for row in rows:
         seeds.append(row.parameters.get(_SEED))
-        for one, judgement in zip(entries, row.judgements, strict=True):
-            one.add(row.run, Judgement(**judgement))
+        for one, run_score in zip(entries, row.run_scores, strict=True):
+            one.add(row.run, RunScore(**run_score))
     duration = float(campaign.exact_duration)
     independent = _SEED in campaign.vary and len({*seeds}) == len(seeds)
-    chosen = [_best([one for one in entries if one.entry.name == name]) for name in campaign.contenders]
-    standings = tuple(one.standing(points, duration if independent else None) for one, points in chosen)
+    chosen = [_best([one for one in entries if one.entry.name == name]) for name in campaign.estimator_specs]
+    summaries = tuple(one.summary(points, duration if independent else None) for one, points in chosen)
     return Comparison(
-        standings,
-        tuple((first, second, _difference(first, second)) for first, second in combinations(standings, 2)),
+        summaries,
+        tuple((first, second, _difference(first, second)) for first, second in combinations(summaries, 2)),
         np.linspace(0.0, duration, CURVE),
-        _best_possible(campaign, standings),
+        _best_possible(campaign, summaries),
         independent,
         any(each.covariance for one, _ in chosen for each in one.kept),
-        campaign.gives,
         _fixed_constants(campaign),
     )
 
@@ -204,30 +200,30 @@ class _EntryScores:
 
     Attributes
     ----------
-    entry : Contender
-    kept : list of Judgement
+    entry : EstimatorSpec
+    kept : list of RunScore
         Those of the first runs in which it is scored, at most `MAX_SERIES`.
     reasons : dict of int to str
         What it failed of first: of a grid in the runs with a remainder of a division by 2, else in all, for 1.
     """
 
-    def __init__(self, entry: Contender) -> None:
+    def __init__(self, entry: EstimatorSpec) -> None:
         self.entry = entry
-        self.kept: list[Judgement] = []
+        self.kept: list[RunScore] = []
         self.reasons: dict[int, str] = {}
         self._runs: list[int] = []
         self._numbers: list[list[float]] = []
 
-    def add(self, run: int, judgement: Judgement) -> None:
+    def add(self, run: int, run_score: RunScore) -> None:
         """Take what the entry is worth in a run."""
         self._runs.append(run)
-        self._numbers.append(_numbers(judgement))
-        if judgement.error:
-            self.reasons.setdefault(run % 2 if self.entry.grid else 1, judgement.error)
+        self._numbers.append(_numbers(run_score))
+        if run_score.error:
+            self.reasons.setdefault(run % 2 if self.entry.grid else 1, run_score.error)
         if self.entry.grid and run % 2 == 0:
             return  # the best point of a grid is chosen in it, and scored in others
         if len(self.kept) < MAX_SERIES:
-            self.kept.append(judgement)
+            self.kept.append(run_score)
 
     def scored(self, *remainders: int) -> tuple[Integers, dict[str, Array]]:
         """Numbers of the runs with these remainders of a division by 2, and by column the scores in them."""
@@ -235,13 +231,13 @@ class _EntryScores:
         some = np.isin(runs % 2, remainders)
         return runs[some], dict(zip((*_COLUMNS, _READING), np.array(self._numbers)[some].T, strict=True))
 
-    def standing(self, points: tuple[Point, ...], duration_s: float | None) -> Standing:
+    def summary(self, points: tuple[Point, ...], duration_s: float | None) -> EstimatorSummary:
         """The entry over the runs in which it is scored; verdicts on covariances need the duration of a run."""
         runs, scores = self.scored(1) if points else self.scored(0, 1)
         failed = np.isnan(scores[_TOTAL])
         reading_s = scores.pop(_READING)
         right = [each for each in self.kept if each.error is None]
-        return Standing(
+        return EstimatorSummary(
             self.entry,
             runs,
             scores,
@@ -255,10 +251,10 @@ class _EntryScores:
         )
 
 
-def _numbers(judgement: Judgement) -> list[float]:
+def _numbers(run_score: RunScore) -> list[float]:
     """Scores by column, and the time of a reading; NaN where there is none."""
-    scores = {**judgement.scores, _READING: judgement.reading_s}
-    if judgement.error is None and scores["converged_s"] is None:
+    scores = {**run_score.scores, _READING: run_score.reading_s}
+    if run_score.error is None and scores["converged_s"] is None:
         scores["converged_s"] = np.inf
     return [np.nan if value is None else float(value) for value in map(scores.get, (*_COLUMNS, _READING))]
 
@@ -277,15 +273,15 @@ def _best(entries: Sequence[_EntryScores]) -> tuple[_EntryScores, tuple[Point, .
     return entries[best], tuple(points)
 
 
-def _difference(first: Standing, second: Standing) -> Difference:
+def _difference(first: EstimatorSummary, second: EstimatorSummary) -> Difference:
     """Difference over the runs in which both are scored."""
     _, left, right = np.intersect1d(first.runs, second.runs, return_indices=True)
     return of_runs(first.scores[_TOTAL][left], second.scores[_TOTAL][right])
 
 
-def _best_possible(campaign: Campaign, standings: Sequence[Standing]) -> Best | None:
+def _best_possible(campaign: Campaign, summaries: Sequence[EstimatorSummary]) -> Best | None:
     """The bound in the first run in which every estimator is scored; None if there is none."""
-    runs = set.intersection(*({*one.runs[~one.failed].tolist()} for one in standings))
+    runs = set.intersection(*({*one.runs[~one.failed].tolist()} for one in summaries))
     if not runs:
         return None
     run = min(runs)
@@ -295,10 +291,10 @@ def _best_possible(campaign: Campaign, standings: Sequence[Standing]) -> Best | 
     return Best(run, float(np.degrees(bound.rms(bound.filtered))))
 
 
-def _verdict(duration_s: float | None, judgements: list[Judgement], *, of_bias: bool) -> Honesty | None:
+def _verdict(duration_s: float | None, run_scores: list[RunScore], *, of_bias: bool) -> Honesty | None:
     """Verdict on the covariance of the attitude, or of the gyro's bias, of enough runs of a duration that have one."""
-    axes = {each.axes for each in judgements if each.covariance}
-    series = [each.gyro_bias if of_bias else each.covariance for each in judgements]
+    axes = {each.axes for each in run_scores if each.covariance}
+    series = [each.gyro_bias if of_bias else each.covariance for each in run_scores]
     told = [rows for rows in series if rows]
     if duration_s is None or len(told) < FEWEST_RUNS or len(axes) > 1:
         return None

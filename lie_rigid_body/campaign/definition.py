@@ -74,7 +74,7 @@ class Campaign:
         world-from-body, scalar last, shape (N, 4), at the stamps of the IMU; or a tuple of stamps, ns, and attitudes.
     estimators : mapping of str to mapping, optional
         Estimators to compare, by their names: each a ``function`` with ``parameters`` and a ``grid`` of them, or a
-        ``command``; see `Contender`.
+        ``command``; see `EstimatorSpec`.
     gives : sequence of str, optional
         Parameters of the truth that the estimators are given beside the readings: ``initial_attitude_xyzw``, or none.
 
@@ -125,7 +125,7 @@ class Campaign:
             raise InputError(f"estimator: {shown(self.estimator)} names no function: give module:function")
         if self.estimators and self.estimator is not None:
             raise InputError("estimator and estimators are given: give one of them")
-        if any(one.grid for one in self.contenders.values()) and self.runs < 2:
+        if any(one.grid for one in self.estimator_specs.values()) and self.runs < 2:
             raise InputError("runs: 1: the best point of a grid is scored on other runs: give 2 or more")
         if not isinstance(self.gives, list | tuple) or not {*map(str, self.gives)} <= {*GIVEN}:
             raise InputError(f"gives: {shown(self.gives)}: only [{', '.join(GIVEN)}] can be given, or leave it out")
@@ -191,24 +191,24 @@ class Campaign:
         return {**gather(self.scenario, [], []), **self.parameters}
 
     @cached_property
-    def contenders(self) -> Mapping[str, Contender]:
+    def estimator_specs(self) -> Mapping[str, EstimatorSpec]:
         """The estimators by their names; a single one has none, ``""``."""
         if self.estimator is not None:
-            return {"": Contender("", self.estimator)}
+            return {"": EstimatorSpec("", self.estimator)}
         if not isinstance(self.estimators, Mapping):
             raise InputError(
                 "estimators is to be a mapping of names: write 'estimators:' and 'name: {function: …}' below"
             )
-        found = dict(sorted((name, _contender(name, content)) for name, content in self.estimators.items()))
+        found = dict(sorted((name, _estimator_spec(name, content)) for name, content in self.estimators.items()))
         count = sum(math.prod(len(values) for values in one.grid.values()) for one in found.values())
         if count > MAX_POINTS:
             raise InputError(f"estimators: {count} with the points of their grids: give at most {MAX_POINTS}")
         return found
 
     @cached_property
-    def entries(self) -> tuple[Contender, ...]:
+    def entries(self) -> tuple[EstimatorSpec, ...]:
         """What is called in each run: every estimator at every point of its grid."""
-        return tuple(entry for one in self.contenders.values() for entry in one.points)
+        return tuple(entry for one in self.estimator_specs.values() for entry in one.points)
 
     @property
     def exact_duration(self) -> Fraction:
@@ -262,7 +262,7 @@ def _remade(text: str) -> Campaign:
 
 
 @short_dataclass(frozen=True)
-class Contender:
+class EstimatorSpec:
     """One of the estimators of a campaign.
 
     Attributes
@@ -283,7 +283,7 @@ class Contender:
     grid: Mapping[str, list[Any]] = field(default_factory=dict)
 
     @property
-    def points(self) -> Iterator[Contender]:
+    def points(self) -> Iterator[EstimatorSpec]:
         """The estimator at each point of its grid; one without a grid once."""
         for values in itertools.product(*self.grid.values()):
             yield replace(self, parameters={**self.parameters, **dict(zip(self.grid, values, strict=True))})
@@ -325,7 +325,7 @@ class Contender:
         return partial(found, **self.parameters) if self.parameters else found
 
 
-def _contender(name: object, content: object) -> Contender:
+def _estimator_spec(name: object, content: object) -> EstimatorSpec:
     if not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= _MAX_NAME_LENGTH):
         raise InputError(f"estimators: {shown(name)} is no name: give 1 to {_MAX_NAME_LENGTH} printable characters")
     place = f"estimators.{name}"
@@ -354,7 +354,7 @@ def _contender(name: object, content: object) -> Contender:
                 f"{place}.grid.{key}: {shown(values)}: give a list of values of a name that is not in parameters"
             )
     _require_plain(place, [parameters, grid])
-    return Contender(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
+    return EstimatorSpec(name, function, command, parameters, {key: [*values] for key, values in sorted(grid.items())})
 
 
 def _require_plain(place: str, value: object) -> None:

@@ -157,16 +157,16 @@ class Results:
             **(_SCORES if self._campaign.estimator else {}),
         }
         cells = (
-            {**vars(row), **row.parameters, **(row.judgements[0]["scores"] if row.judgements else {})}
+            {**vars(row), **row.parameters, **(row.run_scores[0]["scores"] if row.run_scores else {})}
             for row in self.rows()
         )
         return self._write_parquet(TABLE, kinds, cells)
 
     def _score_cells(self) -> Iterator[dict[str, Any]]:
         for row in self.rows():
-            for entry, judgement in zip(self._campaign.entries, row.judgements, strict=True):
+            for entry, run_score in zip(self._campaign.entries, row.run_scores, strict=True):
                 parameters = json.dumps(entry.parameters, sort_keys=True, ensure_ascii=False)
-                yield {"run": row.run, "estimator": entry.name, "parameters": parameters, **judgement["scores"]}
+                yield {"run": row.run, "estimator": entry.name, "parameters": parameters, **run_score["scores"]}
 
     def _write_parquet(self, name: str, kinds: Mapping[str, str], rows: Iterator[dict[str, Any]]) -> Path:
         """Write a table of rows, of whose cells it takes those in its columns, which have the kinds of parameters."""

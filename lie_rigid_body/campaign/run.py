@@ -18,7 +18,7 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.campaign.definition import Campaign, Contender
+from lie_rigid_body.campaign.definition import Campaign, EstimatorSpec
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.estimates.estimators import called
 from lie_rigid_body.evaluation.arguments import numbers, unit
@@ -79,8 +79,8 @@ class Row:
         The size of that bag, bytes; None without one.
     residuals : dict of str to list of float
         The worst residual of each law, and its limit.
-    judgements : list of dict
-        Fields of a `Judgement` for each of the campaign's entries.
+    run_scores : list of dict
+        Fields of a `RunScore` for each of the campaign's entries.
     """
 
     run: int
@@ -90,7 +90,7 @@ class Row:
     bag: str | None = None
     bag_bytes: int | None = None
     residuals: dict[str, list[float]] = field(default_factory=dict)
-    judgements: list[dict[str, Any]] = field(default_factory=list)
+    run_scores: list[dict[str, Any]] = field(default_factory=list)
 
     def has_bag(self, folder: Path) -> bool:
         """Whether its bag is in the folder of the campaign, and has the size that it had when it was finished."""
@@ -136,7 +136,7 @@ def carry_out(campaign: Campaign, run: int, folder: Path, *, keep: bool) -> Row:
         bag_name(run) if keep else None,
         size if keep else None,
         {law: list(pair) for law, pair in certificate.residuals.items()},
-        judgements(campaign, run),
+        run_scores(campaign, run),
     )
 
 
@@ -148,13 +148,13 @@ def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Ro
         return row, b"" if row.bag is None else Path(own, row.bag).read_bytes()
 
 
-def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
+def run_scores(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     """What the campaign's estimators are worth in a run; another Python calls each, which may exit or hang."""
     limit_s = STARTING_S + max(MAX_ESTIMATOR_S, campaign.duration)
     found = []
     for entry in campaign.entries:
         try:
-            found.append(_interpreter(campaign, entry).ask(partial(judged, entry, campaign, run), limit_s))
+            found.append(_interpreter(campaign, entry).ask(partial(score_estimator, entry, campaign, run), limit_s))
         except InputError as error:
             found.append(_without_score(str(error)))
         except (EOFError, TimeoutError) as error:
@@ -162,7 +162,7 @@ def judgements(campaign: Campaign, run: int) -> list[dict[str, Any]]:
     return [vars(each) for each in found]
 
 
-def _interpreter(campaign: Campaign, entry: Contender) -> Interpreter:
+def _interpreter(campaign: Campaign, entry: EstimatorSpec) -> Interpreter:
     """Another Python for this thread, campaign and estimator: an earlier one has what others have changed in it."""
     if getattr(_of_thread, "campaign", None) != campaign:
         _of_thread.campaign = campaign
@@ -179,7 +179,7 @@ def _simulated(campaign: Campaign, run: int) -> Run:
 
 
 @short_dataclass(frozen=True)
-class Judgement:
+class RunScore:
     """What an estimator is worth in one run, of which JSON is made.
 
     Attributes
@@ -212,7 +212,7 @@ class Judgement:
         return self.scores[ERROR]  # type: ignore[return-value]  # a text is in no other column
 
 
-def judged(entry: Contender, campaign: Campaign, run: int) -> Judgement:
+def score_estimator(entry: EstimatorSpec, campaign: Campaign, run: int) -> RunScore:
     """Call an estimator with the readings of a run, and score what it returns by the truth.
 
     An estimator that fails, or whose result is of no use, has no score but the reason: nothing else fails of it.
@@ -224,16 +224,16 @@ def judged(entry: Contender, campaign: Campaign, run: int) -> Judgement:
         begin_s = time.perf_counter()
         found = called(estimate, given, 0.0)
         taken_s = time.perf_counter() - begin_s
-        return replace(_judged(found, true, series=not entry.grid), reading_s=taken_s / max(1, len(found)))
+        return replace(_run_score(found, true, series=not entry.grid), reading_s=taken_s / max(1, len(found)))
     except InputError as error:
         return _without_score(str(error))
 
 
-def _without_score(reason: str) -> Judgement:
-    return Judgement({**dict.fromkeys((*SCORES, *MORE_SCORES)), ERROR: reason})
+def _without_score(reason: str) -> RunScore:
+    return RunScore({**dict.fromkeys((*SCORES, *MORE_SCORES)), ERROR: reason})
 
 
-def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
+def _run_score(found: Estimate, run: Run, *, series: bool) -> RunScore:
     score = run.score(found, diagnosed=False)
     scores: Scores = {
         "total_rms_deg": score.total_deg.rms,
@@ -250,8 +250,8 @@ def _judged(found: Estimate, run: Run, *, series: bool) -> Judgement:
     curve = np.where(known, total, np.nan).tolist()
     places, known = _nearest(found.t_ns, run.t_ns, truth, SERIES)
     if not (series and known.all()):
-        return Judgement(scores, curve_deg=curve)
-    return Judgement(
+        return RunScore(scores, curve_deg=curve)
+    return RunScore(
         scores,
         curve_deg=curve,
         axes=found.covariance_axes,
@@ -293,7 +293,7 @@ def _rows(errors: Array, P: Array, count: int, places: Integers, *more: Array) -
 
 
 def errors_of(series: list[list[list[float]]]) -> tuple[Array, Array, Array]:
-    """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R judgements."""
+    """Errors, (R, T, 3), covariances, (R, T, 3, 3), and what is kept beside them, of the series of R runs."""
     values = np.array(series, dtype=float)
     P = np.empty((*values.shape[:2], 3, 3))
     P[..., _UPPER[0], _UPPER[1]] = values[..., 3:_OF_ERROR]

@@ -12,7 +12,7 @@ from typing import Final
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import compare
-from lie_rigid_body.campaign.definition import SCORES_TABLE, Contender
+from lie_rigid_body.campaign.definition import SCORES_TABLE, EstimatorSpec
 from lie_rigid_body.campaign.results import RESUMED, Results
 from lie_rigid_body.campaign.run import ERROR, MAX_ESTIMATOR_S, SCORES, Row
 from lie_rigid_body.campaign.workers import on_a_cluster, on_this_machine
@@ -39,12 +39,12 @@ MAX_FAILURES: Final = 20
 def run_campaign(given: argparse.Namespace) -> int:
     """Carry out the campaign that the arguments give, and return the exit status."""
     campaign = Campaign.from_file(given.campaign)
-    named = [word for one in campaign.contenders.values() for word in words(one.command or "")]
+    named = [word for one in campaign.estimator_specs.values() for word in words(one.command or "")]
     require_outputs({"report": given.report}, [given.campaign, *named], overwrite=given.force, with_figures=True)
     if not Results.is_begun(campaign, Path(given.out)):
         _require_scenarios(campaign, given.campaign)
-    if campaign.contenders:
-        _require_estimators([*campaign.contenders.values()])
+    if campaign.estimator_specs:
+        _require_estimators([*campaign.estimator_specs.values()])
     with Interruption.current().noted() as interruption:
         results = Results(campaign, Path(given.out))
         try:
@@ -65,7 +65,7 @@ def run_campaign(given: argparse.Namespace) -> int:
         return _answer(campaign, results, given)
 
 
-def _require_estimators(contenders: Sequence[Contender]) -> None:
+def _require_estimators(estimator_specs: Sequence[EstimatorSpec]) -> None:
     """Refuse estimators that cannot be imported or take other parameters.
 
     They are imported in a process of its own. In this one libraries would find modules in the working folder from then
@@ -73,15 +73,15 @@ def _require_estimators(contenders: Sequence[Contender]) -> None:
     """
     process = Interpreter()
     try:
-        process.ask(partial(_look_at, contenders), MAX_ESTIMATOR_S)
+        process.ask(partial(_look_at, estimator_specs), MAX_ESTIMATOR_S)
     except (EOFError, TimeoutError) as error:
         raise InputError(f"an estimator {error} when it was imported: import it alone to see why") from None
     finally:
         process.end()
 
 
-def _look_at(contenders: Sequence[Contender]) -> None:
-    for one in contenders:
+def _look_at(estimator_specs: Sequence[EstimatorSpec]) -> None:
+    for one in estimator_specs:
         one.require_parameters()
 
 
@@ -128,7 +128,7 @@ def _carry_out(campaign: Campaign, results: Results, given: argparse.Namespace) 
                 in_a_row = in_a_row + 1 if isinstance(outcome, Exception) else 0
                 if isinstance(outcome, Row):
                     results.add(outcome)
-                    errors.append([judgement["scores"][ERROR] for judgement in outcome.judgements])
+                    errors.append([run_score["scores"][ERROR] for run_score in outcome.run_scores])
                 else:
                     failed[run] = outcome
                 if len(errors) == MAX_FAILURES:  # an estimator that failed in all of them has a mistake
@@ -154,7 +154,7 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     """
     told = [(one.name, error) for of_run in errors for one, error in zip(campaign.entries, of_run, strict=True)]
     scored = {name for name, error in told if error is None}
-    if failed := [name for name in campaign.contenders if name not in scored]:
+    if failed := [name for name in campaign.estimator_specs if name not in scored]:
         first = next(error for name, error in told if name == min(failed) and error is not None)
         reason = first.removesuffix(f": {MEND_IT}").removesuffix(": mend that first")
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
@@ -187,7 +187,7 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
         *([f"not certified: {', '.join(broken[:10])}{', ...' if len(broken) > 10 else ''}"] if broken else []),
     ]
     first: list[str] = []
-    worst_first = [*campaign.contenders.values()]
+    worst_first = [*campaign.estimator_specs.values()]
     if campaign.estimator is not None:
         told.append(_scored(rows))
     elif campaign.estimators:
@@ -207,19 +207,19 @@ def _answer(campaign: Campaign, results: Results, given: argparse.Namespace) -> 
     console.say("\n".join(told), done=f"{path} is written")
     if broken:
         return console.BROKEN
-    _require_scores(campaign, ([scores[ERROR] for scores in row.judgements] for row in rows), "any run")
+    _require_scores(campaign, ([scores[ERROR] for scores in row.run_scores] for row in rows), "any run")
     return console.SUCCESS
 
 
 def _outline(row: Row, *, whole: bool) -> Row:
-    """A row with its scores alone for judgements: of a million runs what only a page tells would take gigabytes."""
-    scores = [judgement["scores"] for judgement in row.judgements]
-    return replace(row, judgements=scores) if whole else replace(row, judgements=scores, parameters={}, residuals={})
+    """A row with the columns of its scores alone: of a million runs what only a page tells would take gigabytes."""
+    scores = [run_score["scores"] for run_score in row.run_scores]
+    return replace(row, run_scores=scores) if whole else replace(row, run_scores=scores, parameters={}, residuals={})
 
 
 def _scored(rows: Sequence[Row]) -> str:
     """How many runs the only estimator is scored in, its median error, and why a run has no score."""
-    scores = [row.judgements[0] for row in rows]
+    scores = [row.run_scores[0] for row in rows]
     totals = [each[SCORES[0]] for each in scores if each[ERROR] is None]
     middle = f", median {median(totals):.3g}° rms" if totals else ""
     reasons = (f"; run {row.run} is not: {each[ERROR]}" for row, each in zip(rows, scores, strict=True) if each[ERROR])

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.comparison import Comparison, Standing
+from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary
 from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, listed
@@ -55,10 +55,10 @@ def as_text(comparison: Comparison) -> str:
 
 def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list[str]:
     """HTML of the answer, with figures and the commands of the worst runs."""
-    shown = [*zip(comparison.standings, cycle(DISTINCT), strict=False)]
+    shown = [*zip(comparison.summaries, cycle(DISTINCT), strict=False)]
     commands = [
         f"{escaped(one.name)}: <code>{escaped(_command(campaign, run))}</code>"
-        for one in comparison.standings
+        for one in comparison.summaries
         for run in one.worst(3)
     ]
     return [
@@ -70,16 +70,16 @@ def sections(campaign: Campaign, comparison: Comparison, varied: Varied) -> list
 
 def _parts(comparison: Comparison) -> list[Part]:
     """Table of the estimators, and sentences on pairs, grids, covariances and failures."""
-    standings = comparison.standings
-    failed = {number for number, one in enumerate(standings) if one.failed.any()}
+    summaries = comparison.summaries
+    failed = {number for number, one in enumerate(summaries) if one.failed.any()}
     return [
-        Table(_COLUMNS, [_cells(one) for one in standings], "Estimators", failed),
+        Table(_COLUMNS, [_cells(one) for one in summaries], "Estimators", failed),
         Sentences([_HEAD]),
         Sentences([*_sentences(comparison)]),
     ]
 
 
-def _cells(one: Standing) -> list[str]:
+def _cells(one: EstimatorSummary) -> list[str]:
     unit, size = ("µs", 1e-6) if one.reading_s < 1e-3 else ("ms", 1e-3)
     bias = one.quantile("gyro_bias_rms_rad_s", 0.5)
     return [
@@ -105,7 +105,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
             f"; {counted(difference.left_out, 'run')} left out, in which one failed" if difference.left_out else ""
         )
         yield f"{difference.sentence(first.name, second.name)}{left_out}."
-    for one in comparison.standings:
+    for one in comparison.summaries:
         if one.points:
             point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
             if not all(np.isnan(each.mean_deg) for each in one.points):
@@ -119,12 +119,12 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield from (f"{one.name}{what}: {v.message}. {v.covered}." for what, v in verdicts.items() if v)
     if best := comparison.best:
         left = f"The sensors of run {best.run} leave a filter {_number(best.rms_deg)}° at best, over many such runs"
-        errors = [(one.name, one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.standings]
+        errors = [(one.name, one.scores["total_rms_deg"][one.runs == best.run][0]) for one in comparison.summaries]
         larger = ", ".join(f"{name} {_number(error / best.rms_deg)}" for name, error in errors)
         yield f"{left}. In that run the errors are so many times as large: {larger}."
     if comparison.has_covariances and not comparison.independent:
         yield "Nothing is said of the covariances: runs have the same noise; draw sensor_seed by run."
-    elif comparison.has_covariances and any(one.covariance for one in comparison.standings):
+    elif comparison.has_covariances and any(one.covariance for one in comparison.summaries):
         if names := comparison.fixed_constants:
             what = f"{listed(names)} {'is' if len(names) == 1 else 'are'} the same in every run"
             remedy = "vary what a filter counts as unknown"
@@ -133,7 +133,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield f"Nothing is said of the covariances: {FEWEST_RUNS} runs that have one are needed, outside of grids."
 
 
-def _at_the_edge(one: Standing) -> Iterator[str]:
+def _at_the_edge(one: EstimatorSummary) -> Iterator[str]:
     """A hint for each parameter whose best value is the smallest or the largest that was tried."""
     for name, values in one.entry.grid.items():
         best = one.entry.parameters[name]
@@ -143,7 +143,7 @@ def _at_the_edge(one: Standing) -> Iterator[str]:
                     yield f"{one.name}: {name} is best at the end of its grid: try {further} ones than {best:g}."
 
 
-def _figures(comparison: Comparison, shown: Sequence[tuple[Standing, str]], varied: Varied) -> Iterator[str]:
+def _figures(comparison: Comparison, shown: Sequence[tuple[EstimatorSummary, str]], varied: Varied) -> Iterator[str]:
     curves = [trace for one, colour in shown if len(one.curve_deg) for trace in _band(comparison.t_s, one, colour)]
     if curves:
         errors = np.concatenate([trace["y"] for trace in curves])
@@ -164,7 +164,7 @@ def _are_numbers(values: Iterable[object]) -> bool:
     return all(type(value) in (int, float) for value in values)
 
 
-def _band(t_s: Array, one: Standing, colour: str) -> Iterator[dict[str, Any]]:
+def _band(t_s: Array, one: EstimatorSummary, colour: str) -> Iterator[dict[str, Any]]:
     """Lines of the median and of the 5th and 95th percentile of the error."""
     known = ~np.isnan(one.curve_deg).all(axis=0)
     for share, width in ((0.05, 0.6), (0.95, 0.6), (0.5, 2.2)):
@@ -180,7 +180,7 @@ def _scale(title: str, values: Array) -> dict[str, Any]:
     return axis(title, rangemode="tozero")
 
 
-def _grid(one: Standing, colour: str) -> str:
+def _grid(one: EstimatorSummary, colour: str) -> str:
     """Mean error of each point of a grid over its first parameter, a line for each choice of the others."""
     name, *others = one.entry.grid
     ranked = [point.parameters[name] for point in one.points]
@@ -206,7 +206,7 @@ def _grid(one: Standing, colour: str) -> str:
     return figure(f"Grid of {one.name}", drawn(traces, xaxis=xaxis, yaxis=yaxis), caption)
 
 
-def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Standing, str]]) -> str:
+def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[EstimatorSummary, str]]) -> str:
     """Error of every run over a parameter that varies."""
     traces = [
         line(

@@ -74,7 +74,7 @@ class OutputFile:
             raise BagError(f"{self.path} cannot be created{why}") from None
 
     def _place(self, overwrite: bool) -> Path:
-        """Where the file will be: at the end of a link, if the path is one."""
+        """Path that the file will have: the end of a link, if it is given one."""
         if self.path.is_dir():
             raise BagError(f"{self.path} is a folder: give the name of a file, or move it away")
         if self.path.is_symlink() and not self.path.exists():

@@ -17,8 +17,8 @@ from campaigns import NEEDS_PARQUET, written
 
 from lie_rigid_body import Estimate, InputError
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.comparison import Comparison, Standing, _fixed_constants, compare
-from lie_rigid_body.campaign.definition import Contender
+from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary, _fixed_constants, compare
+from lie_rigid_body.campaign.definition import EstimatorSpec
 from lie_rigid_body.campaign.results import Results
 from lie_rigid_body.campaign.run import CURVE, ERROR, MORE_SCORES, SCORES, Row, _bias_series
 from lie_rigid_body.cli.campaign import main
@@ -118,8 +118,8 @@ def comparison(folder: Path, said: list[str]) -> Comparison:
     return compare(campaign, Results(campaign, folder / "out").rows())
 
 
-def named(comparison: Comparison) -> dict[str, Standing]:
-    return {one.name: one for one in comparison.standings}
+def named(comparison: Comparison) -> dict[str, EstimatorSummary]:
+    return {one.name: one for one in comparison.summaries}
 
 
 @pytest.fixture(scope="module")
@@ -204,9 +204,9 @@ def test_failures_of_a_point_that_is_not_the_best_are_told_with_their_first_reas
     campaign = Campaign(runs=4, seed=1, duration=1.0, estimators=grid)
     right = {**dict.fromkeys((*SCORES, *MORE_SCORES), 1.0), ERROR: None}
     lost = [{**dict.fromkeys(right), ERROR: f"in run {run}"} for run in range(4)]
-    rows = [Row(run, judgements=[{"scores": right, "reading_s": 1e-6}, {"scores": lost[run]}]) for run in range(4)]
+    rows = [Row(run, run_scores=[{"scores": right, "reading_s": 1e-6}, {"scores": lost[run]}]) for run in range(4)]
     found = compare(campaign, rows)
-    [one] = found.standings
+    [one] = found.summaries
     assert [(point.failures, point.reason) for point in one.points] == [(0, ""), (2, "in run 0")]
     assert one.entry.parameters == {"k": 1}
     assert one.reason == ""
@@ -219,7 +219,7 @@ def test_failures_are_counted_with_their_first_reason(comparison: Comparison) ->
     assert np.flatnonzero(lost.failed).tolist() == [3, 5]
     assert lost.reason == LOST
     assert lost.worst(2) == [3, 5]
-    assert [one.reason for one in comparison.standings if one is not lost] == [""] * 5
+    assert [one.reason for one in comparison.summaries if one is not lost] == [""] * 5
 
 
 def test_what_the_sensors_leave_is_told_of_one_run(comparison: Comparison, said: list[str]) -> None:
@@ -252,7 +252,7 @@ def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder:
     rows = [*Results(campaign, folder / "out").rows()]
     found = compare(replace(campaign, vary={}, parameters={}), rows)
     assert (found.independent, found.has_covariances) == (False, True)
-    assert [one.covariance for one in found.standings] == [None] * 6
+    assert [one.covariance for one in found.summaries] == [None] * 6
     again = [replace(row, parameters={**row.parameters, "sensor_seed": row.run // 2}) for row in rows]
     assert not compare(campaign, again).independent
     assert compare(campaign, rows).independent
@@ -272,10 +272,10 @@ def test_constants_that_no_run_draws_anew_are_told(comparison: Comparison, folde
 
 def test_a_best_point_at_the_edge_of_a_grid_is_told(said: list[str]) -> None:
     assert [line for line in said if line.startswith("tuned: degrees ")]
-    grid = Contender("one", "a:b", grid={"gain": [0.1, 0.3, 1.0], "kind": ["a", "b"]})
+    grid = EstimatorSpec("one", "a:b", grid={"gain": [0.1, 0.3, 1.0], "kind": ["a", "b"]})
     for gain, told in ((0.1, [[0.1]]), (0.3, []), (1.0, [[1.0]])):
-        standing = SimpleNamespace(entry=replace(grid, parameters={"gain": gain, "kind": "a"}), name="one")
-        found = [*campaign_scores._at_the_edge(cast(Any, standing))]
+        summary = SimpleNamespace(entry=replace(grid, parameters={"gain": gain, "kind": "a"}), name="one")
+        found = [*campaign_scores._at_the_edge(cast(Any, summary))]
         assert [numbers(sentence) for sentence in found] == told
 
 
@@ -319,7 +319,7 @@ def test_an_estimator_that_fails_in_every_run_is_named_after_the_table(
 
 
 def test_the_page_draws_errors_over_the_norm_of_a_vector_that_varies(comparison: Comparison) -> None:
-    shown = [(one, "black") for one in comparison.standings]
+    shown = [(one, "black") for one in comparison.summaries]
     varied = {run: {"initial_body_rate": [0.1 * run, 0.0, 1.0], "inertia": [1.0] * 6} for run in range(100)}
     page = "".join(campaign_scores._figures(comparison, shown, varied))
     assert "initial_body_rate" in page

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.run import MAX_ESTIMATOR_S, SCORES, judged, judgements
+from lie_rigid_body.campaign.run import MAX_ESTIMATOR_S, SCORES, run_scores, score_estimator
 from lie_rigid_body.system.interpreters import STARTING_S, Interpreter
 from said import numbers
 
@@ -142,7 +142,7 @@ def campaign_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[st
 
 def here(campaign: Campaign, run: int) -> dict[str, Any]:
     """Scores of its only estimator in a run, called in this process."""
-    return judged(campaign.entries[0], campaign, run).scores
+    return score_estimator(campaign.entries[0], campaign, run).scores
 
 
 @pytest.fixture
@@ -162,7 +162,7 @@ def asked(campaign_of: Callable[[str, int], Campaign]) -> Callable[[str, int], l
 
     def of(function: str, runs: int) -> list[dict[str, Any]]:
         campaign = campaign_of(function, runs)
-        return [judgements(campaign, run)[0]["scores"] for run in range(runs)]
+        return [run_scores(campaign, run)[0]["scores"] for run in range(runs)]
 
     return of
 
@@ -185,7 +185,7 @@ def test_an_estimator_that_changes_its_run_is_given_a_copy(campaign_of: Any) -> 
     entries = {name: {"function": f"some_estimators:{function}"} for name, function in names.items()}
     campaign = replace(campaign_of("right", 1), estimator=None, estimators=entries)
     for entry in campaign.entries:
-        assert float(judged(entry, campaign, 0).scores["total_rms_deg"] or 9.0) < 1e-9
+        assert float(score_estimator(entry, campaign, 0).scores["total_rms_deg"] or 9.0) < 1e-9
 
 
 def test_an_estimate_may_have_stamps_of_its_own(scored: Any) -> None:
@@ -258,7 +258,7 @@ def test_an_estimator_that_spoils_its_process_costs_its_own_scores_only(campaign
     alone = campaign_of("turned", 2)
     beside = replace(alone, estimator=None, estimators=entries)
     for run in range(2):
-        _, moving, right = judgements(beside, run)
+        _, moving, right = run_scores(beside, run)
         assert moving["scores"]["estimator_error"] is None
         assert right["scores"] == here(alone, run)
 
@@ -269,7 +269,7 @@ def test_what_has_no_effect_in_a_run_is_no_warning_of_python(campaign_of: Any) -
     assert idle.scenario_of(0).without_effect
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert judgements(idle, 0)[0]["scores"]["estimator_error"] is None
+        assert run_scores(idle, 0)[0]["scores"]["estimator_error"] is None
 
 
 def test_a_copy_of_the_process_that_comes_back_ends_there(asked: Any) -> None:

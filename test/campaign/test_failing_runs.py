@@ -73,7 +73,7 @@ def test_an_estimator_without_any_score_is_an_error(
     """Also one that cannot be imported on the workers, whose reason ends with a remedy itself."""
     for path in (out / "runs").iterdir():
         row = json.loads(path.read_text())
-        row["judgements"][0]["scores"] |= {**dict.fromkeys(SCORES), ERROR: reason}
+        row["run_scores"][0]["scores"] |= {**dict.fromkeys(SCORES), ERROR: reason}
         path.write_text(json.dumps(row))
     assert main([str(written(tmp_path)), "--out", str(out)]) == 2
     printed = capsys.readouterr()

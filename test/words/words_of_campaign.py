@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from lie_rigid_body.campaign import Campaign
-from lie_rigid_body.campaign.definition import Contender
+from lie_rigid_body.campaign.definition import EstimatorSpec
 from lie_rigid_body.campaign.distributions import Uniforms, distribution
 from lie_rigid_body.campaign.results import Results
 from lie_rigid_body.campaign.run import Row, carry_out
@@ -197,16 +197,16 @@ REFUSED = {
 }
 
 
-def standing(**given):
+def summary(**given):
     """An estimator that is compared, of which nothing is told but what is given."""
-    entry = Contender("tuned", "a:b", parameters={"gain": 1.0}, grid={"gain": [0.1, 1.0]})
+    entry = EstimatorSpec("tuned", "a:b", parameters={"gain": 1.0}, grid={"gain": [0.1, 1.0]})
     nothing = {"points": (), "reason": "", "covariance": None, "gyro_bias": None}
     return SimpleNamespace(name="tuned", entry=entry, runs=np.arange(4), **{**nothing, **given})
 
 
 def compared(**given):
     """What is told below the table of estimators that are compared."""
-    nothing = {"differences": (), "standings": (), "best": None, "has_covariances": False, "independent": True}
+    nothing = {"differences": (), "summaries": (), "best": None, "has_covariances": False, "independent": True}
     return "\n".join(campaign_scores._sentences(SimpleNamespace(**{**nothing, **given})))
 
 
@@ -218,7 +218,7 @@ POINTS = [
 BEST = SimpleNamespace(run=3, rms_deg=0.5)
 TWICE = {"total_rms_deg": np.full(4, 2.0)}
 SAID = [
-    lambda: compared(standings=[standing(points=POINTS)]),
-    lambda: compared(best=BEST, standings=[standing(scores=TWICE)]),
-    lambda: compared(has_covariances=True, standings=[standing(covariance=HONEST)], fixed_constants=["gyro_scale"]),
+    lambda: compared(summaries=[summary(points=POINTS)]),
+    lambda: compared(best=BEST, summaries=[summary(scores=TWICE)]),
+    lambda: compared(has_covariances=True, summaries=[summary(covariance=HONEST)], fixed_constants=["gyro_scale"]),
 ]
