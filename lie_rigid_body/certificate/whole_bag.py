@@ -134,7 +134,5 @@ def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
 
 
 def _unread(bag: Bag | Recording) -> Iterator[str]:
-    for topic in bag.undefined:
-        yield f"the definition of {topic}: none that is compared"
     if bag.without_checksum:
         yield f"bytes that no law reads: parts without a checksum: {bag.without_checksum}"

@@ -64,20 +64,18 @@ def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
 
 def _what_was_wrong(broken: Path, recovery: Recovery) -> str:
     """Sentence about what was wrong with a file; empty if it was whole."""
-    at, damaged, rewritten, found = recovery.broken_at, recovery.damaged, recovery.rewritten, []
-    if at is not None:
+    at = recovery.broken_at
+    found = list[str]()
+    if recovery.in_summary:
+        found.append(f"breaks off in its summary at byte {at}: all messages are whole")
+    elif at is not None:
         gave = f"in the record at byte {at}, which gave {counted(recovery.of_the_last, 'message')}"
         found.append(f"breaks off {'behind a whole record' if at == broken.stat().st_size else gave}")
-    if damaged:
-        found.append(
-            f"has {counted(len(damaged), 'damaged or foreign record')}, left out or taken in part, the first at byte "
-            f"{damaged[0]}"
-        )
-    if rewritten:
-        chunks = f"{counted(len(rewritten), 'chunk')} of more than one compressed frame"
-        found.append(f"has {chunks}, written anew, at byte {rewritten[0]}")
+    if recovery.damaged:
+        left_out = f"has {counted(len(recovery.damaged), 'damaged record')}, left out"
+        found.append(f"{left_out}, the first at byte {recovery.damaged[0]}")
     if recovery.is_altered:
-        found.append("has another checksum or number of messages than it says: some may be altered or missing")
+        found.append("has another checksum than it says: some messages may be altered")
     return f"{printable(str(broken))} {' and '.join(found)}" if found else ""
 
 

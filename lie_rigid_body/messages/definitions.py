@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
-from pathlib import PurePosixPath
 from typing import Final
 
 POSE_STAMPED: Final = "geometry_msgs/msg/PoseStamped"
@@ -89,62 +88,17 @@ def definition(message_type: str) -> str:
     return own + "".join(f"{'=' * 80}\nMSG: {part}\n{_FIELDS[part]}" for part in _PARTS[message_type])
 
 
-def has_fields_of(text: str, message_type: str) -> bool:
-    """Whether a ``ros2msg`` text has the fields of a message type, whatever its comments, constants and defaults.
-
-    Parameters
-    ----------
-    text : str
-    message_type : str
-        One of the names of this module.
-    """
-    return _has_plain_lines(text) and _fields(text, message_type) == _fields(definition(message_type), message_type)
-
-
-def redefined(text: str, message_type: str) -> list[str]:
-    """Types of this module to which a ``ros2msg`` text of any type gives other fields, at least for some readers.
-
-    Readers take a type for the same in all messages of a bag.
-
-    Parameters
-    ----------
-    text : str
-    message_type : str
-    """
-    fields_only = re.sub(r"#[^\n]*", "", text)
-    named = {*map(_normal, (message_type, *re.findall(r"MSG:\s*(\S+)", fields_only)))} & _FIELDS.keys()
-    found = [(_normal(name), fields) for name, fields in _fields(fields_only, message_type)]
-    wrong = {name for name, fields in found if name in named and [(name, fields)] != _fields(_FIELDS[name], name)}
-    unread = named - {name for name, _ in found}
-    return sorted(wrong | unread if _has_plain_lines(fields_only) else named)
-
-
-def _normal(name: str) -> str:
-    """A type's name as readers take it that read it as a path."""
-    return "/".join(part for part in PurePosixPath(name).parts if part not in ("msg", "/"))
-
-
-def _has_plain_lines(text: str) -> bool:
-    """Whether readers agree on where lines end, and with them comments."""
-    return text.splitlines() == text.replace("\r\n", "\n").removesuffix("\n").split("\n")
-
-
-_CONSTANT: Final = re.compile("[A-Z][A-Z0-9_]* ?=")
-"""Name of a constant, and what stands behind it; with names of other letters readers make a field of such a line."""
-
-
 @lru_cache(maxsize=64)
 def _fields(text: str, message_type: str) -> list[tuple[str, list[tuple[str, str]]]]:
-    """Each type of a definition, in alphabetical order, with types and names of its fields; types with packages."""
+    """Each type of a definition with types and names of its fields; types with packages."""
     found = []
-    for part in re.split(r"^=+[ \t\r]*$", text, flags=re.MULTILINE):
-        lines = [line.split("#")[0].split() for line in part.splitlines()]
+    for part in re.split("^=+$", text, flags=re.MULTILINE):
+        lines = [line.split() for line in part.splitlines()]
         name = next((line[1] for line in lines if line[:1] == ["MSG:"] and len(line) > 1), message_type)
         package = name.partition("/")[0]
-        whole = (line for line in lines if len(line) > 1 and line[0] != "MSG:")
-        fields = [line for line in whole if not _CONSTANT.match(" ".join(line[1:]))]
+        fields = [line for line in lines if len(line) > 1 and line[0] != "MSG:"]
         found.append((_full(name, package), [(_full(line[0], package), line[1]) for line in fields]))
-    return sorted(found)
+    return found
 
 
 @lru_cache(maxsize=64)

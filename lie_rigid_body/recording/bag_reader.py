@@ -11,15 +11,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TWIST
-from lie_rigid_body.messages.definitions import TWIST_STAMPED, has_fields_of, redefined
+from lie_rigid_body.messages.definitions import TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_writer import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.bodies import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
     McapContents,
@@ -31,6 +27,7 @@ from lie_rigid_body.recording.mcap_contents import (
     of_types,
     unheard,
 )
+from lie_rigid_body.recording.records import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, UNNAMED
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
@@ -47,9 +44,6 @@ _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
-_KEPT_FREE: Final = 2**25 - 2**16
-"""Bytes that are freed at once for glibc to keep what batches free, not to give it back: just below its 32 MiB
-(mallopt(3), M_MMAP_THRESHOLD)."""
 _MOST_OTHERS: Final = 1000
 """Largest number of topics that are named beside those of the bodies."""
 _RECORDER: Final = "libmcap "
@@ -77,8 +71,6 @@ class BagFacts:
         Messages of the three topics whose time of publishing is not their log time.
     others : tuple of str
         What the bag holds besides, in words: topics and attachments.
-    undefined : tuple of str
-        Topics of the body whose message definition is left out, and all with one in a language that is not compared.
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
@@ -97,7 +89,6 @@ class BagFacts:
     expected_samples: int | None = None
     published_otherwise: int = 0
     others: tuple[str, ...] = ()
-    undefined: tuple[str, ...] = ()
     without_checksum: int = 0
     was_cut_off: bool = False
     sensors: Mapping[str, RawTrack] = field(default_factory=dict)
@@ -237,7 +228,6 @@ class Bag(BagFacts):
             expected_samples=_expected_samples(self._path, contents),
             published_otherwise=sum(track.published_otherwise for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
-            undefined=tuple(t.topic for t in contents.tracks.values() if not _is_defined(self._path, t, body)),
             without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
             sensors={name: track for name, track in body.tracks.items() if name not in BODY_TOPICS},
@@ -277,7 +267,6 @@ class Bag(BagFacts):
 
     def _batched(self, keys: Mapping[str, TrackKey]) -> Iterator[dict[str, list[RawMessages]]]:
         """Messages by their relative names, in whole parts of the files, as many at a time as a batch has at least."""
-        np.empty(_KEPT_FREE, dtype=np.uint8)
         waiting, count = {name: list[RawMessages]() for name in keys}, 0
         parts = self._contents.read({*keys.values()}, self._progress)
         while (found := next(parts, None)) is not None:
@@ -367,28 +356,6 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     if len(besides) > _MOST_OTHERS:
         topics.append(f"{len(besides) - _MOST_OTHERS} more topics, which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
-
-
-def _is_defined(path: Path, track: RawTrack, body: Body) -> bool:
-    """Whether a track has a definition that can be compared, which then must be right; or none that others read.
-
-    That of a body's topic must have the fields of its type, and that of another topic none that are others for the
-    types that it shares with these.
-    """
-    encoding, text = track.definition[0], track.definition[1].decode(errors="replace")
-    is_own = any(track is each for each in body.tracks.values())
-    if encoding != "ros2msg" or not text:
-        return not (is_own or "idl" in encoding)
-    if is_own and not has_fields_of(text, track.message_type):
-        wrong = track.message_type
-    else:
-        wrong = listed(redefined(text, track.message_type))
-    if wrong:
-        raise BagError(
-            f"{path}: topic {track.topic}: the definition of {wrong} is not that of ROS 2, by which others read it: "
-            "restore a copy, or record again"
-        )
-    return True
 
 
 def _expected_samples(path: Path, contents: McapContents) -> int | None:

@@ -27,7 +27,7 @@ from lie_rigid_body.messages.batch import (
     Messages,
 )
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
-from lie_rigid_body.recording.records import RESCUE
+from lie_rigid_body.recording.records import METADATA, RESCUE
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 from lie_rigid_body.system.output_file import DiskQueue, OutputFile, reason, remedy
 
@@ -35,17 +35,8 @@ POSE_TOPIC: Final = "/pose"
 TWIST_TOPIC: Final = "/twist"
 SCENARIO_TOPIC: Final = "/lie_rigid_body/scenario"
 
-METADATA: Final = "lie_rigid_body"
-"""Name of the metadata record that ends a finished bag, with the number of its samples."""
-
-CUT_OFF: Final = "lie_rigid_body_cut_off"
-"""Name of the metadata record that ends a bag recovered of a file that was cut off, with the place where it was."""
-
 LIBRARY: Final = f"{SOFTWARE} {__version__}"
 """Name by which a bag calls its writer."""
-
-REWRITTEN: Final = f"; rewritten by {SOFTWARE} "
-"""Part of the writer's name of a bag that this package rewrote from a recorder's; the recorder's name stands before."""
 
 CHUNK_BYTES: Final = 512 * 1024
 """Default size of a chunk."""
@@ -95,7 +86,7 @@ class BagWriter:
     library : str, optional
         Who wrote it, as its header is to say.
     end : str or None, optional
-        Name of the metadata record that ends it, if one does: `METADATA` or `CUT_OFF`.
+        Name of the metadata record that ends it, if one does: `records.METADATA` or `records.CUT_OFF`.
     rescued : bool, optional
         Whether the part that was written is kept where the rest cannot be.
 

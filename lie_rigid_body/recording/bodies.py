@@ -200,7 +200,9 @@ def _remedy(path: Path, otherwise: str) -> str:
     whole, missing = whole_of(path), missing_beside(path)
     if whole is not None:
         return f"it is one file of a bag that was split: give the folder {whole}"
-    return f"restore {missing} if it is one file of a bag that was split, or record it" if missing else otherwise
+    if missing is not None:
+        return f"restore file {missing} of a bag that was split, if it is one of that, or record it"
+    return otherwise
 
 
 def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
@@ -67,26 +66,6 @@ class RawMessages:
     def __len__(self) -> int:
         return len(self.sizes)
 
-    @classmethod
-    def regrouped(cls, parts: Iterable[RawMessages], count: int) -> Iterator[RawMessages]:
-        """Messages that follow each other, at least so many at a time and less than twice as many, but for the last."""
-        waiting, held = list[RawMessages](), 0
-        for part in parts:
-            waiting.append(part)
-            held += len(part)
-            if held >= count:
-                yield from cls.joined(waiting)._in_pieces(held // count)
-                waiting, held = [], 0
-        if waiting:
-            yield cls.joined(waiting)
-
-    def _in_pieces(self, count: int) -> Iterator[RawMessages]:
-        bytes_before = np.append(0, np.cumsum(self.sizes))
-        bounds = np.linspace(0, len(self), count + 1).astype(np.int64).tolist()
-        for begin, end in itertools.pairwise(bounds):
-            data = self.data[bytes_before[begin] : bytes_before[end]]
-            yield RawMessages(data, self.sizes[begin:end], self.log_times_ns[begin:end])
-
     def payloads(self) -> Iterator[tuple[int, bytes]]:
         """Log time, ns, and bytes of each message."""
         ends = np.cumsum(self.sizes)
@@ -128,16 +107,6 @@ class RawTrack:
         return self.topic, self.message_type
 
 
-@short_dataclass(frozen=True)
-class FileSpan:
-    """Number of messages in a file, and from when to when they were logged, ns."""
-
-    name: str
-    count: int
-    first_ns: int
-    last_ns: int
-
-
 def of_types(types: Container[str]) -> Wanted:
     """Want the messages of some types, whatever their topics."""
     return lambda topic, message_type: message_type in types
@@ -167,13 +136,12 @@ class McapContents:
     metadata : dict of str to dict
         Metadata records by name.
     attachments : int
-    files : list of FileSpan
+    last_ns : int
+        The latest log time, ns.
     again : list of callable
         For each file, which was found whole, a function that reads the messages of some tracks in it again.
     without_checksum : int
         Chunks, or files without chunks, whose bytes stand under no checksum.
-    are_indexed : set of bool
-        Whether chunks have indexes of their messages.
     """
 
     wanted: Wanted = nothing
@@ -182,10 +150,9 @@ class McapContents:
     tracks: dict[TrackKey, RawTrack] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: int = 0
-    files: list[FileSpan] = field(default_factory=list)
+    last_ns: int = 0
     again: list[Callable[[Collection[TrackKey], Progress], Iterator[Found]]] = field(default_factory=list)
     without_checksum: int = 0
-    are_indexed: set[bool] = field(default_factory=set)
 
     def read(self, keys: Collection[TrackKey], progress: Progress = unheard) -> Iterator[Found]:
         """Messages of some tracks, part by part, perhaps among others: those that were kept, or else read again.

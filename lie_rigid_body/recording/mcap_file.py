@@ -232,10 +232,18 @@ class McapFile:
         for part in parts:
             self._write(part)
 
+    def add_messages(self, table: MessageTable) -> None:
+        """Write messages outside of chunks."""
+        self.summary.add_messages(table)
+        self._write(table.data)
+
     def add(self, record: Schema | Channel | Metadata | Attachment) -> None:
-        """Write a record outside of chunks."""
+        """Write another record outside of chunks."""
         data = record_bytes(record)
-        self.summary.add(record, self._position, len(data))
+        if isinstance(record, Schema | Channel):
+            self.summary.declare(record)
+        else:
+            self.summary.add_index(record, self._position, len(data))
         self._write(data)
 
     def finish(self) -> None:

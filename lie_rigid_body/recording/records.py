@@ -14,34 +14,14 @@ from typing import Any, ClassVar, Final, NamedTuple, TypeAlias
 
 import numpy as np
 from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import (
-    Attachment,
-    AttachmentIndex,
-    Channel,
-    Chunk,
-    ChunkIndex,
-    Footer,
-    Header,
-    McapRecord,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-    SummaryOffset,
-)
+from mcap.records import Attachment, Channel, Chunk, Header, McapRecord, Metadata, Schema
 from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.errors import BagError, InputError
-from lie_rigid_body.system.bounded_input import (
-    LARGEST_ATTACHMENT,
-    LARGEST_CHUNK,
-    LARGEST_DEFINITION,
-    LARGEST_METADATA,
-    LONGEST_NAME,
-    open_file,
-)
+from lie_rigid_body.system.bounded_input import LARGEST_CHUNK, LARGEST_DEFINITION, open_file
 from lie_rigid_body.system.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
@@ -50,6 +30,12 @@ RESCUE: Final = "'lie-rigid-body recover BROKEN -o FIXED'"
 """The command that makes a whole bag of one that was cut off. ``ros2 bag reindex`` is none: it mends nothing."""
 CHANGED: Final = "changed while it was read: try again when nobody writes it"
 """What is said of a file behind its path."""
+METADATA: Final = "lie_rigid_body"
+"""Name of the metadata record that ends a finished bag, with the number of its samples."""
+CUT_OFF: Final = "lie_rigid_body_cut_off"
+"""Name of the metadata record that ends a bag recovered of a file that was cut off, with the place where it was."""
+REWRITTEN: Final = "; rewritten by lie_rigid_body "
+"""Part of the writer's name of a bag that this package rewrote from a recorder's; the recorder's name stands before."""
 RECORD_HEAD: Final = struct.Struct("<BQ")
 """Opcode of a record and length of its content."""
 HEAD: Final = np.dtype(
@@ -63,62 +49,58 @@ HEAD: Final = np.dtype(
     ]
 )
 """Fields before the payload of a message record."""
-MESSAGE: Final = struct.Struct("<HIQQ")
-"""Channel, sequence, log time and publish time at the beginning of the content of a message."""
-LAST_TIME: Final = 2**63 - 1
+MAX_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
-LARGEST_RECORD: Final = LARGEST_CHUNK + 2**16
-"""Largest size of a record, bytes."""
-_CRC_SIZE: Final = 4
-"""Bytes of the checksum at the end of an attachment."""
+MAX_RECORD_BYTES: Final = LARGEST_CHUNK + 2**16
+"""Largest size of a record."""
 NO_HINTS: Final = np.empty(0, dtype=np.int64)
-Rows: TypeAlias = NDArray[np.uint64]
-"""Log time, ns, and place in the uncompressed chunk of each message, shape (N, 2), as an index has them."""
+WITH_MESSAGES: Final = (Opcode.CHUNK, Opcode.MESSAGE)
+"""Records that are messages or contain them."""
+_TOGETHER: Final[dict[tuple[int, int], int]] = {
+    (Opcode.CHUNK, Opcode.MESSAGE_INDEX): MAX_RECORD_BYTES,
+    (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
+}
+"""Reach in bytes, by kinds of records: records of these kinds within it are read together with the first."""
+_INDEX_HEAD: Final = struct.Struct("<HI")
+"""Channel of a message index, and bytes of its rows."""
+_LARGE: Final = (Chunk, Attachment)
+"""Records with data beside their fields."""
 _KINDS: Final[dict[int, type[McapRecord]]] = {
     Opcode.HEADER: Header,
-    Opcode.FOOTER: Footer,
     Opcode.SCHEMA: Schema,
     Opcode.CHANNEL: Channel,
     Opcode.CHUNK: Chunk,
     Opcode.METADATA: Metadata,
     Opcode.ATTACHMENT: Attachment,
-    Opcode.STATISTICS: Statistics,
-    Opcode.CHUNK_INDEX: ChunkIndex,
-    Opcode.ATTACHMENT_INDEX: AttachmentIndex,
-    Opcode.METADATA_INDEX: MetadataIndex,
-    Opcode.SUMMARY_OFFSET: SummaryOffset,
 }
-_LIMITS: Final = {
-    (Schema, "data"): LARGEST_DEFINITION,
-    (Channel, "metadata"): LARGEST_METADATA,
-    (Metadata, "metadata"): LARGEST_METADATA,
-    (Attachment, "data"): LARGEST_ATTACHMENT,
-}
-"""Largest sizes of the fields that are no names, bytes, where that of the record is not enough."""
+UNREADABLE: Final = (EOFError, LookupError, McapError, OverflowError, ValueError, struct.error)
+"""Errors that the `mcap` library's parsers raise on damaged bytes."""
+Rows: TypeAlias = NDArray[np.uint64]
+"""Log time, ns, and place in the uncompressed chunk of each message, shape (N, 2), as an index has them."""
 
 
-class ContradictionError(ValueError):
+class DamageError(ValueError):
     """A file that does not hold what it says of itself. The message says what."""
 
-    sentence: ClassVar = "is damaged at byte {at}: {what}: restore a copy, or record again"
+    sentence: ClassVar = f"is damaged at byte {{at}}: {{what}}: rescue what is whole with {RESCUE}"
 
 
-class ExcessError(ContradictionError):
+class ExcessError(DamageError):
     """A file that holds more than is read. The message says what."""
 
     sentence: ClassVar = "has at byte {at} {what}, more than is read: record it again"
 
 
-class UnknownCompressionError(ContradictionError):
+class UnknownCompressionError(DamageError):
     """A chunk that is compressed in a way that is not known here. The message names it."""
 
     sentence: ClassVar = "is compressed with {what}, which is unknown here: rewrite it with 'mcap compress'"
 
 
 def require(holds: bool, otherwise: str) -> None:
-    """Raise what is otherwise a contradiction."""
+    """Raise what is otherwise a damage."""
     if not holds:
-        raise ContradictionError(otherwise)
+        raise DamageError(otherwise)
 
 
 class Place(NamedTuple):
@@ -144,8 +126,9 @@ class FileBytes:
     """
 
     def __init__(self, path: Path) -> None:
+        self.path = path
         try:
-            self.path, self._stream = path, open_file(path)
+            self._stream = open_file(path)
         except InputError as error:
             raise BagError(str(error)) from None
         except FileNotFoundError:
@@ -183,50 +166,57 @@ def records(data: bytes | FileBytes, position: int = 0, end: int | None = None) 
     end = len(data) if end is None else end
     while position + RECORD_HEAD.size <= end:
         opcode, length = RECORD_HEAD.unpack(data[position : position + RECORD_HEAD.size])
-        start, begin, position = position, position + RECORD_HEAD.size, position + RECORD_HEAD.size + length
+        start = position
+        begin = start + RECORD_HEAD.size
+        position = begin + length
         if opcode == 0 or position > end:
             return
         yield Place(opcode, start, begin, position)
 
 
-class _Content(BytesIO):
-    """Content of a record: what is said to reach beyond its end is a contradiction, and not cut off there."""
+def parts(file: FileBytes) -> Iterator[Place]:
+    """Whole records of a file up to its footer, some together: a chunk with its indexes, and messages in no chunk.
 
-    def __init__(self, content: bytes) -> None:
-        super().__init__(content)
-        self._size = len(content)  # a view of the buffer would be a copy
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        left = self._size - self.tell()
-        require(size is None or size <= left, "a length in a record reaches beyond its end")
-        return super().read(size)
+    The opcode is that of the first record of a part, and its content begins where that of the first one does.
+    """
+    part: Place | None = None
+    for place in records(file, len(MAGIC)):
+        if part is not None and place.end - part.start <= _TOGETHER.get((part.opcode, place.opcode), 0):
+            part = part._replace(end=place.end)
+            continue
+        if part is not None:
+            yield part
+        part = place
+        if place.opcode == Opcode.FOOTER:
+            break
+    if part is not None:
+        yield part
 
 
 def parsed(opcode: int, content: bytes) -> Any:
-    """Record of the `mcap` library of some kind and content; None of a kind that it does not know."""
+    """Record of the `mcap` library of some kind and content; None of a kind of which nothing is read.
+
+    Bytes behind its fields belong to versions of the format to come.
+
+    Raises
+    ------
+    DamageError
+        If it is none of its kind, or larger than is read.
+    """
     kind: Any = _KINDS.get(opcode)
-    record = kind and kind.read(ReadDataStream(_Content(content)))
-    for name, value in vars(record).items() if record else ():
-        limit = LONGEST_NAME if isinstance(value, str) else _LIMITS.get((kind, name), len(content))
-        if (size := size_of(value)) > limit:
-            raise ExcessError(f"a {name} of {size} bytes in a {kind.__name__.lower()}")
-        if isinstance(value, dict):  # maps are read beyond their ends
-            require(
-                content.startswith(record_bytes(record)[RECORD_HEAD.size :]),
-                f"the {name} of a {kind.__name__.lower()} have another length than is said",
-            )
-    if isinstance(record, Attachment):
-        own = record_bytes(record)[RECORD_HEAD.size :]
-        declared = content[len(own) - _CRC_SIZE : len(own)]
-        require(declared in (bytes(_CRC_SIZE), own[-_CRC_SIZE:]), "the crc of an attachment is another one")
+    if kind is None:
+        return None
+    name = kind.__name__.lower()
+    if kind not in _LARGE and len(content) > LARGEST_DEFINITION:
+        raise ExcessError(f"a {name} of {len(content)} bytes")
+    try:
+        record = kind.read(ReadDataStream(BytesIO(content)))
+    except UNREADABLE:
+        raise DamageError(f"a record that is no {name}") from None
+    # the library takes the end of the content for that of a field
+    is_whole = kind in _LARGE or content.startswith(record_bytes(record)[RECORD_HEAD.size :])
+    require(is_whole, f"the fields of a {name} have other lengths than they say")
     return record
-
-
-def size_of(value: object) -> int:
-    """Size of a name, a definition or metadata: of texts the characters, 0 of a number."""
-    if isinstance(value, dict):
-        return sum(size_of(name) + size_of(text) for name, text in value.items())
-    return len(value) if isinstance(value, str | bytes) else 0
 
 
 def record_bytes(*records: McapRecord) -> bytes:
@@ -247,13 +237,13 @@ class MessageTable:
         The records.
     starts : ndarray of int64, shape (N,)
         Where the record of each message begins.
-    others : tuple of Place
-        The records that are no messages, or too short to be one, where they were looked for.
+    definitions : tuple of Place
+        The schemas and channels among them, where they were looked for.
     """
 
     data: bytes
     starts: Integers
-    others: tuple[Place, ...] = ()
+    definitions: tuple[Place, ...] = ()
 
     @cached_property
     def heads(self) -> NDArray[np.void]:
@@ -268,16 +258,17 @@ class MessageTable:
 
     @cached_property
     def span_ns(self) -> tuple[int, int]:
-        """The earliest and the latest log time, ns; `LAST_TIME` and 0 without messages."""
+        """The earliest and the latest log time, ns; `MAX_TIME` and 0 without messages."""
         times = self.heads["log_time"].view(np.int64)
-        return int(times.min(initial=LAST_TIME)), int(times.max(initial=0))
+        return int(times.min(initial=MAX_TIME)), int(times.max(initial=0))
 
     @cached_property
     def index(self) -> dict[int, Rows]:
         """Rows of each channel that has messages, in their order; the channels in that of their first messages."""
         order = np.argsort(self.heads["channel"], kind="stable")
         rows = np.empty((len(order), 2), dtype="<u8")
-        rows[:, 0], rows[:, 1] = self.heads["log_time"][order], self.starts[order]
+        rows[:, 0] = self.heads["log_time"][order]
+        rows[:, 1] = self.starts[order]
         counts = np.bincount(self.heads["channel"])
         channels = np.flatnonzero(counts)
         parts = zip(channels.tolist(), np.split(rows, np.cumsum(counts[channels])[:-1]), strict=False)
@@ -287,21 +278,35 @@ class MessageTable:
         """Refuse times beyond 64 bits with a sign."""
         for name in ("log_time", "publish_time"):
             latest = int(self.heads[name].max(initial=0))
-            require(latest <= LAST_TIME, f"the {name} of a message is {latest} ns, beyond {LAST_TIME}")
+            require(latest <= MAX_TIME, f"the {name} of a message is {latest} ns, beyond {MAX_TIME}")
 
 
-def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
-    """Find the messages among records, and the other records.
+def chunk_of(raw: bytes) -> tuple[Chunk | None, Integers]:
+    """Chunk of a part of a file, and the places that the indexes behind it name; None and no places of messages."""
+    if raw[0] != Opcode.CHUNK:
+        return None, NO_HINTS
+    first, *behind = records(raw)
+    hints = [_index(raw[place.begin : place.end]) for place in behind]
+    return parsed(Opcode.CHUNK, raw[first.begin : first.end]), np.concatenate([NO_HINTS, *hints])
+
+
+def _index(content: bytes) -> Integers:
+    """Places in a message index, as far as it is whole."""
+    _, size = _INDEX_HEAD.unpack(content[: _INDEX_HEAD.size].ljust(_INDEX_HEAD.size, b"\0"))
+    rows = content[_INDEX_HEAD.size : _INDEX_HEAD.size + size]
+    return np.frombuffer(rows[: len(rows) // 16 * 16], "<i8")[1::2]
+
+
+def find_messages(data: bytes, hints: Integers = NO_HINTS) -> MessageTable:
+    """Find the messages and definitions among records; those of other kinds are left to others.
 
     Parameters
     ----------
     data : bytes
         Records one after the other.
-    hints : ndarray of int64
+    hints : ndarray of int64, optional
         Bytes where messages may begin, as indexes say: of those there, no record has to be looked at one by one.
         Wrong ones cost time only.
-    most : int
-        Largest number of records that may be found.
 
     Returns
     -------
@@ -310,36 +315,37 @@ def find_messages(data: bytes, hints: Integers, most: int) -> MessageTable:
 
     Raises
     ------
-    ExcessError
-        If there are more records.
+    DamageError
+        If a message is too short to be one.
     """
     hinted = _hinted(data, hints)
-    others, starts, left, end = list[Place](), array("q"), most - len(hinted.starts), len(data)
-    before, behind = np.append(0, hinted.ends), np.append(hinted.starts, end)
+    definitions = list[Place]()
+    starts = array("q")
+    end = len(data)
+    before = np.append(0, hinted.ends)
+    behind = np.append(hinted.starts, end)
     for gap in np.flatnonzero(before != behind).tolist():
         position = int(before[gap])
         for place in records(data, position, int(behind[gap])):
-            position, left = place.end, left - 1
-            if left < 0:
-                raise ExcessError("too many records in chunks for its size")
-            if place.opcode == Opcode.MESSAGE and place.end - place.begin >= MESSAGE.size:
+            position = place.end
+            if place.opcode == Opcode.MESSAGE:
+                require(place.end - place.start >= HEAD.itemsize, "a message record is too short")
                 starts.append(place.start)
-            else:
-                others.append(place)
+            elif place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                definitions.append(place)
         if position != behind[gap] and len(hinted.starts):
-            return find_messages(data, NO_HINTS, most)
+            return find_messages(data)
         if position != behind[gap]:
             end = position
-    if not (starts or others) and end == len(data):
-        return hinted
     found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]))
-    return MessageTable(data[:end], found, tuple(others))
+    return MessageTable(data[:end], found, tuple(definitions))
 
 
 def _hinted(data: bytes, hints: Integers) -> MessageTable:
     """Table of the messages to which hints point, perhaps within each other; empty if what stands there is none."""
     table = MessageTable(data, np.sort(hints))
     is_within = len(hints) and table.starts[0] >= 0 and table.starts[-1] <= len(data) - HEAD.itemsize
-    if is_within and ((table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= MESSAGE.size)).all():
+    least = HEAD.itemsize - RECORD_HEAD.size
+    if is_within and ((table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= least)).all():
         return table
     return MessageTable(data, NO_HINTS)

@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.recording.bag_files import BagFiles, left_out
+from lie_rigid_body.recording.bag_files import recording_files
 from lie_rigid_body.recording.recovery import NothingWholeError, Recovery, recover
 from lie_rigid_body.system.output_file import reason
 from lie_rigid_body.system.portable import real_path
@@ -32,10 +32,9 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
     Raises
     ------
     BagError
-        If the folder is none of one bag, its metadata name files outside of it, nothing is whole, or the new one cannot
-        be written.
+        If the folder is none of one bag, nothing is whole, or the new one cannot be written.
     """
-    files = BagFiles(broken).files
+    files = recording_files(broken)
     _make(broken, fixed)
     found, whole = dict[Path, Recovery | NothingWholeError](), 0
     try:
@@ -50,8 +49,6 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
     except BaseException:
         shutil.rmtree(fixed, ignore_errors=True)
         raise
-    for name in left_out(broken, [file.name for file in files]):
-        found[broken / name] = NothingWholeError(f"{broken / name} is none of the bag's files: recover it by itself")
     return found
 
 

@@ -1,52 +1,44 @@
-"""Recovering the whole messages of an MCAP file that was cut off, into a new file that is whole."""
+"""Recovering the whole messages of an MCAP file that was cut off or damaged, into a new file that is whole."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import zlib
 from contextlib import closing, suppress
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import BinaryIO, Final
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
+from mcap.records import Attachment, Channel, Chunk, Footer, Header, Metadata, Schema
 
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
-from lie_rigid_body.recording.bag_writer import CUT_OFF
-from lie_rigid_body.recording.damaged_file import DamagedFile
-from lie_rigid_body.recording.inflation import NotOneFrameError, inflated, most_records, other_format, salvaged
+from lie_rigid_body.recording.inflation import decompress, decompress_partial, other_format
 from lie_rigid_body.recording.mcap_file import McapFile, compressed
 from lie_rigid_body.recording.records import (
-    HEAD,
-    LARGEST_RECORD,
-    LAST_TIME,
+    CUT_OFF,
     MAGIC,
-    MESSAGE,
-    NO_HINTS,
+    MAX_RECORD_BYTES,
     RECORD_HEAD,
-    ContradictionError,
+    UNREADABLE,
+    DamageError,
+    ExcessError,
     FileBytes,
-    MessageTable,
     Place,
+    chunk_of,
     find_messages,
     parsed,
+    parts,
     record_bytes,
+    records,
     require,
 )
-from lie_rigid_body.recording.sound_records import DAMAGE, OUTSIDE, begins, sound
-from lie_rigid_body.system.bounded_input import LONGEST_NAME
 from lie_rigid_body.system.output_file import require_other, written
 
-_LOOSE_BYTES: Final = 256 * 1024
-"""Size of the chunks into which messages are put that are in none."""
-_PLAIN: Final = 40
-"""Bytes before the data in the record of a chunk that has no compression."""
-_OF_CHUNKS: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
-_ZEROS: Final = 64
-"""Zeros in which no compressed data end."""
+_FOOTER_BYTES: Final = len(record_bytes(Footer(0, 0, 0))) + len(MAGIC)
+"""Bytes of the footer, and of what follows it."""
 
 
 class NothingWholeError(BagError):
@@ -68,11 +60,10 @@ class Recovery:
         How many of the messages come from that record.
     damaged : tuple of int
         Where records begin that are left out, or of which a part is, because their content is damaged.
-    rewritten : tuple of int
-        Where chunks begin that were more than one compressed frame; they are whole, and written without compression.
+    in_summary : bool
+        Whether it breaks off behind its data, so that all messages are whole.
     is_altered : bool
-        Whether the checksum of its data or of its summary, or the number of messages in that, is another one, though no
-        record is known to be damaged.
+        Whether the checksum of its data is another one, though no record is known to be damaged.
     """
 
     messages: int
@@ -81,12 +72,15 @@ class Recovery:
     broken_at: int | None
     of_the_last: int
     damaged: tuple[int, ...]
-    rewritten: tuple[int, ...] = ()
+    in_summary: bool = False
     is_altered: bool = False
 
 
 def recover(broken: Path, fixed: Path, *, overwrite: bool) -> Recovery:
     """Write every whole message of a file into a new one, which is whole.
+
+    Whole records are taken in order, up to the first place where none stands. A chunk that is damaged is left out. Of
+    an unfinished chunk at the end it takes what can be decompressed. Definitions that are lost come from the summary.
 
     Parameters
     ----------
@@ -121,220 +115,127 @@ class _Salvage:
     """One file, read from its start to where it breaks off, and written anew."""
 
     def __init__(self, given: FileBytes, out: BinaryIO) -> None:
-        self._given, header = given, Header(profile="ros2", library="")
-        first = sound(given, len(MAGIC))
-        if first and first.opcode == Opcode.HEADER:
-            with suppress(*DAMAGE):
-                header = parsed(Opcode.HEADER, given[first.begin : min(first.end, first.begin + 8 * LONGEST_NAME)])
-        self._file, self._records_left = McapFile(out, header), most_records(len(given))
-        self._there, self._loose = DamagedFile(given, self._declared), bytearray()
-        self._damaged, self._rewritten = [0] * (given[: len(MAGIC)] != MAGIC), list[int]()
-        self._knows_all = self._is_altered = False
-        self._in_part: tuple[Chunk, int, int] | None = None
+        self._given = given
+        if given[: len(MAGIC)] != MAGIC:
+            hint = other_format(given[:16]) or "it does not begin as one: give a bag"
+            raise NothingWholeError(f"{given.path} is not an MCAP file: {hint}")
+        header = Header(profile="ros2", library="")
+        for first in parts(given):
+            if first.opcode == Opcode.HEADER:
+                with suppress(DamageError):
+                    header = parsed(Opcode.HEADER, given[first.begin : min(first.end, first.begin + MAX_RECORD_BYTES)])
+            break
+        self._file = McapFile(out, header)
+        self._damaged = list[int]()
+        self._unread: NothingWholeError | None = None
+        self._crc = zlib.crc32(MAGIC)
+        self._is_altered = False
 
     def run(self) -> Recovery:
         """Recover what there is."""
-        end, is_whole = self._take_whole_records()
-        found = self._file.summary
-        before = found.counts.total()
-        if not is_whole:
-            self._take_part(end, len(self._given), is_last=True)
-            self._file.add(Metadata(CUT_OFF, {"broken_at": str(end)}))
-        if not found.counts:
-            lost = "is damaged in the definitions of its topics" if self._there.messages else "holds no whole message"
-            lost = lost if self._given[: len(MAGIC)] == MAGIC else "does not begin as an MCAP file, nor holds a message"
-            hint = (other := other_format(self._given[:16])) and f"is not an MCAP file: {other}"
-            raise NothingWholeError(f"{self._given.path} {hint or f'{lost}: record it again'}")
+        summary = self._file.summary
+        last = Place(0, 0, 0, len(MAGIC))
+        in_summary = False
+        for part in parts(self._given):
+            if not in_summary:
+                self._take(part)
+            in_summary |= part.opcode == Opcode.DATA_END
+            last = part
+        is_whole = last.opcode == Opcode.FOOTER and self._given[last.end : last.end + len(MAGIC)] == MAGIC
+        before = summary.counts.total()
+        broken_at = last.end
+        if not (is_whole or in_summary):
+            rest = Place(0, last.end, last.end + RECORD_HEAD.size, len(self._given))
+            if self._damaged[-1:] == [last.start] and not self._is_chunk(rest):  # zeros may stand from its midst on
+                broken_at = self._damaged.pop()
+                rest = last
+            self._take_part(rest)
+            self._file.add(Metadata(CUT_OFF, {"broken_at": str(broken_at)}))
+        if not summary.counts:
+            whole = "is whole, and holds no message: there is nothing to recover"
+            lost = "holds no whole message: record it again"
+            raise self._unread or NothingWholeError(f"{self._given.path} {whole if is_whole else lost}")
         self._file.finish()
         return Recovery(
-            found.counts.total(),
-            len(found.channels),
-            (found.first_ns, found.last_ns),
-            None if is_whole else end,
-            found.counts.total() - before,
-            tuple(self._damaged),
-            tuple(self._rewritten),
-            self._is_altered,
+            messages=summary.counts.total(),
+            topics=len({channel.topic for channel in summary.channels.values()}),
+            log_times_ns=(summary.first_ns, summary.last_ns),
+            broken_at=None if is_whole else broken_at,
+            of_the_last=summary.counts.total() - before,
+            damaged=tuple(self._damaged),
+            in_summary=in_summary and not is_whole,
+            is_altered=self._is_altered and not self._damaged,
         )
 
-    def _take_whole_records(self) -> tuple[int, bool]:
-        """Take record after record; return where the last ends, and whether the file does."""
-        end, opcode, data_ended = len(MAGIC), 0, False
-        for place in self._there.places():
-            if self._in_part and place.opcode in _OF_CHUNKS and place.end <= self._in_part[2]:
-                end = place.end  # it was in the chunk before
-                continue
-            self._take_in_part(place.start)
-            if place.start != end:
-                self._leave_out(end)
-                self._take_part(end, place.start)
-            data_ended = place.opcode == Opcode.DATA_END or (data_ended and place.start == end)
-            if place.opcode == Opcode.DATA_END and not self._damaged:
-                self._is_altered |= not self._there.agrees(place)
-            if not (data_ended or self._is_taken(place)):
-                self._leave_out(place.start)
-                self._there.doubt(place)
-            end, opcode = place.end, place.opcode
-        self._take_in_part(len(self._given))
-        self._close_loose()
-        return end, opcode == Opcode.FOOTER
+    def _take(self, part: Place) -> None:
+        """Take a part of the data section, or leave it out and note where."""
+        try:
+            if part.end - part.start > MAX_RECORD_BYTES + RECORD_HEAD.size:
+                raise ExcessError(f"a record of {part.end - part.start} bytes")
+            raw = self._given[part.start : part.end]
+            if part.opcode == Opcode.DATA_END:
+                self._is_altered = int.from_bytes(raw[9:13], "little") not in (0, self._crc)
+                return
+            self._crc = zlib.crc32(raw, self._crc)
+            self._add(part, raw)
+        except DamageError as error:
+            self._declare()
+            self._damaged.append(part.start)
+            if type(error) is not DamageError:
+                told = error.sentence.format(at=part.start, what=error)
+                self._unread = self._unread or NothingWholeError(f"{self._given.path} {told}")
 
-    def _leave_out(self, at: int) -> None:
-        """Leave out a damaged record; what it may have declared is declared as elsewhere."""
-        self._declare()
-        self._damaged.append(at)
-
-    def _declared(self) -> Mapping[int, Channel]:
-        """Channels that are declared, when all are that any record declares."""
-        self._declare()
-        return self._file.summary.channels
+    def _add(self, part: Place, raw: bytes) -> None:
+        if part.opcode == Opcode.CHUNK:
+            chunk, hints = chunk_of(raw)
+            assert chunk is not None
+            data = decompress(chunk)
+            table = find_messages(data, hints)
+            require(len(table.data) == len(data), "a record in a chunk is not whole")
+            first_ns, last_ns = table.span_ns if len(table.starts) else (0, 0)
+            self._file.add_chunk(replace(chunk, message_start_time=first_ns, message_end_time=last_ns), table)
+            return
+        if part.opcode == Opcode.MESSAGE:
+            self._file.add_messages(find_messages(raw))
+            return
+        record = parsed(part.opcode, raw[RECORD_HEAD.size :])
+        if isinstance(record, Schema | Channel | Metadata | Attachment):
+            self._file.add(record)
 
     def _declare(self) -> None:
-        """Declare what any record declares, as far as it is not known; once."""
-        known: Any = {Opcode.SCHEMA: self._file.summary.schemas, Opcode.CHANNEL: self._file.summary.channels}
-        places, self._knows_all = () if self._knows_all else self._definitions(), True
-        for opcode, content in places:
-            with suppress(*DAMAGE):
-                record = parsed(opcode, content)
-                if record.id not in known[opcode]:
+        """Declare what the summary declares, as far as it is not known: a chunk may be lost that declared it."""
+        footer = self._given[len(self._given) - _FOOTER_BYTES :][RECORD_HEAD.size :]
+        begin = int.from_bytes(footer[:8], "little")
+        known = self._file.summary
+        for place in records(self._given, begin) if begin else ():
+            with suppress(DamageError):
+                if place.opcode not in (Opcode.SCHEMA, Opcode.CHANNEL) or place.end - place.begin > MAX_RECORD_BYTES:
+                    continue
+                record = parsed(place.opcode, self._given[place.begin : place.end])
+                declared: dict[int, Schema] | dict[int, Channel] = known.schemas
+                if isinstance(record, Channel):
+                    declared = known.channels
+                if record.id not in declared:
                     self._file.add(record)
 
-    def _definitions(self) -> Iterator[tuple[int, bytes]]:
-        """Kinds and contents of definitions in the summary, or without one in chunks, and then in none."""
-        kinds, outside, repeated = (Opcode.SCHEMA, Opcode.CHANNEL), list[Place](), self._there.repeated
-        yield from ((opcode, content) for (opcode, _), content in repeated.items())
-        for place in self._there.places():
-            if place.end - place.begin > LARGEST_RECORD:
-                continue
-            if place.opcode in kinds:
-                outside.append(place)
-            elif place.opcode == Opcode.CHUNK and not repeated:
-                try:
-                    data = inflated(parsed(place.opcode, self._given[place.begin : place.end]))
-                    found = find_messages(data, NO_HINTS, self._records_left).others
-                    yield from ((own.opcode, data[own.begin : own.end]) for own in found if own.opcode in kinds)
-                except DAMAGE:
-                    self._there.doubt(place)
-        yield from ((place.opcode, self._given[place.begin : place.end]) for place in outside)
+    def _is_chunk(self, part: Place) -> bool:
+        return self._given[part.start : part.start + 1] == bytes([Opcode.CHUNK])
 
-    def _is_taken(self, place: Place) -> bool:
-        """Take a record; whether it is not damaged. The error that tells so would keep its bytes."""
-        try:
-            self._take(place)
-        except DAMAGE:
-            return False
-        return True
+    def _take_part(self, part: Place) -> None:
+        """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be decompressed.
 
-    def _take(self, place: Place) -> None:
-        require(place.end - place.begin <= LARGEST_RECORD, "a record is larger than what is read")
-        content = self._given[place.begin : place.end]
-        if place.opcode != Opcode.MESSAGE or len(self._loose) > _LOOSE_BYTES:
-            self._close_loose()
-        if place.opcode == Opcode.MESSAGE:
-            channel, _, *times = MESSAGE.unpack_from(content)
-            self._there.messages += 1
-            is_outside = self._there.has_chunks or self._there.is_indexed
-            require(not is_outside, "a message stands outside of the chunks")
-            require(place.start > len(MAGIC), "a message stands where the header was")
-            is_known = channel in self._file.summary.channels or channel in self._declared()
-            require(is_known, "a message is on no channel")
-            require(max(times) <= LAST_TIME, "a message is beyond all times")
-            self._loose += RECORD_HEAD.pack(place.opcode, len(content)) + content
-        elif place.opcode == Opcode.CHUNK:
-            chunk = parsed(place.opcode, content)
-            del content  # it may be large
-            self._take_chunk(chunk, place)
-            self._there.has_chunks = True
-        elif place.opcode in OUTSIDE:
-            record = parsed(place.opcode, content)
-            is_repeated = self._there.repeated.get((place.opcode, content[:2]), content) == content
-            is_exact = isinstance(record, Schema | Channel) or len(record_bytes(record)) == place.end - place.start
-            require(is_exact and is_repeated, "a record is longer than its fields, or another one in the summary")
-            if isinstance(record, Attachment) and not any(content[-4:]):  # it has no checksum
-                is_followed = place.end == len(self._given) or sound(self._given, place.end) is not None
-                require(is_followed, "an attachment is damaged, or what follows it")
-            self._file.add(record)
-        else:
-            is_first = place.opcode == Opcode.HEADER and place.start == len(MAGIC)
-            require(is_first or place.opcode == Opcode.MESSAGE_INDEX, "a record of a kind that has no place there")
-
-    def _close_loose(self) -> None:
-        """Write the messages that are in no chunk in one."""
-        data, self._loose = bytes(self._loose), bytearray()
-        if data:
-            table = find_messages(data, NO_HINTS, len(data))
-            self._file.add_chunk(compressed(table, "zstd"), table)
-
-    def _take_chunk(self, chunk: Chunk, place: Place) -> None:
-        try:
-            data = inflated(chunk)
-        except NotOneFrameError:
-            self._take_chunk(replace(chunk, compression="", data=salvaged(chunk)), place)
-            self._rewritten.append(place.start)
+        Where zeros took the place of its end, the last of them may be of zeros in part.
+        """
+        raw = self._given[part.begin : min(part.begin + MAX_RECORD_BYTES, part.end)]
+        if not self._is_chunk(part):
             return
-        except ContradictionError:
-            self._take_before_zeros(chunk)
-            raise
-        table = self._found(data)
-        span_ns, told_ns = table.span_ns if table.index else (0, 0), (chunk.message_start_time, chunk.message_end_time)
-        behind, adds_up = place.end, len(table.data) == len(data)
-        has_won = not adds_up or self._given[behind : behind + 1] == bytes([Opcode.MESSAGE])
-        is_sure = chunk.compression or chunk.uncompressed_crc or (not has_won and begins(self._given, behind))
-        try:
-            require(adds_up and bool(is_sure), "a record in it is not whole, or no other one begins behind it")
-            self._file.add_chunk(replace(chunk, message_start_time=span_ns[0], message_end_time=span_ns[1]), table)
-        except DAMAGE:
-            self._there.has_chunks, begin = True, place.end - len(data)
-            kept = replace(chunk, data=b"") if begin == place.begin + _PLAIN else chunk
-            self._in_part = kept, begin, min(behind + (len(data) if has_won else HEAD.itemsize), begin + LARGEST_RECORD)
-            raise
-        self._is_altered |= bool(table.index) and span_ns != told_ns
-
-    def _take_in_part(self, end: int) -> None:
-        """Take the whole messages of a chunk that does not add up, if the last record is one; the next one is known.
-
-        Where a plain one won bytes, others that were in it stand between the two; they are looked for as far again. One
-        that adds up has none there, and a last message that may be another one.
-        """
-        in_part, self._in_part = self._in_part, None
-        if in_part:
-            chunk, begin, farthest = in_part
-            with suppress(*DAMAGE):
-                data = salvaged(chunk) or self._given[begin : min(end, farthest)]
-                self._take_known(chunk, data, is_cut=farthest < end)
-
-    def _take_before_zeros(self, chunk: Chunk) -> None:
-        """Take the whole messages of a chunk that ends in zeros, as after a loss of power."""
-        if chunk.data.endswith(bytes(_ZEROS if chunk.compression else 1)):
-            data = salvaged(chunk)
-            found = find_messages(data, NO_HINTS, self._records_left)
-            rest = data[len(found.data) :]
-            if chunk.compression or (rest and not rest.strip(b"\0")):
-                self._take_known(chunk, data[: found.starts[-1]])  # the last may be of zeros in part
-
-    def _take_part(self, begin: int, end: int, *, is_last: bool = False) -> None:
-        """Take the whole messages of an unfinished chunk, if one begins there, as far as it can be inflated.
-
-        Of one that others follow, as it lost some bytes, only without a checksum, which would be wrong.
-        """
-        if self._given[begin : begin + 1] == bytes([Opcode.CHUNK]):
-            raw = self._given[begin + RECORD_HEAD.size : min(begin + LARGEST_RECORD, end)]
-            with suppress(*DAMAGE):
-                chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
-                require(is_last or not chunk.uncompressed_crc, "a chunk with a checksum is not whole")
-                self._take_known(chunk, salvaged(chunk), is_cut=is_last or bool(chunk.compression))
-
-    def _take_known(self, chunk: Chunk, data: bytes, *, is_cut: bool = False) -> None:
-        """Take those of the messages in a damaged chunk which were written there."""
-        span_ns = chunk.message_start_time, chunk.message_end_time
-        known = self._found(self._file.summary.known(data, span_ns, is_cut=is_cut))
-        require(len(known.starts) > 0, "no message in a chunk is whole, and of a known topic")
-        self._file.add_chunk(compressed(known, chunk.compression), known)
-        self._there.has_chunks = True
-
-    def _found(self, data: bytes) -> MessageTable:
-        """Table of the messages in the whole records at the start of some data."""
-        table = find_messages(data, NO_HINTS, self._records_left)
-        self._records_left -= len(table.starts) + len(table.others)
-        self._there.messages += len(table.starts)
-        return table
+        with suppress(*UNREADABLE):
+            chunk = Chunk.read(ReadDataStream(BytesIO(raw)))  # which is not whole
+            data = decompress_partial(chunk)
+            table = find_messages(data)
+            rest = data[len(table.data) :]
+            is_of_zeros = part.opcode == Opcode.CHUNK or (rest and not any(rest))
+            if is_of_zeros and len(table.starts):
+                table = find_messages(table.data[: table.starts[-1]])
+            require(len(table.starts) > 0, "no message in a chunk is whole")
+            self._file.add_chunk(compressed(table, chunk.compression), table)

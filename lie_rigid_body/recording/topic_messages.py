@@ -60,8 +60,6 @@ ATTITUDE_TYPES: Final = tuple(_LAYOUTS)
 """Message types that hold an attitude with a stamp."""
 NO_ORIENTATION: Final = "has no orientation, its covariance says -1: give the output of a filter"
 """Complaint about a topic of Imu in which no message has an orientation."""
-_AT_ONCE: Final = 8192
-"""Number of messages that are decoded at once: with all their fields they take many times what is kept of them."""
 Kind: TypeAlias = tuple[str | None, bytes]
 """Parts that most messages of a topic share: the frame's name, None without a header, and the bits of the float64
 fields that are no values."""
@@ -165,11 +163,8 @@ def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tup
 
 def topic_messages(path: Path, key: TrackKey, parts: Iterable[RawMessages], first: int = 0) -> TopicMessages:
     """Decode messages of a topic, the first of which has a number, for errors."""
-    decoded = [TopicMessages.none_of(key[1])]
-    for some in RawMessages.regrouped(parts, _AT_ONCE):
-        decoded.append(_decoded(path, *key, some, first))
-        first += len(some)
-    return TopicMessages.joined(decoded)
+    raw = RawMessages.joined(parts)
+    return _decoded(path, *key, raw, first) if len(raw) else TopicMessages.none_of(key[1])
 
 
 def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, first: int) -> TopicMessages:

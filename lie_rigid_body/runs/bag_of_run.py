@@ -25,14 +25,8 @@ from lie_rigid_body.messages.batch import SENSOR_TOPICS, BatchEncoder, Messages
 from lie_rigid_body.messages.definitions import POSE_STAMPED, POSE_WITH_COVARIANCE_STAMPED, VECTOR3_STAMPED, places
 from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.recording.bag_reader import Recording
-from lie_rigid_body.recording.bag_writer import (
-    CUT_OFF,
-    POSE_TOPIC,
-    REWRITTEN,
-    SCENARIO_TOPIC,
-    TWIST_TOPIC,
-    BagWriter,
-)
+from lie_rigid_body.recording.bag_writer import POSE_TOPIC, SCENARIO_TOPIC, TWIST_TOPIC, BagWriter
+from lie_rigid_body.recording.records import CUT_OFF, REWRITTEN
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SOFTWARE, Segment, Taken

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import zstandard
 from bags import MakeBag
-from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 from refused_bags import refused
@@ -107,37 +106,6 @@ def test_a_topic_with_two_channels_is_one(make_bag: MakeBag, tmp_path: Path) -> 
     assert [part for part in (" /pose ", " std_msgs/msg/Empty, 1 ") if part not in stray] == []
 
 
-@pytest.mark.parametrize("with_messages", [True, False])
-def test_another_topic_may_not_define_a_type_of_ours_otherwise(
-    make_bag: MakeBag, tmp_path: Path, with_messages: bool
-) -> None:
-    """rosbags keeps one definition of each type, the last that comes."""
-    path, text = tmp_path / "other.mcap", b"geometry_msgs/Quaternion q\n====\nMSG: geometry_msgs/Quaternion\n"
-    honest = make_bag(count=4)
-    for fields, is_read in (
-        (b"float64 x\nfloat64 y\nfloat64 z\nfloat64 w 1\n", True),
-        (b"float64 w\nfloat64 x\n", False),
-    ):
-        with path.open("wb") as stream, honest.open("rb") as source:
-            writer = Writer(stream)
-            writer.start("ros2", "another recorder")
-            for schema, channel, message in make_reader(source).iter_messages(log_time_order=False):
-                assert schema is not None
-                own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                known = writer.register_channel(channel.topic, "cdr", own)
-                writer.add_message(known, message.log_time, message.data, message.publish_time)
-            other = writer.register_schema("others_msgs/msg/Other", "ros2msg", text + fields)
-            foreign = writer.register_channel("/other", "cdr", other)
-            if with_messages:
-                writer.add_message(foreign, message.log_time, bytes(36), 0)
-            writer.finish()
-        if is_read:
-            assert len(read_bag(path).poses) == 4
-        else:
-            with refused("other fields", topic="/other", name="geometry_msgs/Quaternion"):
-                read_bag(path)
-
-
 def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:
     own = make_bag(count=4)
     payloads: list[bytes] = []
@@ -187,7 +155,7 @@ def test_a_folder_of_several_bags_is_not_one(make_bag: MakeBag, tmp_path: Path) 
 def test_a_folder_that_is_no_bag_is_refused(tmp_path: Path) -> None:
     with refused("empty folder"):
         read_bag(tmp_path)
-    with refused("no file", name="none.mcap"):
+    with refused("file gone", name="none.mcap"):
         read_bag(folder(tmp_path, "none.mcap"))
     (tmp_path / "folder" / "metadata.yaml").write_text("[")
     with refused("no metadata"):
@@ -243,16 +211,20 @@ def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: 
 
 
 @pytest.mark.long
-def test_a_flipped_bit_is_refused_wherever_it_is(make_bag: MakeBag, tmp_path: Path) -> None:
-    """Each byte of our files but the two magics is under a checksum."""
-    whole, damaged = make_bag(count=1500).read_bytes(), tmp_path / "damaged.mcap"
-    size = len(whole)
+def test_a_flipped_bit_is_refused_or_changes_nothing(make_bag: MakeBag, tmp_path: Path) -> None:
+    """Each byte of the data section is under a checksum; what stands behind it are hints."""
+    path, damaged = make_bag(count=1500), tmp_path / "damaged.mcap"
+    whole, honest = path.read_bytes(), read_bag(path)
+    size, data_end = len(whole), whole.rindex(b"\x0f\x04\0\0\0\0\0\0\0")
     places = {*range(0, 60, 3), *range(size - 1200, size, 7), *np.random.default_rng(5).integers(0, size, 60).tolist()}
     for at in sorted(places | {size - 1}):
         damaged.write_bytes(whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1 :])
-        with pytest.raises(BagError) as caught:
-            read_bag(damaged)
-        assert "\n" not in str(caught.value)
+        try:
+            found = read_bag(damaged)
+        except BagError:
+            continue
+        assert at >= data_end
+        np.testing.assert_array_equal(found.poses.values, honest.poses.values)
 
 
 def test_a_chunk_whose_checksum_differs_is_refused(make_bag: MakeBag, tmp_path: Path) -> None:
@@ -261,22 +233,6 @@ def test_a_chunk_whose_checksum_differs_is_refused(make_bag: MakeBag, tmp_path: 
     at = content.index(b"base_link")
     path.write_bytes(content[:at] + b"base_lynk" + content[at + 9 :])
     with refused("checksum"):
-        read_bag(path)
-
-
-@pytest.mark.parametrize(("opcode", "place"), [(Opcode.MESSAGE_INDEX, 5), (Opcode.CHUNK, 38), (Opcode.CHUNK, 39)])
-def test_a_length_that_reaches_beyond_its_record_is_damage(
-    make_bag: MakeBag, tmp_path: Path, opcode: int, place: int
-) -> None:
-    """Of a file whose data section has no checksum; other readers fail there, and the library reads what there is."""
-    path = rewrite(make_bag(), tmp_path / "x.mcap", compression=CompressionType.NONE)
-    read_bag(path)
-    content, at = bytearray(path.read_bytes()), 8
-    while content[at] != opcode:
-        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
-    content[at + 9 + place] ^= 0xC0  # of the last byte of 8 this is more than any file can have
-    path.write_bytes(content)
-    with refused("length", at=at):
         read_bag(path)
 
 

@@ -21,7 +21,6 @@ from refused_bags import NESTED
 from test_bag_reader import rewrite
 
 from lie_rigid_body.cli.check import main as check
-from lie_rigid_body.foundation.wording import MAX_LINE
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.system import console
 from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
@@ -101,8 +100,8 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
         lambda d, n: framed(full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
         r" \.\.\./pose ",
     ),
-    "messages without end": (lambda d, n: framed(full_of(EMPTY_MESSAGE, n - 1000)), " byte 37"),
-    "channels without end": (lambda d, n: framed(full_of(CHANNEL, n - 1000)), " byte 37"),
+    "messages without end": (lambda d, n: framed(full_of(EMPTY_MESSAGE, n - 1000)), r" \.\.\./pose "),
+    "channels without end": (lambda d, n: framed(full_of(CHANNEL, n - 1000)), r" \.\.\./pose "),
     "a record of 8 EiB": (lambda d, n: framed(struct.pack("<BQ", 4, 2**63)), " byte 37"),
     "a text of 4 GiB": (
         lambda d, n: framed(record(4, struct.pack("<HHI", 1, 0, 2**32 - 1))),
@@ -112,10 +111,10 @@ BOMBS: dict[str, tuple[Callable[[Path, int], bytes], str]] = {
         lambda d, n: framed(record(12, text("x") + struct.pack("<I", 2**32 - 1))),
         " byte 37",
     ),
-    "an index of 4 GiB": (lambda d, n: framed(record(7, struct.pack("<HI", 1, 2**32 - 1))), " byte 37"),
+    "an index of 4 GiB": (lambda d, n: framed(record(7, struct.pack("<HI", 1, 2**32 - 1))), r" \.\.\./pose "),
     "an attachment of 8 EiB": (
         lambda d, n: framed(record(9, struct.pack("<QQ", 0, 0) + text("x") + text("y") + struct.pack("<Q", 2**63))),
-        " byte 37",
+        r" \.\.\./pose ",
     ),
     "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), NESTED),
     "a long JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 70_000), "70000 characters"),
@@ -150,7 +149,7 @@ def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pyt
         assert re.search(said, printed.err or printed.out), printed
         assert (status, printed.err.count("\n")) in ((2, 1), (1, 0)), printed
         assert console.DEBUG not in printed.err
-        assert len(printed.err) <= MAX_LINE + 1
+        assert len(printed.err) <= 300
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ from lie_rigid_body.recording.mcap_contents import RawMessages, nothing
 from lie_rigid_body.recording.records import (
     MAGIC,
     NO_HINTS,
-    ExcessError,
+    DamageError,
     FileBytes,
     find_messages,
     records,
@@ -57,14 +57,14 @@ STARTS = [sum(map(len, RECORDS[:i])) for i in range(len(RECORDS)) if RECORDS[i][
     ],
 )
 def test_hints_change_nothing_but_time(hints: list[int]) -> None:
-    table = find_messages(DATA, np.array(hints, dtype=np.int64), 5)
+    table = find_messages(DATA, np.array(hints, dtype=np.int64))
     assert table.starts.tolist() == STARTS
     assert [DATA[start:end] for start, end in zip(table.starts, table.ends, strict=True)] == [
         one for one in RECORDS if one[0] == 5
     ]
     assert table.heads["channel"].tolist() == [1, 2, 1]
     assert table.heads["log_time"].tolist() == [7, 7, 9]
-    assert [(place.opcode, DATA[place.begin : place.end]) for place in table.others] == [
+    assert [(place.opcode, DATA[place.begin : place.end]) for place in table.definitions] == [
         (4, b"a channel"),
         (3, b"schema"),
     ]
@@ -75,27 +75,26 @@ def test_a_hint_into_a_payload_is_not_followed() -> None:
     data = message(1, message(2))
     inner = len(data) - len(message(2))
     for hints in ([inner], [0, inner], [inner, 0]):
-        table = find_messages(data, np.array(hints), 9)
+        table = find_messages(data, np.array(hints))
         assert table.heads["channel"].tolist() == [1]
 
 
-def test_more_records_than_allowed_are_refused() -> None:
-    for hints in (NO_HINTS, np.array(STARTS[:2])):
-        with pytest.raises(ExcessError):
-            find_messages(DATA, hints, 4)
-
-
-def test_what_is_too_short_to_be_a_message_is_none() -> None:
+def test_what_is_too_short_to_be_a_message_is_damage() -> None:
     for hints in (NO_HINTS, np.array([0])):
-        table = find_messages(record(5, b"short") + DATA, hints, 9)
-        assert [(place.opcode, place.end) for place in table.others[:1]] == [(5, len(record(5, b"short")))]
-        assert len(table.starts) == len(STARTS)
+        with pytest.raises(DamageError):
+            find_messages(record(5, b"short") + DATA, hints)
+
+
+def test_records_of_other_kinds_are_left_to_others() -> None:
+    others = b"".join(record(opcode, b"anything") for opcode in (6, 15, 16, 0x80, 0xFF))
+    table = find_messages(others + DATA + others)
+    assert (len(table.starts), len(table.definitions), len(table.data)) == (3, 2, len(DATA + 2 * others))
 
 
 @pytest.mark.parametrize(("data", "whole"), [(DATA[:-1], DATA[: -len(RECORDS[-1])]), (DATA + b"\5", DATA)])
 def test_what_is_no_whole_record_ends_the_data(data: bytes, whole: bytes) -> None:
     for hints in (NO_HINTS, np.array(STARTS[:2])):
-        table = find_messages(data, hints, 5)
+        table = find_messages(data, hints)
         assert (table.data, table.starts.tolist()) == (whole, STARTS)
 
 
@@ -124,21 +123,6 @@ def test_the_second_reading_gives_what_the_library_reads(
     assert [*again(path).payloads()] == expected
     kept = BagFiles(path).contents(lambda *key: key == POSE).messages(POSE)
     assert [*kept.payloads()] == expected
-    for parts in ([kept], [kept] * 3):
-        pieces = [*RawMessages.regrouped(parts, 7)]
-        assert [one for piece in pieces for one in piece.payloads()] == expected * len(parts)
-        assert {len(piece) // 7 for piece in pieces} == {1}
-
-
-@pytest.mark.parametrize("left_out", ["repeat_channels", "repeat_schemas"])
-def test_what_a_seeking_reader_is_not_told_of_is_no_whole_bag(make_bag: MakeBag, tmp_path: Path, left_out: str) -> None:
-    """With indexes of chunks, or some of the definitions, it seeks; without, it reads all."""
-    source, options = make_bag(count=30), dict[str, Any](**{left_out: False})
-    for index_types in (IndexType.ALL, IndexType.NONE):
-        with refused("no repeat", what=left_out.removeprefix("repeat_").removesuffix("s")):
-            Bag(rewrite(source, tmp_path / "seek.mcap", **options, index_types=index_types))
-    neither: dict[str, Any] = {"repeat_channels": False, "repeat_schemas": False, "index_types": IndexType.NONE}
-    assert Bag(rewrite(source, tmp_path / "scan.mcap", **neither)).pose_count == 30
 
 
 def test_messages_of_two_publishers_are_read_again_in_the_order_of_the_file(tmp_path: Path) -> None:

@@ -1,0 +1,136 @@
+"""What is said of files that are no bags, are cut off or damaged, or hold more than is read."""
+# mypy: ignore-errors
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import zstandard
+from forged import (
+    CHANNELS,
+    chunk,
+    flipped,
+    forged,
+    framed,
+    inserted,
+    left_out,
+    message,
+    plain,
+    record,
+    text,
+)
+from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC as MAGIC
+
+from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.mcap_contents import nothing
+from lie_rigid_body.recording.recovered_folder import recover_folder
+from lie_rigid_body.recording.recovery import recover
+
+CHANNEL = record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text("/x") + text("cdr") + bytes(4))
+JSON_CHANNEL = record(Opcode.CHANNEL, struct.pack("<HH", 2, 0) + text("/x") + text("json") + bytes(4))
+CHANGES = {
+    "profile": flipped(Opcode.HEADER, 4),
+    "no end of data": left_out(Opcode.DATA_END),
+    "crc of the data": flipped(Opcode.DATA_END, 0),
+    "schema": inserted(Opcode.DATA_END, Opcode.SCHEMA, struct.pack("<H", 1) + text("a") + text("b") + text("c")),
+    "channel of no schema": inserted(
+        Opcode.CHUNK, Opcode.CHANNEL, struct.pack("<HH", 1, 9) + text("/x") + text("cdr") + bytes(4)
+    ),
+    "size of a chunk": flipped(Opcode.CHUNK, 16),
+    "crc of a chunk": flipped(Opcode.CHUNK, 24),
+}
+RECORDS = {
+    "no channel": plain(message(999)),
+    "no channel, no chunk": message(999),
+    "no text": record(Opcode.SCHEMA, struct.pack("<HI", 1, 1) + b"\xf5" + text("ros2msg") + text("")),
+    "short field": record(Opcode.SCHEMA, struct.pack("<H", 1) + text("a") + text("b") + struct.pack("<I", 99)),
+    "short message": plain(record(5, bytes(21))),
+    "zeros": plain(bytes(9)),
+    "unfinished": plain(record(3, b""), record(3, b"x")[:-1]),
+    "late": plain(CHANNEL, message(1, time=2**63)),
+    "two encodings": plain(CHANNEL, JSON_CHANNEL, message(CHANNELS[0]), message(CHANNELS[1])),
+    "brotli": chunk("brotli", 9, b"packed"),
+    "large chunk": chunk("zstd", 2**29, b""),
+    "large name": record(Opcode.SCHEMA, struct.pack("<H", 1) + text("a" * 2**20) + text("b") + text("c")),
+    "beyond the end": struct.pack("<BQ", 4, 2**63),
+}
+WHOLE = forged(lambda records: None)
+FILES = {
+    "no footer": WHOLE[: WHOLE.rindex(record(Opcode.FOOTER, b"")[:2])],
+    "no magic": WHOLE[: -len(MAGIC)],
+    "no messages, no end": framed()[:40],
+    "zeros behind": WHOLE + bytes(9),
+    "nothing": b"",
+    "text": b"hello",
+    "half a magic": MAGIC[:-1],
+    "ROS 1": b"#ROSBAG V2.0\n",
+    "SQLite": b"SQLite format 3\x00...",
+    "zstd": zstandard.compress(framed()),
+}
+
+
+def read(content):
+    """Read a file of such a content."""
+    Path("x.mcap").write_bytes(content)
+    return BagFiles("x.mcap").contents(nothing)
+
+
+def change(how):
+    return read(forged(CHANGES[how]))
+
+
+def records(what):
+    return read(framed(RECORDS[what]))
+
+
+def file(what):
+    return read(FILES[what])
+
+
+def folder(*names, metadata=""):
+    """Read a folder of empty files of such names, with metadata."""
+    Path("run").mkdir()
+    for name in names:
+        Path("run", name).touch()
+    if metadata:
+        Path("run/metadata.yaml").write_text(f"rosbag2_bagfile_information: {metadata}")
+    return BagFiles("run")
+
+
+def rescued(content):
+    Path("x.mcap").write_bytes(content)
+    return recover(Path("x.mcap"), Path("y.mcap"), overwrite=False)
+
+
+def rescued_folder(fixed):
+    Path("run").mkdir()
+    Path("run/run_0.mcap").touch()
+    return recover_folder(Path("run"), Path(fixed))
+
+
+REFUSED = {
+    BagError: [
+        *(lambda how=how: change(how) for how in CHANGES),
+        *(lambda what=what: records(what) for what in RECORDS),
+        *(lambda what=what: file(what) for what in FILES),
+        lambda: BagFiles("none.mcap").contents(nothing),
+        lambda: folder(),
+        lambda: folder("a.mcap", "b.mcap"),
+        lambda: folder("run_0.mcap.zstd"),
+        lambda: folder("run_0.mcap", metadata="3"),
+        lambda: folder("run_0.mcap", metadata="{relative_file_paths: []}"),
+        lambda: folder("new_0.mcap", metadata="{relative_file_paths: [old_0.mcap]}"),
+        lambda: folder("x.mcap", metadata="{relative_file_paths: [x.mcap], compression_mode: MESSAGE}"),
+        lambda: rescued(framed()),
+        lambda: rescued(framed()[:-1]),
+        lambda: rescued(framed(chunk("zstd", 2**29, b""))),
+        lambda: rescued(b"hello"),
+        lambda: rescued_folder("run/fixed"),
+        lambda: rescued_folder("fixed.mcap"),
+        lambda: rescued_folder("run"),
+        lambda: rescued_folder("fixed"),
+    ],
+}
