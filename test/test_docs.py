@@ -109,7 +109,7 @@ def test_the_page_of_diagnose_has_every_code():
 def test_the_page_of_reliability_has_the_limits_of_what_filters_print():
     text = (DOCS / "explanation" / "reliability.md").read_text(encoding="utf-8")
     of_program, of_node = re.findall(r"^\| what the .*? prints.* \| (.+) \|$", text, re.MULTILINE)
-    least, each = programs._FEWEST_BYTES >> 20, programs._BYTES_OF_A_LINE
+    least, each = programs._MIN_BYTES >> 20, programs._BYTES_OF_A_LINE
     assert of_program == f"{least} MiB, and {each} bytes for each line that it is given"
     assert of_node == f"{MOST_PRINTED >> 20} MiB"
 

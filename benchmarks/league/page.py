@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from league.contender import Filter
 from league.tournament import Result, by_filter
 from lie_rigid_body.league.cases import CASES, FAULTS, GRADES, MOTIONS, REAL, Case, readings_hash, run_of
-from lie_rigid_body.league.table import SMALLEST_DEG, CaseResult, FilterRow, LeagueTable, angle, is_of
+from lie_rigid_body.league.table import MIN_DEG, CaseResult, FilterRow, LeagueTable, angle, is_of
 from lie_rigid_body.sensors import PERFECT
 
 BEGIN: Final = "<!-- begin of the league -->"
@@ -158,7 +158,7 @@ def change(before: LeagueTable, after: LeagueTable, tolerance: float = 1e-3) -> 
     lines = [f"{case}: other readings" for case in CASES if before.readings[str(case)] != after.readings[str(case)]]
     for case, now in after.best_possible_deg.items():
         was = before.best_possible_deg.get(case, 0.0)
-        if abs(now - was) > tolerance * max(was, SMALLEST_DEG):
+        if abs(now - was) > tolerance * max(was, MIN_DEG):
             lines.append(f"best possible, {case}: {was:.4g}° is {now:.4g}° now")
     lines += [f"gone: {name}" for name in old if name not in new] + [f"new: {name}" for name in new if name not in old]
     for name in sorted(old.keys() & new.keys()):

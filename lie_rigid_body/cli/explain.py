@@ -190,7 +190,8 @@ def _motion_rows(description: Description) -> list[tuple[str, str]]:
     cases = {"any", "steady" if description.steady else "circling" if description.circulation else "rest"}
     values: dict[str, object] = {"momentum": _vector(description.world_momentum_kg_m2_s)}
     if circulation := description.circulation:
-        lowest, highest = _degrees(circulation.tilt_min_rad), _degrees(circulation.tilt_max_rad)
+        lowest = _degrees(circulation.tilt_min_rad)
+        highest = _degrees(circulation.tilt_max_rad)
         values |= {
             "axis": f"axis {_circled(description) + 1}",
             "turn": _period(circulation.precession_rate_rad_s),
@@ -230,7 +231,8 @@ def _spin_rows(description: Description) -> Iterator[tuple[str, ...]]:
 
 def _conserved(description: Description) -> list[dict[str, Any]]:
     """Quantities that the symmetries of the motion conserve, each with its values, their unit, and the reason."""
-    body, along = "angular momentum in the body", description.conserved_body_momenta
+    body = "angular momentum in the body"
+    along = description.conserved_body_momenta
     found: dict[str, tuple[tuple[float, ...], str, str]] = {
         "kinetic energy": ((description.kinetic_energy_j,), "J", "time"),
         "angular momentum in the world, all components": (description.world_momentum_kg_m2_s, "kg m²/s", "space"),

@@ -136,7 +136,8 @@ def source_of(estimate: Estimator | str) -> Source | None:
         return NamedFunction(estimate)
     if isinstance(estimate, ProgramEstimator):
         return estimate
-    module, name = getattr(estimate, "__module__", None), getattr(estimate, "__qualname__", "")
+    module = getattr(estimate, "__module__", None)
+    name = getattr(estimate, "__qualname__", "")
     if module in (None, "__main__") or not name.isidentifier() or sys.modules.get(module) is None:
         return None
     with suppress(Exception):
@@ -168,7 +169,8 @@ class Workers(Interpreters):
     """
 
     def __init__(self, source: Source, count: int, timeout_s: float) -> None:
-        self._source, grace_s = source, _GRACE_S * isinstance(source, ProgramEstimator)
+        self._source = source
+        grace_s = _GRACE_S * isinstance(source, ProgramEstimator)
         self._timeout_s = time_limit(timeout_s) + grace_s
         super().__init__(count)
 

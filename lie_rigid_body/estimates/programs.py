@@ -41,12 +41,12 @@ HEADER: Final = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z,mag_x,mag_y,m
 """First line that the program reads: stamps in ns, rad/s, m/s² and T on the body's axes."""
 ANSWER: Final = "t_ns,x,y,z,w"
 """Columns that the program prints, with this line above them or without."""
-LONGEST_TIMEOUT_S: Final = 1e6
+MAX_TIMEOUT_S: Final = 1e6
 """Largest limit of the time of one run of an estimator, s; clocks of some platforms end far beyond it."""
-_FEWEST_BYTES: Final = 2**20
+_MIN_BYTES: Final = 2**20
 _BYTES_OF_A_LINE: Final = 256
 """Largest output of a program: so many bytes, and so many for each line of readings; a line of all digits has 120."""
-_LONGEST_WORDS: Final = 100
+_MAX_WORDS: Final = 100
 """Largest number of bytes that are repeated of what a program prints."""
 PLAYER: Final = "lie_rigid_body.ros.play"
 """Module that plays readings to a node: nothing else here needs ROS."""
@@ -60,7 +60,7 @@ _GRACE_S: Final = 1.0
 
 
 def time_limit(timeout: object) -> float:
-    """Read a limit of the time of one run of a filter, s, above 0 and at most `LONGEST_TIMEOUT_S`.
+    """Read a limit of the time of one run of a filter, s, above 0 and at most `MAX_TIMEOUT_S`.
 
     Raises
     ------
@@ -68,8 +68,8 @@ def time_limit(timeout: object) -> float:
         If it is anything else.
     """
     limit_s = quantity("timeout", timeout, "seconds", "60")
-    if limit_s > LONGEST_TIMEOUT_S:
-        raise InputError(f"timeout: {limit_s:g} s is more than {LONGEST_TIMEOUT_S:g}: give less")
+    if limit_s > MAX_TIMEOUT_S:
+        raise InputError(f"timeout: {limit_s:g} s is more than {MAX_TIMEOUT_S:g}: give less")
     return limit_s
 
 
@@ -177,7 +177,7 @@ class CommandEstimator(ProgramEstimator):
                     f"{self._name} cannot be started: {reason(error)}: give the path of a program"
                 ) from None
             with guarded(process):
-                self._wait(process, _FEWEST_BYTES + _BYTES_OF_A_LINE * readings.count("\n"), output, errors)
+                self._wait(process, _MIN_BYTES + _BYTES_OF_A_LINE * readings.count("\n"), output, errors)
             if process.returncode:
                 raise InputError(f"{self._name} ended with status {process.returncode}: mend it")
             output.seek(0)
@@ -200,10 +200,10 @@ class CommandEstimator(ProgramEstimator):
 def last_words(file: BinaryIO) -> str:
     """Words for the end of what a program has printed into a file; none where it has printed nothing."""
     size = os.fstat(file.fileno()).st_size
-    os.lseek(file.fileno(), max(0, size - _LONGEST_WORDS), os.SEEK_SET)
-    end = os.read(file.fileno(), _LONGEST_WORDS)  # its place, which is that of the program too, is the end again
+    os.lseek(file.fileno(), max(0, size - _MAX_WORDS), os.SEEK_SET)
+    end = os.read(file.fileno(), _MAX_WORDS)  # its place, which is that of the program too, is the end again
     said = printable(" ".join(end.decode(errors="replace").split()))
-    return f"; it says: {'…' * (size > _LONGEST_WORDS)}{said}" if said else ""
+    return f"; it says: {'…' * (size > _MAX_WORDS)}{said}" if said else ""
 
 
 def _file() -> BinaryIO:
@@ -213,7 +213,8 @@ def _file() -> BinaryIO:
 
 def _lines(run: Run) -> Iterator[str]:
     """Readings of a run in the order of their stamps; those of one stamp share a line."""
-    imu, magnetometer = run.imu, run.magnetometer
+    imu = run.imu
+    magnetometer = run.magnetometer
     of_imu = {} if imu is None else _texts(imu.t_ns, np.hstack([imu.gyro, imu.specific_force]))
     of_field = {} if magnetometer is None else _texts(magnetometer.t_ns, magnetometer.field)
     for stamp in sorted({*of_imu, *of_field}):
@@ -228,7 +229,8 @@ def _texts(t_ns: Integers, rows: Array) -> dict[int, str]:
 def _attitudes(name: str, output: str) -> tuple[Integers, Array]:
     lines = output.splitlines()
     first = 1 if lines and lines[0].replace(" ", "") == ANSWER else 0
-    stamps, rows = [], []
+    stamps = []
+    rows = []
     for number, line in enumerate(lines[first:], first + 1):
         try:
             stamp, *numbers = line.split(",")
@@ -348,7 +350,8 @@ def _readings(run: Run) -> Iterator[Reading]:
     for name, model in run.scenario.sensors.on.items():
         if arrays := run.sensors.get(SENSORS[name].key):
             encoder = ReadingEncoder(SENSORS[name].topics[0], model, run.scenario)  # the others tell the truth
-            stamps, arrival = arrays.t_ns + _BEGIN_NS, arrays.arrival_ns + _BEGIN_NS
+            stamps = arrays.t_ns + _BEGIN_NS
+            arrival = arrays.arrival_ns + _BEGIN_NS
             told: dict[str, Array] = {field.array: getattr(arrays, field.array) for field in encoder.fields}
             payloads = encoder.encode(SensorSamples(arrival, stamps, np.zeros(len(stamps), dtype=np.bool_), told))
             yield from map(Reading, arrival.tolist(), [name] * len(stamps), stamps.tolist(), payloads)

@@ -147,7 +147,9 @@ def recorded_estimate(
     InputError
         If an attitude is not finite, or zero.
     """
-    path, names = Path(bag), (topic, f"/{topic.lstrip('/')}")  # other writers than ROS leave the slash out
+    # other writers than ROS leave the slash out
+    path = Path(bag)
+    names = (topic, f"/{topic.lstrip('/')}")
     contents = BagFiles(path, progress).contents(partial(_is_kept, (*names, *topics.values())))
     topic = names[topic not in {track.topic for track in contents.tracks.values()}]
     own = path, contents, topic
@@ -297,11 +299,15 @@ def write_scored(
     BagError, InputError
         If the truth's bag has no pose, twist and scenario, or the file cannot be written.
     """
-    run, estimates, scores = _run_of(scored[0][0], truth), {}, {}
+    run = _run_of(scored[0][0], truth)
+    estimates = {}
+    scores = {}
     for read, score in scored:
-        track, topic = read.track, read.track.topic
+        track = read.track
+        topic = read.track.topic
         name = f"{topic}/estimate" if topic in OWN_TOPICS or track.message_type == TF_MESSAGE else topic
-        told, bias = read.gyro_bias, None
+        told = read.gyro_bias
+        bias = None
         if told is not None:  # the last before each attitude
             last = np.searchsorted(told.stamps_ns, track.stamps_ns, side="right") - 1
             bias = told.estimate[np.maximum(last, 0)]

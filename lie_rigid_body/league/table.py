@@ -27,7 +27,7 @@ _ALWAYS_KNOWN: Final = {"total_deg", "heading_deg", "inclination_deg"}
 """Errors that each case has; the others may be None."""
 LOST_DEG: Final = 180.0
 """Error of a filter that fails, degrees."""
-SMALLEST_DEG: Final = 1e-9
+MIN_DEG: Final = 1e-9
 """Least error that counts in a geometric mean, degrees."""
 
 
@@ -97,7 +97,7 @@ class FilterRow:
     @property
     def overall_deg(self) -> float:
         """Geometric mean of the typical errors with the grades of real sensors, degrees: rows are ranked by it."""
-        return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), SMALLEST_DEG)) for grade in REAL])))
+        return float(np.exp(np.mean([np.log(max(self.typical_deg(grade), MIN_DEG)) for grade in REAL])))
 
     def to_json(self) -> dict[str, Any]:
         """The row as JSON-serialisable data."""

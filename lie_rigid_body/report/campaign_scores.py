@@ -107,7 +107,8 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
         yield f"{difference.sentence(first.name, second.name)}{left_out}."
     for one in comparison.summaries:
         if one.points:
-            point, points = json.dumps(one.entry.parameters), counted(len(one.points), "point")
+            point = json.dumps(one.entry.parameters)
+            points = counted(len(one.points), "point")
             if not all(np.isnan(each.mean_deg) for each in one.points):
                 yield f"{one.name}: of {points} the best on runs of even number is {point}; scored on the odd ones."
                 yield from _at_the_edge(one)
@@ -220,7 +221,8 @@ def _over(name: str, values: Mapping[int, float], shown: Sequence[tuple[Estimato
         for one, colour in shown
     ]
     errors = np.concatenate([one.scores["total_rms_deg"] for one, _ in shown])
-    xaxis, yaxis = _scale(name, np.array([*values.values()], dtype=float)), _scale("total error, °", errors)
+    xaxis = _scale(name, np.array([*values.values()], dtype=float))
+    yaxis = _scale("total error, °", errors)
     return figure(f"Error over {name}", drawn(traces, xaxis=xaxis, yaxis=yaxis))
 
 

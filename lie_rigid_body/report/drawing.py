@@ -17,9 +17,11 @@ DISTINCT: Final = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4
 ORANGE, BLUE, GREEN, PINK, _, _, BLACK = DISTINCT
 COLOURS: Final = (ORANGE, GREEN, BLUE)
 """Colours of the x, y and z components."""
-GREY, RED = "#555555", "#CC2222"
+GREY = "#555555"
+RED = "#CC2222"
 """Colours of limits, and of paths and what is broken."""
-SURFACE, FRAME = "#C9D6E8", "#8A97A8"
+SURFACE = "#C9D6E8"
+FRAME = "#8A97A8"
 """Colours of the ellipsoid, and of its principal circles and the axes of figures."""
 
 

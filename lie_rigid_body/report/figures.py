@@ -29,7 +29,7 @@ from lie_rigid_body.report.html_page import (
 )
 from lie_rigid_body.report.recorded_motion import (
     FEW_SAMPLES,
-    MOST_RESETS,
+    MAX_RESETS,
     LawOverTime,
     RecordedSegment,
     ResidualsOverTime,
@@ -58,7 +58,10 @@ _REACH: Final = 1.25
 _DURATION_MS: Final = (8e3, 16e3)
 """Shortest and longest duration of the film, ms: neither too fast nor too slow to be followed."""
 
-_MOMENTUM, _RATE, _TRACE, _WORLD = "#8C5AA8", "#E69F00", "#56606B", "#9AA5B1"
+_MOMENTUM = "#8C5AA8"
+_RATE = "#E69F00"
+_TRACE = "#56606B"
+_WORLD = "#9AA5B1"
 _CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
 _FACES: Final = (
     *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5)),  # across x
@@ -69,7 +72,7 @@ _EDGES: Final = (0, 1, 3, 2, 0, 4, 5, 7, 6, 4, 6, 2, 3, 7, 5, 1)
 """Numbers of a box's corners along a path through all its edges."""
 _NONE: Final = np.zeros((1, 3))
 
-_LEAST_SPAN: Final = 0.3
+_MIN_SPAN: Final = 0.3
 """Least span of a distribution, decades."""
 _BEYOND: Final = 10.0
 """Height at which infinite residuals are drawn, as a multiple of the largest finite one."""
@@ -78,9 +81,10 @@ _LIMIT: Final[dict[str, Any]] = {"line": {"color": GREY, "dash": "dash", "width"
 
 def resets(pieces: Sequence[RecordedSegment]) -> list[dict[str, Any]]:
     """Lines at the resets, for a layout; none where there are too many."""
-    t, look = reset_times(pieces), {"color": "black", "width": 1, "dash": "dash"}
+    t = reset_times(pieces)
+    look = {"color": "black", "width": 1, "dash": "dash"}
     shapes = [{"type": "line", "x0": x, "x1": x, "y0": 0, "y1": 1, "yref": "paper", "line": look} for x in t]
-    return shapes if len(shapes) <= MOST_RESETS else []
+    return shapes if len(shapes) <= MAX_RESETS else []
 
 
 def sections(pieces: Sequence[RecordedSegment]) -> Iterator[str]:
@@ -128,12 +132,15 @@ def _over_time(t: Array, values: Array, name: str, colour: str, **more: Any) -> 
 
 def herpolhode(piece: RecordedSegment) -> Figure | None:
     """Path of ω in the world, seen along the angular momentum, on the invariable plane; none of a body at rest."""
-    scenario, states = piece.segment.scenario, path(piece, _POINTS)
+    scenario = piece.segment.scenario
+    states = path(piece, _POINTS)
     momentum = scenario.body().angular_momentum(scenario.start())
-    size, fastest = float(np.linalg.norm(momentum)), scenario.rate_bound()
+    size = float(np.linalg.norm(momentum))
+    fastest = scenario.rate_bound()
     if size == 0.0 or not len(states.body_rate):
         return None
-    upright, rates = momentum / size, quaternion.rotate(states.attitude_xyzw, states.body_rate)
+    upright = momentum / size
+    rates = quaternion.rotate(states.attitude_xyzw, states.body_rate)
     across = rates - np.outer(rates @ upright, upright)
     right = across[0]  # of ω's first part across the momentum, or any if it has none
     if np.linalg.norm(right) < 1e-9 * fastest:
@@ -218,7 +225,8 @@ def _moving(piece: RecordedSegment, states: State, followed: int) -> tuple[Array
 
     Each has shape (N, M, 3), on the axes of the world, in longest sides of the box.
     """
-    own, fastest = piece.segment.scenario.body(), piece.segment.scenario.rate_bound()
+    own = piece.segment.scenario.body()
+    fastest = piece.segment.scenario.rate_bound()
     box = (_CORNERS * box_sides(own.principal_moments)) @ own.principal_axes.T
     corners, axes = (quaternion.rotate(states.attitude_xyzw[:, np.newaxis], points) for points in (box, _cross(_AXIS)))
     scale = _ARROW / fastest if fastest else 0.0
@@ -352,8 +360,9 @@ def distributions(laws: Mapping[str, Sequence[Sequence[float]]], whose: str) -> 
 
 def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> dict[str, Any]:
     """Bars of residuals, those within their own limits and those beyond, and the limits of all."""
-    low, high = np.log10(residuals.min()), np.log10(residuals.max())
-    widen = max(0.0, _LEAST_SPAN - (high - low)) / 2.0 + 1e-9
+    low = np.log10(residuals.min())
+    high = np.log10(residuals.max())
+    widen = max(0.0, _MIN_SPAN - (high - low)) / 2.0 + 1e-9
     edges = np.logspace(low - widen, high + widen, 31)  # of 30 bars
     traces: list[dict[str, Any]] = []
     beyond = residuals > own
@@ -362,7 +371,9 @@ def _distribution(residuals: Array, own: Array, limits: Array, whose: str) -> di
         if counts.any():
             bars = {"x": 0.5 * (edges[1:] + edges[:-1]), "width": np.diff(edges), "y": counts}
             traces.append({"type": "bar", "marker": {"color": colour}, "name": label, **bars})
-    top, least, most = max(int(np.max(trace["y"])) for trace in traces), float(limits.min()), float(limits.max())
+    top = max(int(np.max(trace["y"])) for trace in traces)
+    least = float(limits.min())
+    most = float(limits.max())
     corners = np.array([(least, 0), (least, top), (most, top), (most, 0)], dtype=np.float64)
     area = {**line(corners, "limits", GREY, 1.4), "fill": "toself"}
     traces.append({**(line(corners[:2], "limit", GREY, 1.4) if least == most else area), **_LIMIT})

@@ -214,7 +214,8 @@ def axis(title: str, **more: Any) -> dict[str, Any]:
 def logarithmic(title: str, values: Array) -> dict[str, Any]:
     """Axis of powers of ten, of whole decades around positive values."""
     found = np.log10(values[np.isfinite(values) & (values > 0.0)])
-    low, high = int(np.floor(found.min())), int(np.ceil(found.max() + 1e-9))
+    low = int(np.floor(found.min()))
+    high = int(np.ceil(found.max() + 1e-9))
     return axis(title, type="log", range=[low, high], dtick=-(-(high - low) // _MARKS), exponentformat="power")
 
 

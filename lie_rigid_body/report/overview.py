@@ -16,7 +16,7 @@ from lie_rigid_body.report.answer import Conclusion, Part, Picture, Sentences, T
 from lie_rigid_body.system import console
 
 _VERDICTS: Final = {console.SUCCESS: "certified", console.BROKEN: "BROKEN", console.UNUSABLE: "unusable"}
-_MOST_TOLD: Final = 10
+_MAX_TOLD: Final = 10
 """Number of things that are not certified of which the answer tells."""
 MAX_ROWS: Final = 500
 """Largest number of lines of the table; of more the worst are shown."""
@@ -152,14 +152,15 @@ def uncovered(verdicts: Sequence[Verdict]) -> list[str]:
         for text in verdict.certificate.uncovered if verdict.certificate else ():
             # numbers of messages may differ from bag to bag where the same thing is not certified
             found.setdefault(re.sub(r" \(\d+ messages\)|: \d+$", "", text), []).append((verdict, text))
-    lines, count = [], len({verdict.bag for verdict in verdicts})
+    lines = []
+    count = len({verdict.bag for verdict in verdicts})
     for what, places in found.items():
         (first, text), *others = places
         bags = {verdict.bag for verdict, _ in places}
         where = f"{len(bags)} of {count} bags" if len(bags) > 1 else printable(first.bag if others else first.name)
         lines.append(f"{text if all(other == text for _, other in others) else what} ({where})")
-    more = len(lines) - _MOST_TOLD
-    return lines if more <= 0 else [*lines[:_MOST_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
+    more = len(lines) - _MAX_TOLD
+    return lines if more <= 0 else [*lines[:_MAX_TOLD], f"and {counted(more, 'other thing')}, which --json tells"]
 
 
 @short_dataclass(frozen=True)

@@ -24,7 +24,7 @@ MANY_SAMPLES: Final = 20_000
 DOTS: Final[dict[str, Any]] = {"marker": "o", "ms": 4.0}
 """Look of few samples in a picture."""
 
-MOST_RESETS: Final = 12
+MAX_RESETS: Final = 12
 """Largest number of resets that are drawn as lines through the curves."""
 COLUMNS: Final = 1000
 """Number of intervals of time of a curve, each of which is drawn by its smallest and its largest value."""
@@ -100,7 +100,9 @@ class LawOverTime:
     """
 
     def __init__(self, unit: str, start_ns: int) -> None:
-        self.unit, self._start_ns, self._length_ns = unit, start_ns, 1
+        self.unit = unit
+        self._start_ns = start_ns
+        self._length_ns = 1
         # residuals, limits, and 1 where a residual is beyond its limit
         self._largest = np.full((3, RESIDUAL_INTERVALS), -np.inf)
 
@@ -173,8 +175,10 @@ def usable(piece: RecordedSegment, places: Integers | slice) -> tuple[State, Boo
 
     Left out are attitudes that are zero or not finite, and rates far beyond those of the motion.
     """
-    attitude, rate = piece.states.attitude_xyzw[places], piece.states.body_rate[places]
-    norms, largest = np.linalg.norm(attitude, axis=1), np.abs(rate).max(axis=1)
+    attitude = piece.states.attitude_xyzw[places]
+    rate = piece.states.body_rate[places]
+    norms = np.linalg.norm(attitude, axis=1)
+    largest = np.abs(rate).max(axis=1)
     sane = np.isfinite(norms) & (norms > 0.0) & (largest <= _FAR * piece.segment.scenario.rate_bound())
     return State.trusted(attitude[sane] / norms[sane, np.newaxis], rate[sane]), np.asarray(sane)
 

@@ -19,7 +19,7 @@ from lie_rigid_body.report.drawing import COLOURS, FRAME, GREY, RED, SURFACE
 from lie_rigid_body.report.recorded_motion import (
     EYE,
     MANY_SAMPLES,
-    MOST_RESETS,
+    MAX_RESETS,
     VIEW,
     Ellipsoid,
     RecordedSegment,
@@ -29,11 +29,13 @@ from lie_rigid_body.report.recorded_motion import (
     times,
 )
 
-_LARGEST: Final = 1e300
+_MAX_DRAWN: Final = 1e300
 """Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
 _SHORT_NUMBER: Final = 3
 """Number of characters of a number that keeps clear of its axis at the usual distance."""
-_TICK_PAD, _LABEL_PAD, _HALF_DIGIT = 3.5, 8.0, 3.0
+_TICK_PAD = 3.5
+_LABEL_PAD = 8.0
+_HALF_DIGIT = 3.0
 """Distances of numbers and label from an axis, and half of a digit's width, points."""
 
 
@@ -67,7 +69,7 @@ def draw(pieces: Sequence[RecordedSegment]) -> Figure:
     _draw_polhode(of_space, pieces[0], whose)
     resets = reset_times(pieces)
     # many are short marks at the upper edge
-    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MOST_RESETS else (0.95, {"lw": 0.6})
+    lowest, look = (0.0, {"lw": 0.8, "ls": "--"}) if len(resets) <= MAX_RESETS else (0.95, {"lw": 0.6})
     for axes in curves:
         if axes is not energy:  # above the axes it hides nothing
             axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, borderaxespad=0.1)
@@ -102,15 +104,17 @@ def _draw_drifts(energy: Axes, momentum: Axes, pieces: Sequence[RecordedSegment]
 
 def _drifts(piece: RecordedSegment) -> Array:
     """Relative changes of kinetic energy and world momentum since the start, shape (N, 4)."""
-    body, start = piece.segment.scenario.body(), piece.segment.scenario.start()
-    H, L = float(body.kinetic_energy(start)), body.angular_momentum(start)
+    body = piece.segment.scenario.body()
+    start = piece.segment.scenario.start()
+    H = float(body.kinetic_energy(start))
+    L = body.angular_momentum(start)
     of_momentum = (body.angular_momentum(piece.states) - L) / (float(vectors.norm(L)) or 1.0)
     return np.column_stack([(body.kinetic_energy(piece.states) - H) / (H or 1.0), of_momentum])
 
 
 def _draw_curve(axes: Axes, t: Array, values: Array, colour: str, label: str | None, width: float, **look: Any) -> None:
     """Draw a curve by its extremes, without numbers that an axis cannot have."""
-    known = np.abs(values) < _LARGEST
+    known = np.abs(values) < _MAX_DRAWN
     t = t[known]
     values = values[known]
     few = extremes(t, values)
@@ -166,10 +170,11 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
 
 
 def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
-    scenario, count = pieces[0].segment.scenario, len(pieces) - 1
+    scenario = pieces[0].segment.scenario
+    count = len(pieces) - 1
     stepper = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
-    marks = "dashed" if count <= MOST_RESETS else "marks above"
+    marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""
     return (
         f"torque-free body, {whose}inertia [{numerals(scenario.inertia)}] kg m², "

@@ -48,7 +48,7 @@ _SOURCE: Final = "Errors as defined by BROAD (Data 6(7):72, 2021)"
 
 SCORE_COLUMNS: Final = 2000
 """Number of intervals of time of a long curve, so that no peak is lost."""
-_LONGEST_LINE: Final = 110
+_MAX_LINE: Final = 110
 """Number of characters of a line of the title that the figure has room for."""
 _WIDE_SPAN: Final = 30.0
 """Ratio of the largest error to the median above which the axis is logarithmic, and of a limit that is far beyond."""
@@ -251,7 +251,8 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
         Width, inches; a narrow one is for the screen of a phone.
     """
     columns = 5 if width > _NARROW else 2
-    nees, bias = score.consistency, score.gyro_bias
+    nees = score.consistency
+    bias = score.gyro_bias
     panels: list[Panel] = [
         (partial(_draw_total, score=score), "error [deg]", columns),
         (partial(_draw_parts, score=score), "error [deg]", columns),
@@ -274,7 +275,8 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
     """Panels one above the other, and titles above them."""
     from matplotlib.figure import Figure
 
-    figure, place = Figure(figsize=size, dpi=120, layout="constrained"), float(side == "right")
+    figure = Figure(figsize=size, dpi=120, layout="constrained")
+    place = float(side == "right")
     figure._repr_png_ = partial(png, lambda: figure)  # type: ignore[attr-defined]  # by which a notebook shows it
     for (draw_panel, label, columns), axes in zip(
         panels, np.ravel(figure.subplots(len(panels), sharex=True)), strict=True
@@ -287,7 +289,7 @@ def _figure(titles: Sequence[str], size: tuple[float, float], panels: Sequence[P
     axes.set_xlabel("time since the first estimate [s]")
     if titles[0]:
         # the names of a file and a topic may hold anything, and ``$`` is no formula
-        above = [shortened(printable(title), _LONGEST_LINE) for title in titles]
+        above = [shortened(printable(title), _MAX_LINE) for title in titles]
         figure.suptitle("\n".join(above), fontsize=11, parse_math=False)
     return figure
 
@@ -312,7 +314,8 @@ def _draw_several(axes: Axes, scored: Scored) -> None:
 
 def _draw_total(axes: Axes, score: Score) -> None:
     """Draw the total error, the best by noise and the limits, on a logarithmic axis where one of these is shown."""
-    total, end = np.degrees(score.error.total), float(score.t_s[-1])
+    total = np.degrees(score.error.total)
+    end = float(score.t_s[-1])
     axes.set_xlim(0.0, end or 1.0)
     drawn = [total]
     _plot(axes, score.t_s, total, "total", BLACK)
@@ -332,7 +335,8 @@ def _draw_total(axes: Axes, score: Score) -> None:
 
 def _draw_parts(axes: Axes, score: Score) -> None:
     """Draw the heading and the inclination error."""
-    heading, inclination = np.degrees(score.error.heading), np.degrees(score.error.inclination)
+    heading = np.degrees(score.error.heading)
+    inclination = np.degrees(score.error.inclination)
     _plot(axes, score.t_s, heading, "heading", BLUE)
     _plot(axes, score.t_s, inclination, "inclination", ORANGE)
     _scale(axes, [np.maximum(heading, inclination)])
@@ -367,6 +371,7 @@ def _scale(axes: Axes, curves: Sequence[Array], limits: Sequence[float] = ()) ->
         return 0.0, high
     bottom = max(min(float(np.percentile(curve, 1.0)) for curve in positive), 1e-6 * top)
     near = [limit for limit in limits if bottom / _WIDE_SPAN <= limit <= _WIDE_SPAN * top]
-    low, high = min([bottom, *near]) / 1.5, max([top, *near]) * 1.5
+    low = min([bottom, *near]) / 1.5
+    high = max([top, *near]) * 1.5
     axes.set(yscale="log", ylim=(low, high))
     return low, high
