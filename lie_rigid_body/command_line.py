@@ -80,7 +80,8 @@ class Parser(argparse.ArgumentParser):
 
 def split_ros_arguments(argv: Iterable[str]) -> tuple[list[str], list[str]]:
     """A command line's own arguments, and those for ROS: ``--ros-args`` and what follows, to ``--`` or the end."""
-    own, ros = list[str](), list[str]()
+    own = list[str]()
+    ros = list[str]()
     target = own
     for text in argv:
         if text == _ROS_BEGIN:

@@ -49,7 +49,8 @@ def check(given: argparse.Namespace) -> int:
         return _answer(given, judge_all(_bags_of(given.bags), judged, topics))
     if given.prove is not None:
         require_count(given.prove)
-    name, residuals = given.bags[0], None if given.report is None else ResidualsOverTime()
+    name = given.bags[0]
+    residuals = None if given.report is None else ResidualsOverTime()
     with console.progress_of_bags(given.bags) as bar:
         bodies = Bag.all_of(name, bar.update, topics)
         first, *others = bodies.values()

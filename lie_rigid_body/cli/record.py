@@ -56,9 +56,11 @@ def main(given: argparse.Namespace) -> int:
     scenario = scenario_of(given)
     for sentence in scenario.without_effect if not given.quiet else ():
         console.complain(console.program("record"), sentence, "warning")
-    simulation, out = Simulation(scenario), Path(given.out)
+    simulation = Simulation(scenario)
+    out = Path(given.out)
     clock = simulation.clock
-    count, last_ns = clock.count_before(duration), clock.last_ns_before(duration)
+    count = clock.count_before(duration)
+    last_ns = clock.last_ns_before(duration)
     simulation.require_stamps(last_ns)  # before a file is made
     compression, per_sample, per_reading = _COMPRESSIONS[given.compression]
     readings = sum(SampleClock(0, sensor.rate).count_before(duration) for sensor in scenario.sensors.on.values())
@@ -77,7 +79,8 @@ def main(given: argparse.Namespace) -> int:
         ):
             for written in write_run(bag, simulation, last_ns, interruption.allowed):
                 bar.update(written)
-        done, size = bag.sample_count, console.size(bag.path.stat().st_size)
+        done = bag.sample_count
+        size = console.size(bag.path.stat().st_size)
         if done < count and interruption.requested:
             state = f"is whole ({size})" if done else "holds no sample of it"
             told = f"interrupted after {done} of {count} samples; {bag.path} {state}"

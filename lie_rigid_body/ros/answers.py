@@ -61,7 +61,8 @@ class Answers:
     """
 
     def __init__(self, node: Node, publishers: Mapping[str, Publisher], topic: str, nodes: Sequence[str]) -> None:
-        self._node, self._publishers = node, publishers
+        self._node = node
+        self._publishers = publishers
         with translated_errors(f"lockstep_topic {topic!r}"):
             self.topic = node.resolve_topic_name(topic)
         with translated_errors(f"lockstep_nodes {', '.join(nodes)!r}"):
@@ -109,7 +110,9 @@ class Answers:
         if (present, missing) != (self._parts, self.missing):
             if missing and missing != self.missing:
                 self._node.get_logger().info(f"lock-step waits for {', '.join(missing)}")
-            self._parts, self.missing, self._since = present, missing, time.monotonic()
+            self._parts = present
+            self.missing = missing
+            self._since = time.monotonic()
         if missing or time.monotonic() < self._since + QUIET_S:
             return None
         [name] = filters
@@ -122,7 +125,8 @@ class Answers:
         if kind not in ATTITUDE_TYPES:
             raise ParameterError("lockstep_topic", f"{self.topic} {wrong_type(kind)}")
         if self._subscription is None:
-            self.message_type, self._subscription = kind, subscribe(self._node, self.topic, kind)
+            self.message_type = kind
+            self._subscription = subscribe(self._node, self.topic, kind)
             arguments = self._subscription, 8 if kind == TF_MESSAGE else 4
             self._thread = Thread(target=self._take, args=arguments, name="answers", daemon=True)
             self._thread.start()
@@ -160,7 +164,8 @@ class Answers:
     def _unmatched(self, parts: Collection[str], asked: Mapping[str, Sequence[Any]]) -> Iterator[str]:
         """Topics that somebody who takes part may not hear yet: the middleware counts its matches, and names none."""
         for publisher in self._publishers.values():
-            topic, offered = publisher.topic_name, publisher.qos_profile.durability
+            topic = publisher.topic_name
+            offered = publisher.qos_profile.durability
             fitting = [i for i in asked[topic] if i.qos_profile.durability in (offered, DurabilityPolicy.VOLATILE)]
             wanted = _names(asked[topic]).intersection(parts)
             if wanted and (wanted - _names(fitting) or publisher.get_subscription_count() < len(fitting)):

@@ -70,12 +70,14 @@ class Client:
     """
 
     def __init__(self, node: Node, interruption: Interruption) -> None:
-        self._node, self._interruption = node, interruption
+        self._node = node
+        self._interruption = interruption
         self._domain = node.context.get_domain_id()
 
     def listen(self, topic: str) -> None:
         """Print poses of a topic, one in `SHOWN_EVERY` seconds, until interrupted."""
-        shown, heard = 0.0, True
+        shown = 0.0
+        heard = True
 
         def show(pose: PoseStamped) -> None:
             nonlocal shown, heard
@@ -161,5 +163,6 @@ class Client:
 
 def line(pose: PoseStamped) -> str:
     """A pose in one line."""
-    stamp, q = pose.header.stamp, pose.pose.orientation
+    stamp = pose.header.stamp
+    q = pose.pose.orientation
     return f"{stamp.sec}.{stamp.nanosec:09d} s  x {q.x:+.6f}  y {q.y:+.6f}  z {q.z:+.6f}  w {q.w:+.6f}"

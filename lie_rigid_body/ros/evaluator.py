@@ -94,7 +94,8 @@ class Scores:
         self._error = node.create_publisher(Vector3Stamped, ERROR_TOPIC, QoSProfile(depth=ERRORS_KEPT))
         self._diagnostics = node.create_publisher(DiagnosticArray, DIAGNOSTICS_TOPIC, 10)
         self._layout = Layout(header(""), [0.0] * 3, [range(3)])
-        self._due, self._diagnosis_due = time.monotonic() + INTERVAL_S, np.inf
+        self._due = time.monotonic() + INTERVAL_S
+        self._diagnosis_due = np.inf
         self._diagnosed_s = FIRST_DIAGNOSIS_S / 2.0
         self._score: Score | None = None
         self._findings: tuple[Finding, ...] = ()
@@ -131,15 +132,19 @@ class Scores:
         begin = time.monotonic()
         self._diagnosed_s = live.tally.span_s
         try:
-            self._score, self._fault = live.score(INTERIM)[1], ""
+            self._score = live.score(INTERIM)[1]
+            self._fault = ""
             self._findings = self._confirmed.findings(self._score, self._diagnosed_s)
         except LieRigidBodyError as error:
-            self._score, self._findings, self._fault = None, (), str(error)
+            self._score = None
+            self._findings = ()
+            self._fault = str(error)
         end = time.monotonic()
         self._diagnosis_due = end + max(INTERVAL_S, (end - begin) / DIAGNOSIS_SHARE)
 
     def _status(self, live: LiveEstimate) -> Status:
-        tally, score = live.tally, self._score
+        tally = live.tally
+        score = self._score
         total, heading, inclination = tally.rms_deg.tolist()
         values = {
             "estimates compared": str(tally.count),
@@ -169,7 +174,8 @@ def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:
     """Follow the topics of a command line; return the exit status, as `ros.evaluate.main` tells it."""
     with own_node(EVALUATOR_NAME, given.ros) as node:
         _override(given, overrides(node))
-        limits, axes = Limits.parse(given.max_rms, tuple(given.max_after)), given.covariance_axes
+        limits = Limits.parse(given.max_rms, tuple(given.max_after))
+        axes = given.covariance_axes
         require_axes(axes)
         begin = partial(LiveEstimate, limits=limits, duration_s=given.duration, covariance_axes=axes)
         following = Following(node, begin)
@@ -194,8 +200,12 @@ def _override(given: argparse.Namespace, parameters: Mapping[str, object]) -> No
 
 def _follow(node: Node, following: Following, given: argparse.Namespace, interruption: Interruption) -> bool:
     """Listen until asked to end; return False if that was before an estimate came."""
-    scores, complaints = Scores(node), set[str]()
-    compared, compared_at, look_at, word_at = 0, time.monotonic(), 0.0, time.monotonic() + WORD_S[0]
+    scores = Scores(node)
+    complaints = set[str]()
+    compared = 0
+    compared_at = time.monotonic()
+    look_at = 0.0
+    word_at = time.monotonic() + WORD_S[0]
     _say(f"{node.get_fully_qualified_name()} waits for {following.estimate}; Ctrl-C ends it")
     was_still = False
     while True:
@@ -213,7 +223,8 @@ def _follow(node: Node, following: Following, given: argparse.Namespace, interru
             if live.tally.count != compared:
                 if not compared:
                     _say(f"comparing {following.estimate} with the truth")
-                compared, compared_at = live.tally.count, now
+                compared = live.tally.count
+                compared_at = now
             left_out = live.left_out()
             for kind in left_out.keys() - complaints:  # as soon as there is one
                 complaints.add(kind)

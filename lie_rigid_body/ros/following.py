@@ -50,7 +50,8 @@ class Following:
     """
 
     def __init__(self, node: Node, begin: Callable[[str, str], LiveEstimate]) -> None:
-        self._node, self._begin = node, begin
+        self._node = node
+        self._begin = begin
         with translated_errors("the topics estimate and truth"):
             self.estimate, self._truth = (node.resolve_topic_name(name) for name in (ESTIMATE, TRUTH))
         self.live: LiveEstimate | None = None
@@ -82,7 +83,8 @@ class Following:
             kind = self._type(self.estimate, there[self.estimate], ATTITUDE_TYPES)
             self.live = self._begin(self.estimate, kind)
             self._hear(self.estimate, kind, self.live.hear_estimates)
-        self._true_kinds, truth = kinds, self.live.truth
+        self._true_kinds = kinds
+        truth = self.live.truth
         for topic, kind in kinds.items():
             self._hear(topic, kind, truth.hear_scenarios if kind == STRING else partial(truth.hear_poses, topic, kind))
             self._crowd[topic] = max(self._crowd.get(topic, 0), self._node.count_publishers(topic))
@@ -105,7 +107,9 @@ class Following:
         self._node.get_logger().warning(f"{told}: the comparison of {self.estimate} begins anew")
         for subscription, _ in self._subscriptions.values():
             self._node.destroy_subscription(subscription)
-        self.live, self._subscriptions, self._crowd = None, {}, {}
+        self.live = None
+        self._subscriptions = {}
+        self._crowd = {}
 
     def notes(self) -> Iterator[str]:
         """Sentences about the topics that a reader of the score should know."""
@@ -143,7 +147,8 @@ class Following:
 
     def silence(self) -> str:
         """A sentence about what is missing, and what there is instead."""
-        there, domain = self.published(), self._node.context.get_domain_id()
+        there = self.published()
+        domain = self._node.context.get_domain_id()
         known = [t for t, kinds in there.items() if set(kinds) & set(ATTITUDE_TYPES)]
         attitudes = f"topics of types with attitudes are {listed(sorted(known)) or 'none'} in domain {domain}"
         if self.live is not None and self.live.messages:

@@ -52,8 +52,10 @@ def require_environment() -> None:
     InputError
     """
     given = os.environ
-    domain, middleware = given.get("ROS_DOMAIN_ID", ""), given.get("RMW_IMPLEMENTATION", "")
-    files, memory = limit("RLIMIT_NOFILE"), limit("RLIMIT_AS")
+    domain = given.get("ROS_DOMAIN_ID", "")
+    middleware = given.get("RMW_IMPLEMENTATION", "")
+    files = limit("RLIMIT_NOFILE")
+    memory = limit("RLIMIT_AS")
     security = [given.get(f"ROS_SECURITY_{name}", "") for name in ("ENABLE", "STRATEGY", "KEYSTORE")]
     faults = {
         f"ROS_DOMAIN_ID {domain} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}": (

@@ -96,7 +96,8 @@ class SimulatorNode(Node):
         require_distinct("services", services)
         self.names = {"~": self.get_fully_qualified_name(), **topics, **services}
         self.parameters = NodeParameters(self, given(self.get_name(), self.get_namespace()))
-        scenario, values = self.parameters.scenario(), self.parameters.values()
+        scenario = self.parameters.scenario()
+        values = self.parameters.values()
         in_lockstep = bool(values["lockstep_topic"])
         self.publisher = SamplePublisher(
             self,
@@ -161,7 +162,9 @@ def simulate(given: argparse.Namespace, interruption: Interruption) -> None:
         return
     with initialised(given.ros):
         node = SimulatorNode(partial(gather, given.scenario, given.params_file, given.assignments))
-        values, scenario, mailbox = node.parameters.values(), node.parameters.scenario(), Mailbox()
+        values = node.parameters.values()
+        scenario = node.parameters.scenario()
+        mailbox = Mailbox()
         with (
             destroying(node),
             _started(scenario) as wall,

@@ -67,7 +67,8 @@ class Player:
     def __init__(
         self, node: Node, estimator: NodeEstimator, readings: Sequence[Reading], require_alive: Callable[[], None]
     ) -> None:
-        self._readings, self._require_alive = readings, require_alive
+        self._readings = readings
+        self._require_alive = require_alive
         self._longest_s = estimator.timeout_s / 2.0
         self._topics = {reading.sensor: SENSORS[reading.sensor].topics[0] for reading in readings}
         quality = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)

@@ -113,7 +113,8 @@ def spinning(node: Node) -> Iterator[None]:
 
     Then rclpy is shut down.
     """
-    executor, ended = MultiThreadedExecutor(THREADS), Event()
+    executor = MultiThreadedExecutor(THREADS)
+    ended = Event()
     executor.add_node(node)
     thread = Thread(target=_spin, args=(executor, node, ended), name="services", daemon=True)
     thread.start()

@@ -107,7 +107,8 @@ def _is_of_one(group: int) -> bool:
     import pwd
 
     try:
-        name, found = pwd.getpwuid(user()).pw_name, grp.getgrgid(group)
+        name = pwd.getpwuid(user()).pw_name
+        found = grp.getgrgid(group)
     except (KeyError, OSError):  # a group or a user without a name
         return False
     return found.gr_name == name and not {*found.gr_mem} - {name}

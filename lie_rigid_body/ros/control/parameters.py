@@ -105,7 +105,8 @@ class NodeParameters(ParameterService):  # type: ignore[misc]
 
     def _read(self, change: ParameterMessage) -> RosParameter:
         """A change in its parameter's own type, as in a parameter file: an integer stands for a double."""
-        name, kind = change.name, change.value.type
+        name = change.name
+        kind = change.value.type
         if kind not in _TYPES:
             raise InputError(f"{name}: type {kind} is none of rcl_interfaces/ParameterType: give 0 to 9")
         if name in FIXED:
@@ -124,7 +125,8 @@ def _as_ros(value: Value) -> Any:
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """The description of a parameter for ROS, which ``ros2 param describe`` shows."""
     fixed = parameter.name in FIXED
-    low, high = parameter.minimum, parameter.maximum
+    low = parameter.minimum
+    high = parameter.maximum
     when = "at once" if parameter.name in IMMEDIATE else "at the next ~/reset"
     told = (
         *([f"one of {', '.join(parameter.choices)}"] if parameter.choices else []),

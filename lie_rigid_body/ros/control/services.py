@@ -115,7 +115,8 @@ def _triggered(action: Callable[[], str]) -> Callable[[Trigger.Request, Trigger.
 
     def handle(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         try:
-            response.message, response.success = action(), True
+            response.message = action()
+            response.success = True
         except Exception as error:
             response.message = _reason(error)
         return response
@@ -178,7 +179,9 @@ class StandardServices:
     """
 
     def __init__(self, run: LiveRun, scenario: Callable[[], Scenario], entity: str) -> None:
-        self._run, self._scenario, self._entity = run, scenario, entity
+        self._run = run
+        self._scenario = scenario
+        self._entity = entity
 
     def offer(self, node: Node) -> None:
         """Create the services and the action on a node, under their own names in snake case."""
@@ -228,7 +231,8 @@ class StandardServices:
     @_answering
     def set_simulation_state(self, request: Any, response: Any) -> None:
         """Play, pause, stop (pause at the start of a new segment) or quit."""
-        present, wanted = self._run.state, request.state.state
+        present = self._run.state
+        wanted = request.state.state
         actions: dict[int, Callable[[], object]] = {
             RunState.STOPPED: lambda: self._run.ask(self._run.stop, self._scenario()),
             RunState.PLAYING: lambda: self._run.ask(self._run.resume),
@@ -253,7 +257,8 @@ class StandardServices:
     def simulate_steps(self, goal: ServerGoalHandle, result: Any, feedback: Callable[[], Any]) -> Any:
         """Send so many samples while paused, with feedback, until all are sent or the goal is canceled."""
         try:
-            steps, done = self._run.ask(self._run.step, goal.request.steps), False
+            steps = self._run.ask(self._run.step, goal.request.steps)
+            done = False
             while not done:
                 done = steps.wait(FEEDBACK_INTERVAL)
                 if goal.is_cancel_requested and not done:
@@ -262,7 +267,8 @@ class StandardServices:
                     message = f"canceled after {steps.completed} of {steps.total} steps"
                     return _filled(result, Code.OPERATION_FAILED, message)
                 progress = feedback()
-                progress.completed_steps, progress.remaining_steps = steps.completed, steps.total - steps.completed
+                progress.completed_steps = steps.completed
+                progress.remaining_steps = steps.total - steps.completed
                 goal.publish_feedback(progress)
         except LieRigidBodyError as error:
             goal.abort()
@@ -310,7 +316,8 @@ class StandardServices:
     def _with_state(self, message: Any) -> Any:
         """A simulation_interfaces/EntityState, filled with the latest state of the body."""
         stamp_ns, state = self._run.ask(lambda: self._run.latest)
-        scenario, attitude = self._run.segment.scenario, state.attitude_xyzw
+        scenario = self._run.segment.scenario
+        attitude = state.attitude_xyzw
         message.header.frame_id = scenario.world_frame
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp_ns, NS)
         acceleration = scenario.body().angular_acceleration(state)
@@ -326,7 +333,8 @@ class StandardServices:
         # before release 2 of simulation_interfaces both are always set
         pose = request.state.pose if getattr(request, "set_pose", True) else None
         twist = request.state.twist if getattr(request, "set_twist", True) else None
-        frame, world = request.state.header.frame_id, self._run.segment.scenario.world_frame
+        frame = request.state.header.frame_id
+        world = self._run.segment.scenario.world_frame
         if frame not in ("", world):
             raise LieRigidBodyError(
                 f"frame {shown(frame)} is unknown: give pose and twist in {world!r}, or leave it empty"
@@ -341,7 +349,8 @@ class StandardServices:
     def _changed(self, pose: Any | None, twist: Any | None) -> State:
         """The latest state with another pose, and another twist; what is None stays as it is."""
         _, present = self._run.ask(lambda: self._run.latest)
-        attitude, rate = present.attitude_xyzw, present.body_rate
+        attitude = present.attitude_xyzw
+        rate = present.body_rate
         if pose is not None:
             if any(position := _components(pose.position)):
                 raise RefusedError(INVALID_POSE, f"position {position} is not 0, where the mass centre stays: give 0")
@@ -374,7 +383,8 @@ def _is_found(pattern: str, name: str) -> bool:
         raise LieRigidBodyError(
             f"filter {shown(pattern)} has {len(pattern)} characters: give at most {LONGEST_PATTERN}, or none"
         )
-    command, given = [sys.executable, "-I", "-c", _SEARCH], json.dumps([pattern, name, PATTERN_S])
+    command = [sys.executable, "-I", "-c", _SEARCH]
+    given = json.dumps([pattern, name, PATTERN_S])
     done = subprocess.run(command, input=given, capture_output=True, text=True, check=False)
     if not done.returncode:
         return done.stdout == "True\n"

@@ -46,7 +46,8 @@ class Diagnostics(Sink):
 
     def begin_segment(self, segment: Segment) -> None:
         """Take the scenario, of whose initial state energy and momentum are conserved in this segment."""
-        self._scenario, self._state = segment.scenario, segment.scenario.start()
+        self._scenario = segment.scenario
+        self._state = segment.scenario.start()
 
     def write(self, batch: Batch) -> None:
         """Keep the latest state."""
@@ -56,11 +57,13 @@ class Diagnostics(Sink):
     def tick(self, steady_ns: int, punctuality: Punctuality) -> int:
         """Publish a report when a second has passed since the last."""
         if self._due_ns is None:
-            self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
+            self._due_ns = steady_ns + INTERVAL_NS
+            self._before = (steady_ns, punctuality)
         if steady_ns >= self._due_ns:
             stamp = self._node.get_clock().now().to_msg()
             self._publisher.publish(report(self._node, "simulation", stamp, *self._status(steady_ns, punctuality)))
-            self._due_ns, self._before = steady_ns + INTERVAL_NS, (steady_ns, punctuality)
+            self._due_ns = steady_ns + INTERVAL_NS
+            self._before = (steady_ns, punctuality)
         return self._due_ns - steady_ns
 
     def _status(self, steady_ns: int, punctuality: Punctuality) -> Status:
@@ -82,7 +85,8 @@ class Diagnostics(Sink):
 
     def drifts(self) -> tuple[float, float]:
         """Relative changes of the kinetic energy and of the angular momentum (world frame) since the last reset."""
-        body, states = self._scenario.body(), (self._scenario.start(), self._state)
+        body = self._scenario.body()
+        states = (self._scenario.start(), self._state)
         energies = [float(body.kinetic_energy(state)) for state in states]
         momenta = [body.angular_momentum(state) for state in states]
         size = float(np.linalg.norm(momenta[0]))

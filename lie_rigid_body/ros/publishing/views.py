@@ -87,8 +87,10 @@ class Markers(Sink):
     def begin_segment(self, segment: Segment) -> None:
         """Take the body, and begin a new polhode."""
         scenario = segment.scenario
-        start, body = scenario.start(), scenario.body()
-        self._frame, self._body = scenario.world_frame, body
+        start = scenario.start()
+        body = scenario.body()
+        self._frame = scenario.world_frame
+        self._body = body
         self._rate_scale = _scale(start.body_rate)
         self._momentum_scale = _scale(body.body_momentum(start))
         self._trail.clear()
@@ -115,7 +117,8 @@ class Markers(Sink):
         rate = quaternion.rotate(attitude, state.body_rate) * self._rate_scale
         momentum = self._body.angular_momentum(state) * self._momentum_scale
         # a box along the principal axes, m: an inertia alone does not determine the size of a body
-        axes, sides = quaternion.from_matrix(self._body.principal_axes), box_sides(self._body.principal_moments)
+        axes = quaternion.from_matrix(self._body.principal_axes)
+        sides = box_sides(self._body.principal_moments)
         body = self._marker(
             0,
             "body",
@@ -142,7 +145,8 @@ class Markers(Sink):
         return MarkerArray(markers=[body, *arrows, polhode])
 
     def _arrow(self, number: int, name: str, stamp_ns: int, color: ColorRGBA, tip: Array) -> Marker:
-        ends, widths = [Point(), _message(Point, tip)], Vector3(x=0.03, y=0.06, z=0.1)
+        ends = [Point(), _message(Point, tip)]
+        widths = Vector3(x=0.03, y=0.06, z=0.1)
         return self._marker(number, name, Marker.ARROW, stamp_ns, color, points=ends, scale=widths)
 
     def _marker(self, number: int, name: str, kind: int, stamp_ns: int, color: ColorRGBA, **fields: Any) -> Marker:

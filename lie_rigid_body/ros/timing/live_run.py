@@ -322,7 +322,8 @@ class LiveRun:
 
     def _send_due(self) -> None:
         """Send samples that are due: at most one batch, and of those that are late a few."""
-        now, stamp = self._steady(), self._simulation.next_stamp_ns
+        now = self._steady()
+        stamp = self._simulation.next_stamp_ns
         if not all(sink.ready() for sink in self._sinks) or stamp > self._pace.due_ns(now) or now < self._rested_ns:
             return
         if self._lockstep is not None and self._lockstep.holds(now):
@@ -348,7 +349,8 @@ class LiveRun:
 
     def _note(self, batch: Batch, steady_ns: int, lateness_ns: int) -> None:
         """Keep account of a batch: its punctuality, its last state, the step request it belongs to."""
-        samples, missed = batch.samples, 0
+        samples = batch.samples
+        missed = 0
         if lateness_ns > self._deadline_ns:
             overdue = self._pace.due_ns(steady_ns - self._deadline_ns - 1)
             missed = int(np.searchsorted(samples.stamps_ns, overdue, side="right"))

@@ -39,13 +39,16 @@ class Lockstep:
     """
 
     def __init__(self, topic: str, look: Callable[[], Collection[str] | None], timeout_ns: int) -> None:
-        self._topic, self._look, self._timeout_ns = topic, look, timeout_ns
+        self._topic = topic
+        self._look = look
+        self._timeout_ns = timeout_ns
         self._heard: Collection[str] | None = None
         self._sensors: frozenset[str] = frozenset()
         self._delivered = defaultdict[str, deque[int]](partial(deque, maxlen=STAMPS_KEPT))
         self._awaited: set[int] = set()
         self._latest_ns = -1
-        self._others, self._other_ns = 0, 0
+        self._others = 0
+        self._other_ns = 0
         self._waited_ns = self._awaited_at_ns = self._asked_ns = 0
         self._longest_ns = min(FIRST_NS, timeout_ns)
 
@@ -57,7 +60,8 @@ class Lockstep:
     def begin_segment(self, sensors: Iterable[str]) -> None:
         """Look for those that take part anew if there are other sensors, whose topics nobody may hear yet."""
         if self._sensors != (found := frozenset(sensors)):
-            self._sensors, self._heard = found, None
+            self._sensors = found
+            self._heard = None
 
     def holds(self, steady_ns: int) -> bool:
         """Whether samples that are due at a time of the steady clock have to wait.
@@ -95,7 +99,9 @@ class Lockstep:
 
     def _await(self, stamp_ns: int) -> None:
         self._awaited.add(stamp_ns)
-        self._latest_ns, self._awaited_at_ns, self._others = stamp_ns, self._waited_ns, 0
+        self._latest_ns = stamp_ns
+        self._awaited_at_ns = self._waited_ns
+        self._others = 0
         for name, stamps in self._delivered.items():
             self._delivered[name] = deque((s for s in stamps if s > stamp_ns), maxlen=STAMPS_KEPT)
 
@@ -106,6 +112,7 @@ class Lockstep:
             self._awaited.remove(stamp_ns)
             self._waited_ns = 0
         else:
-            self._others, self._other_ns = self._others + 1, stamp_ns
+            self._others = self._others + 1
+            self._other_ns = stamp_ns
             if stamp_ns in self._delivered[IMU_SENSOR.name]:  # answered before its partners came
                 self._delivered[IMU_SENSOR.name].remove(stamp_ns)
