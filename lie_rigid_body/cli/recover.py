@@ -38,7 +38,8 @@ def main(given: argparse.Namespace) -> int:
     from lie_rigid_body.recording.recovered_folder import recover_folder
     from lie_rigid_body.recording.recovery import Recovery, recover
 
-    broken, out = Path(given.broken), Path(given.out)
+    broken = Path(given.broken)
+    out = Path(given.out)
     is_folder = broken.is_dir()
     found = recover_folder(broken, out) if is_folder else {broken: recover(broken, out, overwrite=given.force)}
     parts = {path: each for path, each in found.items() if isinstance(each, Recovery)}
@@ -56,8 +57,10 @@ def main(given: argparse.Namespace) -> int:
 def _how_much(out: Path, parts: Sequence[Recovery]) -> str:
     files = [out] if out.is_file() else [*out.iterdir()]
     times_ns = [time for part in parts for time in part.log_times_ns]
-    first, last = console.seconds(min(times_ns)), console.seconds(max(times_ns))
-    messages, topics = sum(part.messages for part in parts), max(part.topics for part in parts)
+    first = console.seconds(min(times_ns))
+    last = console.seconds(max(times_ns))
+    messages = sum(part.messages for part in parts)
+    topics = max(part.topics for part in parts)
     where = f"{printable(str(out))} ({console.size(sum(file.stat().st_size for file in files))})"
     return f"{counted(messages, 'message')} on {counted(topics, 'topic')}, stamps {first} to {last} s, in {where}"
 
