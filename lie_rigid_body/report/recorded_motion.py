@@ -33,8 +33,8 @@ _STEP: Final = 0.05
 """Turn from one point of a path to the next, rad, where the samples are as near."""
 _FAR: Final = 1e3
 """Largest body rate that is drawn, as a multiple of the fastest of the motion: a larger one was damaged."""
-RESIDUAL_INTERVALS: Final = 400
-"""Most intervals of time of which the largest residual is kept."""
+MAX_PIECES: Final = 100
+"""Largest number of pieces of a block of samples of which the largest residuals are kept."""
 
 
 @short_dataclass(frozen=True)
@@ -76,7 +76,7 @@ def recorded_segments(bag: Bag | Recording, certificate: Certificate | None = No
 
 
 class ResidualsOverTime(Watch):
-    """The largest residual of each law in each interval of time; a `Watch` for `certify`."""
+    """The largest residuals of each law over time; a `Watch` for `certify`."""
 
     def __init__(self) -> None:
         self.laws: dict[str, LawOverTime] = {}
@@ -84,49 +84,30 @@ class ResidualsOverTime(Watch):
     def __call__(self, name: str, unit: str, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
         """Take the residuals of a law for the samples that come next."""
         if len(stamps_ns):
-            self.laws.setdefault(name, LawOverTime(unit, int(stamps_ns[0]))).add(residuals, limits, stamps_ns)
+            self.laws.setdefault(name, LawOverTime()).add(residuals, limits, stamps_ns)
 
 
 class LawOverTime:
-    """The largest residual and the largest limit of one law in each of `RESIDUAL_INTERVALS` equal intervals at most.
+    """The largest residuals and limits of one law in pieces of the blocks in which its samples come."""
 
-    An interval is twice as long as before when the time that all cover is over.
-
-    Parameters
-    ----------
-    unit : str
-    start_ns : int
-        Stamp at which the first interval begins.
-    """
-
-    def __init__(self, unit: str, start_ns: int) -> None:
-        self.unit = unit
-        self._start_ns = start_ns
-        self._length_ns = 1
-        # residuals, limits, and 1 where a residual is beyond its limit
-        self._largest = np.full((3, RESIDUAL_INTERVALS), -np.inf)
+    def __init__(self) -> None:
+        self._stamps_ns: list[Integers] = []
+        self._largest: list[Array] = []
 
     def add(self, residuals: Array, limits: Array | float, stamps_ns: Integers) -> None:
-        """Take residuals, not negative, NaN for broken; those before the first interval count as its own."""
-        while (int(stamps_ns.max()) - self._start_ns) // self._length_ns >= RESIDUAL_INTERVALS:
-            self._double()
-        at = np.maximum(0, (stamps_ns - self._start_ns) // self._length_ns)
-        weights = np.where(np.isnan(residuals), np.inf, residuals)
-        of_each = np.stack(np.broadcast_arrays(weights, limits, ~(residuals <= limits)))
-        for largest, new in zip(self._largest, of_each, strict=True):
-            np.maximum.at(largest, at, new)
-
-    def _double(self) -> None:
-        self._length_ns *= 2
-        half = self._largest.reshape(3, -1, 2).max(axis=2)
-        self._largest = np.hstack([half, np.full_like(half, -np.inf)])
+        """Take residuals, not negative, NaN for broken, of at least one sample."""
+        first = np.unique(np.linspace(0, len(stamps_ns), MAX_PIECES, endpoint=False).astype(np.int64))
+        sizes = np.where(np.isnan(residuals), np.inf, residuals)
+        of_each = np.stack(np.broadcast_arrays(sizes, limits, ~(residuals <= limits)))
+        self._stamps_ns.append(stamps_ns[first])
+        self._largest.append(np.maximum.reduceat(of_each, first, axis=1))
 
     def series(self, origin_ns: int) -> tuple[Array, Array, Array, Booleans]:
-        """Middles of the intervals that have a residual, s since a stamp, residuals, limits, and which are broken."""
-        found = np.flatnonzero(self._largest[0] >= 0.0)
-        middles = np.asarray((self._start_ns - origin_ns + (found + 0.5) * self._length_ns) * 1e-9, dtype=np.float64)
-        residuals, limits, broken = self._largest[:, found]
-        return middles, residuals, limits, broken > 0.0
+        """Times at which the pieces begin, s since a stamp, residuals, limits, and which are broken."""
+        stamps_ns = np.concatenate(self._stamps_ns)
+        order = np.argsort(stamps_ns, kind="stable")
+        residuals, limits, broken = np.concatenate(self._largest, axis=1)[:, order]
+        return np.asarray((stamps_ns[order] - origin_ns) * 1e-9), residuals, limits, broken > 0.0
 
 
 def times(stamps_ns: Integers, pieces: Sequence[RecordedSegment]) -> Array:

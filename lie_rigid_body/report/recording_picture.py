@@ -31,12 +31,9 @@ from lie_rigid_body.report.recorded_motion import (
 
 _MAX_DRAWN: Final = 1e300
 """Largest magnitude that is drawn: the length of an axis, a difference of two numbers, must be finite as well."""
-_SHORT_NUMBER: Final = 3
-"""Number of characters of a number that keeps clear of its axis at the usual distance."""
-_TICK_PAD = 3.5
-_LABEL_PAD = 8.0
-_HALF_DIGIT = 3.0
-"""Distances of numbers and label from an axis, and half of a digit's width, points."""
+_TICK_PAD = 5.0
+_LABEL_PAD = 11.0
+"""Distances of numbers and label from an axis, points."""
 
 
 @np.errstate(all="ignore")  # recorded numbers may be anything
@@ -162,11 +159,9 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
     for i, axis in enumerate((axes.xaxis, axes.yaxis, axes.zaxis), start=1):
         axis.set_major_locator(MaxNLocator(nbins=4, symmetric=True))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 10.0**power:g}".replace("-", "−")))
-        longest = max(map(len, axis.get_major_formatter().format_ticks(axis.get_majorticklocs())))
-        beyond = _HALF_DIGIT * max(0, longest - _SHORT_NUMBER)  # numbers have their middle at a distance from the axis
-        axis.set_tick_params(pad=_TICK_PAD + beyond)
+        axis.set_tick_params(pad=_TICK_PAD)
         axis.set_label_text(f"$\\omega_{i}$ [{unit}]")
-        axis.labelpad = _LABEL_PAD + 2.0 * beyond
+        axis.labelpad = _LABEL_PAD
 
 
 def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
