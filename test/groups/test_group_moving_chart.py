@@ -225,7 +225,7 @@ def test_translations_may_be_of_any_length():
 @pytest.mark.long
 def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
     group = MatrixLieGroup.from_generators([np.diag([1j, np.sqrt(2.0) * 1j])], name="torus")
-    lagrangian, rate = Lagrangian(group, [[1.0]]), np.array([1.0])
+    lagrangian, rate = Lagrangian(group, np.array([[1.0]])), np.array([1.0])
     half = GroupMovingChart(lagrangian, GroupState(group.identity, rate), max_step=0.01).at(4_000_000_000)
     assert not group.contains(half.element)
     end = GroupMovingChart(lagrangian, half, max_step=0.01).at(4_000_000_000)

@@ -198,7 +198,7 @@ def test_the_verdict_has_no_unit():
 
 
 def test_rest_and_the_circle_are_stable():
-    assert steady_rotation(Lagrangian(U1(), [[2.0]]), [3.0]).stability is Stability.STABLE
+    assert steady_rotation(Lagrangian(U1(), np.array([[2.0]])), [3.0]).stability is Stability.STABLE
     at_rest = steady_rotation(Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0])), np.zeros(3))
     assert (at_rest.stability, at_rest.growth_rate, len(at_rest.eigenvalues)) == (Stability.STABLE, 0.0, 0)
 
