@@ -16,7 +16,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.sensors import SENSORS, Field, Instrument, Sensor, SensorModel, Signal, Topic
 from lie_rigid_body.sensors.noise import WhiteNoise
 from lie_rigid_body.sensors.parameters import angle, not_negative
-from lie_rigid_body.sensors.sensor import VectorAid
+from lie_rigid_body.sensors.sensor import VectorMeasurement
 
 NADIR = (0.0, 0.0, -1.0)
 SOURCE = 200
@@ -30,8 +30,8 @@ class HorizonModel(SensorModel):
     noise: float
 
     @property
-    def aids(self) -> tuple[VectorAid, ...]:
-        return (VectorAid(NADIR, self.noise),)
+    def measurement_models(self) -> tuple[VectorMeasurement, ...]:
+        return (VectorMeasurement(NADIR, self.noise),)
 
 
 class Horizon(Instrument):

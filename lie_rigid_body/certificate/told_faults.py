@@ -66,7 +66,7 @@ class ExpectedFaults:
             sensors = self.segment_at(self._known_ns + 1).scenario.sensors
             later = self._starts[np.searchsorted(self._starts, self._known_ns + 1, side="right") :]
             end_ns = min(time_ns, int(later[0]) - 1 if len(later) else time_ns)
-            if sensors.have_faults:
+            if sensors.has_faults:
                 rate = max((_EPISODES_PER_SECOND, *(sensor.rate for sensor in sensors.on.values())))
                 self.is_too_far = (end_ns - self._known_ns) * rate > self.left * NS
                 end_ns = min(end_ns, self._known_ns + max(1, int(REPLAY_BLOCK * NS / rate)))

@@ -15,7 +15,7 @@ from typing import NoReturn
 from lie_rigid_body.groups import double_cover
 from lie_rigid_body.groups.arguments import MADE_BY
 from lie_rigid_body.groups.classical_groups import SO, SU, U1
-from lie_rigid_body.groups.coadjoint import coadjoint_action, invariant_form, killing_form
+from lie_rigid_body.groups.coadjoint import ad_star, invariant_form, killing_form
 from lie_rigid_body.groups.displacement import Displacement, chasles
 from lie_rigid_body.groups.group_chart import ChartReach, chart_metric, chart_reach
 from lie_rigid_body.groups.group_moving_chart import GROUP_METHODS, GroupMovingChart, GroupState
@@ -64,12 +64,12 @@ __all__ = [
     "MatrixLieGroup",
     "RelativeEquilibrium",
     "Stability",
+    "ad_star",
     "casimirs",
     "chart_metric",
     "chart_reach",
     "chasles",
     "christoffel_symbols",
-    "coadjoint_action",
     "connection_coefficients",
     "conserved_momenta",
     "double_cover",

@@ -23,7 +23,7 @@ REGULARITY_LIMIT: Final = 1e-9
 
 
 @within_doubles
-def coadjoint_action(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Array:
+def ad_star(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Array:
     """The coadjoint action ad*_ω p, with components ωᶜ f[c,a,d] p_d: ⟨ad*_ω p, η⟩ = ⟨p, [ω, η]⟩ for every η.
 
     On SO(3) it is p × ω. Free motion obeys ṗ = ad*_ω p, which is eq. (21) and, as ṗ of body components, eq. (35b); on

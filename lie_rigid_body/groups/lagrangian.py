@@ -33,7 +33,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups.arguments import MadeAnew, of_kind, within_doubles
-from lie_rigid_body.groups.coadjoint import coadjoint_action
+from lie_rigid_body.groups.coadjoint import ad_star
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.groups.metric import require_metric
 from lie_rigid_body.mechanics.array_input import positive, symmetrised
@@ -160,7 +160,7 @@ class Lagrangian(MadeAnew):
             kg m²/s².
         """
         w = self.group.as_components(rate, "rates")
-        return coadjoint_action(self.group, w, self.momenta(w))
+        return ad_star(self.group, w, self.momenta(w))
 
     @within_doubles
     def acceleration(self, rate: ArrayLike) -> Array:

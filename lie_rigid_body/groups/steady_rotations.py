@@ -12,7 +12,7 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.groups.arguments import of_kind, within_doubles
-from lie_rigid_body.groups.coadjoint import coadjoint_action, coadjoint_directions, invariant_form
+from lie_rigid_body.groups.coadjoint import ad_star, coadjoint_directions, invariant_form
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.mechanics.array_input import ROUND_OFF, symmetrised
 
@@ -223,7 +223,7 @@ def _unsteadiness(lagrangian: Lagrangian, rate: Array) -> float:
     momentum = lagrangian.momenta(rate)
     size = float(np.linalg.norm(rate) * np.linalg.norm(momentum))
     scale = size * float(np.abs(lagrangian.group.structure_constants).max(initial=0.0))
-    turned = float(np.linalg.norm(coadjoint_action(lagrangian.group, rate, momentum)))
+    turned = float(np.linalg.norm(ad_star(lagrangian.group, rate, momentum)))
     if turned > STEADY_TOLERANCE * scale:
         raise InputError(
             f"the rotation at rate {rate.tolist()} is not steady: its momentum turns by {turned / scale:.3g} of "

@@ -188,7 +188,7 @@ def to_matrix(q: ArrayLike) -> Array:
     return m
 
 
-def outer_square(m: Any) -> tuple[tuple[Any, Any, Any, Any], ...]:
+def shepperd_matrix(m: Any) -> tuple[tuple[Any, Any, Any, Any], ...]:
     """The matrix 4qqᵀ of the quaternion q, eq. (31), of a rotation matrix, whose rows have entries of any kind.
 
     Row i is 4qᵢq, so that each is parallel to the quaternion q, and the longest, whose entry on the diagonal is the
@@ -206,7 +206,7 @@ def outer_square(m: Any) -> tuple[tuple[Any, Any, Any, Any], ...]:
 def from_matrix(m: ArrayLike) -> Array:
     """Unit quaternion of a rotation matrix, eqs. (31) and (6), the one with the largest component positive.
 
-    It is the longest row of `outer_square`, normalised, so that no angle loses digits.
+    It is the longest row of `shepperd_matrix`, normalised, so that no angle loses digits.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def from_matrix(m: ArrayLike) -> Array:
     ndarray, shape (..., 4)
     """
     entries = np.moveaxis(vectors.as_matrices(m), (-2, -1), (0, 1))
-    rows = np.stack([np.stack(row, axis=-1) for row in outer_square(entries)], axis=-2)
+    rows = np.stack([np.stack(row, axis=-1) for row in shepperd_matrix(entries)], axis=-2)
     best = np.argmax(np.diagonal(rows, axis1=-2, axis2=-1), axis=-1)
     chosen = np.take_along_axis(rows, best[..., np.newaxis, np.newaxis], axis=-2)[..., 0, :]
     return normalize(chosen)

@@ -15,7 +15,7 @@ from lie_rigid_body.foundation.arrays import Array, whole_number
 from lie_rigid_body.mechanics.array_input import positive
 from lie_rigid_body.mechanics.mass_moments import MassMoments
 
-THINNEST: Final = 0.02
+MIN_THICKNESS: Final = 0.02
 """Shortest side of a box that is to be seen, as a share of the longest."""
 
 
@@ -102,7 +102,7 @@ def box_sides(principal_moments: ArrayLike) -> Array:
     Returns
     -------
     ndarray, shape (3,)
-        Sides along the principal axes; the longest is 1, and none is below `THINNEST`.
+        Sides along the principal axes; the longest is 1, and none is below `MIN_THICKNESS`.
 
     Notes
     -----
@@ -111,7 +111,7 @@ def box_sides(principal_moments: ArrayLike) -> Array:
     moments = np.asarray(principal_moments, dtype=np.float64)
     moments = moments / moments.max()
     sides = np.sqrt(np.maximum(moments.sum() - 2.0 * moments, 0.0))
-    return np.asarray(np.maximum(sides / sides.max(), THINNEST))
+    return np.asarray(np.maximum(sides / sides.max(), MIN_THICKNESS))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what goes beyond doubles is refused

@@ -26,7 +26,7 @@ from lie_rigid_body.messages.layout import (
 )
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Field, SensorModel, Sensors, Topic
-from lie_rigid_body.sensors.fault import LONGEST_FAULT_TEXT
+from lie_rigid_body.sensors.fault import MAX_FAULT_TEXT
 from lie_rigid_body.simulation import Samples, SensorSamples, Taken
 
 POSE: Final = "pose"
@@ -271,7 +271,7 @@ class Gathering:
 def sensor_topics(sensors: Sensors) -> list[str]:
     """Relative names of the topics that the sensors of a scenario have."""
     topics = [topic.name for name in sensors.on for topic in SENSORS[name].topics]
-    return [*topics, FAULTS_TOPIC] if sensors.have_faults else topics
+    return [*topics, FAULTS_TOPIC] if sensors.has_faults else topics
 
 
 class BatchEncoder:
@@ -309,5 +309,5 @@ class BatchEncoder:
         if taken.faults:
             begins = np.array([fault.begin_ns for fault in taken.faults], dtype=np.int64)
             yield Messages(
-                FAULTS_TOPIC, begins, encode_strings([fault.to_json() for fault in taken.faults], LONGEST_FAULT_TEXT)
+                FAULTS_TOPIC, begins, encode_strings([fault.to_json() for fault in taken.faults], MAX_FAULT_TEXT)
             )

@@ -1,9 +1,9 @@
 """Segments of a bag, from one reset to the next, and by which of them a message was measured, as what number.
 
 The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are those of the
-segment's scenario. `Delivery.measured_ns` inverts this to 8 ns, so that the nearest reading of the sensor's grid is the
-right one up to 60 million readings in a second. What the clock shows at that reading is compared with the stamp to the
-nanosecond.
+segment's scenario. `TransportFaults.measured_ns` inverts this to 8 ns, so that the nearest reading of the sensor's grid
+is the right one up to 60 million readings in a second. What the clock shows at that reading is compared with the stamp
+to the nanosecond.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ class SensorClocks:
         self._starts = np.array([segment.start_ns for segment in segments])
         self._previous_ns = int(self._starts[0]) - 1
         deliveries = [model.delivery for model in self._models if model is not None]
-        self.err = any(delivery is not None and delivery.is_off for delivery in deliveries)
+        self.err = any(delivery is not None and delivery.has_clock_error for delivery in deliveries)
         shown = [self._shown_ns(place, self._starts[place : place + 2]) for place in range(len(segments))]
         self._from_ns = np.array([of_one[0] for of_one in shown]) - _ROUNDING_NS
         self._until_ns = np.array([*(of_one[-1] for of_one in shown[:-1]), _FAR - _ROUNDING_NS]) + _ROUNDING_NS

@@ -23,7 +23,7 @@ from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Sensors
-from lie_rigid_body.sensors.sensor import VectorAid
+from lie_rigid_body.sensors.sensor import VectorMeasurement
 from lie_rigid_body.simulation import SampleClock, Segment
 
 THINNED: Final = 5_000
@@ -152,7 +152,7 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
 @np.errstate(over="ignore")  # a vector may be as near to 0 as numbers get, and tells nothing then
 def _left_by_errors(scenario: Scenario) -> float:
     imu, sensors = scenario.sensors.imu, scenario.sensors.on.values()
-    aids = [aid for model in sensors for aid in model.aids if isinstance(aid, VectorAid)]
+    aids = [aid for model in sensors for aid in model.measurement_models if isinstance(aid, VectorMeasurement)]
     if imu is None:
         return 0.0
     references = np.array([aid.reference for aid in aids]).reshape(-1, 3)
@@ -205,8 +205,8 @@ def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeR
     """Readings of vectors and of attitudes by which the sensors of a segment tell the attitude."""
     for model in segment.scenario.sensors.on.values():
         stamps = _stamps(segment, model.rate, last_ns)
-        for aid in model.aids if len(stamps) else ():
-            if isinstance(aid, VectorAid):
+        for aid in model.measurement_models if len(stamps) else ():
+            if isinstance(aid, VectorMeasurement):
                 bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
                 yield VectorReadings(stamps, np.array(aid.reference), aid.noise, bias, aid.linear_errors)
             else:
@@ -216,7 +216,7 @@ def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeR
 
 def _has_noise(sensors: Sensors) -> bool:
     """Whether there is an IMU, and each sensor that tells of the attitude has white noise: else no error is left."""
-    imu, aids = sensors.imu, [aid for model in sensors.on.values() for aid in model.aids]
+    imu, aids = sensors.imu, [aid for model in sensors.on.values() for aid in model.measurement_models]
     told = imu is not None and imu.orientation is None and imu.gyro.noise_density
     return bool(told and not any(aid.is_exact for aid in aids))
 

@@ -27,7 +27,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation, motions_of
-from lie_rigid_body.simulation.loop import Latest
+from lie_rigid_body.simulation.loop import LastCall
 
 _TRUTH_BYTES: Final = 300
 """Largest memory for a sample of the truth while it is computed, bytes."""
@@ -127,7 +127,7 @@ def simulate(
     for sentence in first.without_effect:
         warnings.warn(sentence, stacklevel=2)
     _require_memory(first, length, len(chosen), memory_limit)
-    motions = partial(motions_of, clocks=defaultdict(Latest))
+    motions = partial(motions_of, clocks=defaultdict(LastCall))
     simulations = [Simulation(one, motions=motions) for one in (first, *scenarios)]
     end_ns = simulations[0].clock.last_ns_before(length)
     runs = [Run.of(simulations.pop(0), end_ns) for _ in chosen]  # nothing of each is kept but its run

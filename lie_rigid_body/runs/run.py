@@ -139,7 +139,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         samples, declared, segments = samples_in_memory(recording)
         found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
         told = recording.readings.get(FAULTS_TOPIC)
-        has_faults = any(each.scenario.sensors.have_faults for each in declared)  # else they are of others
+        has_faults = any(each.scenario.sensors.has_faults for each in declared)  # else they are of others
         texts = dict.fromkeys(text for _, text in told) if has_faults and isinstance(told, list) else ()
         try:
             faults = tuple(map(Fault.from_json, texts))

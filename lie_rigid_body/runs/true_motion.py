@@ -93,5 +93,5 @@ class TrueMotion:
         of_imu = [imu.delivery for segment in self.segments if (imu := segment.scenario.sensors.imu) and imu.delivery]
         if any(delivery.dropout_probability or delivery.outage for delivery in of_imu):
             yield "The scenario declares that readings of the IMU are lost: gaps of the estimate may be theirs."
-        if any(delivery.is_off for delivery in of_imu):
+        if any(delivery.has_clock_error for delivery in of_imu):
             yield "The scenario declares that the clock of the IMU errs: so do stamps that a filter takes from it."

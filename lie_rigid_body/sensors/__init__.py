@@ -12,7 +12,7 @@ In the order of a measurement:
 - `imu`, `magnetometer`, `pointing`: the sensors.
 """
 
-from lie_rigid_body.sensors.fault import Delivery, Fault
+from lie_rigid_body.sensors.fault import Fault, TransportFaults
 from lie_rigid_body.sensors.imu import Imu, ImuModel
 from lie_rigid_body.sensors.magnetometer import Magnetometer, MagnetometerModel
 from lie_rigid_body.sensors.parameters import GRADE, GRADES, PERFECT, graded
@@ -28,7 +28,6 @@ __all__ = [
     "SENSORS",
     "AttitudeSensor",
     "AttitudeSensorModel",
-    "Delivery",
     "Fault",
     "Field",
     "Imu",
@@ -43,6 +42,7 @@ __all__ = [
     "SunSensor",
     "SunSensorModel",
     "Topic",
+    "TransportFaults",
     "frame_parameters",
     "graded",
     "without_effect",

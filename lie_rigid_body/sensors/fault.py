@@ -31,7 +31,7 @@ AXES: Final = ("x", "y", "z")
 STREAMS: Final[dict[str, int]] = {}
 """Number of each sensor, and part of a sensor, that can have faults, in the keys of the random numbers, as
 `SensorRegistry.register` takes them from the sensors' entries."""
-LONGEST_FAULT_TEXT: Final = 192
+MAX_FAULT_TEXT: Final = 192
 """Largest length of the text of a fault, characters."""
 MIN_INTERVAL_S: Final = 1e-3
 """Shortest interval from one episode to the next, s."""
@@ -85,7 +85,7 @@ class Fault:
             If the text tells of no fault.
         """
         try:
-            fault = cls(**json.loads(text[: 2 * LONGEST_FAULT_TEXT]))
+            fault = cls(**json.loads(text[: 2 * MAX_FAULT_TEXT]))
             names = fault.kind in KINDS and fault.sensor in STREAMS and fault.axis in (*AXES, "")
             times = type(fault.begin_ns) is int and (fault.end_ns is None or type(fault.end_ns) is int)
             if names and times and (fault.size is None or type(fault.size) in (int, float)):
@@ -132,7 +132,7 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Episodes:
+class IntermittentFault:
     """Episodes of one kind: one in each interval from the window's begin on, at a place in it that the seed decides.
 
     A long time has as many episodes as intervals, and no episode meets the next, whatever the seed. Where the duration
@@ -155,7 +155,7 @@ class Episodes:
     duration_ns: int
 
     @classmethod
-    def from_values(cls, values: Values, sensor: str, kind: str, name: str = "") -> Episodes | None:
+    def from_values(cls, values: Values, sensor: str, kind: str, name: str = "") -> IntermittentFault | None:
         """Make the episodes of the parameters that begin with ``sensor_kind``, or ``name``; None if the interval is 0.
 
         Raises
@@ -211,7 +211,7 @@ class Episodes:
 
 
 @dataclass(frozen=True)
-class Faulty(ABC):
+class FaultModel(ABC):
     """The faults of one part of a sensor. `from_values` makes them of parameters with the names of the fields.
 
     Parameters
@@ -230,8 +230,8 @@ class Faulty(ABC):
 
     switches: ClassVar[tuple[str, ...]] = ()
     """Ends of the names of the parameters any of which switches a fault on."""
-    kinds_of_episodes: ClassVar[tuple[str, ...]] = ()
-    """Fields that are `Episodes`, or None if their interval is 0."""
+    intermittent_kinds: ClassVar[tuple[str, ...]] = ()
+    """Fields that are `IntermittentFault`, or None if their interval is 0."""
 
     @classmethod
     def from_values(cls, sensor: str, values: Values) -> Self | None:
@@ -244,7 +244,7 @@ class Faulty(ABC):
         window = Window.from_values(values)
         if not any(values[f"{sensor}_{switch}"] for switch in cls.switches):
             return None
-        episodes = {kind: Episodes.from_values(values, sensor, kind) for kind in cls.kinds_of_episodes}
+        episodes = {kind: IntermittentFault.from_values(values, sensor, kind) for kind in cls.intermittent_kinds}
         return cls(sensor, values["sensor_seed"], window, **values_of(cls, sensor, values), **episodes)
 
     def draws(self, kind: str) -> Draws:
@@ -283,7 +283,7 @@ class Faulty(ABC):
 
 
 @dataclass(frozen=True)
-class Delivery(Faulty):
+class TransportFaults(FaultModel):
     """Faults on the way of a sensor's readings to whoever listens.
 
     A reading measured at t arrives at the largest of t + latency + jitter · u so far, with u uniform between 0 and 1:
@@ -292,10 +292,10 @@ class Delivery(Faulty):
     Parameters
     ----------
     sensor, seed, window
-        See `Faulty`.
+        See `FaultModel`.
     dropout_probability : float
         Probability that a reading is lost, independent of the others.
-    outage : Episodes or None
+    outage : IntermittentFault or None
         Episodes in which every reading is lost.
     latency, latency_jitter : float
         Constant and largest random part of the delay, s.
@@ -306,17 +306,17 @@ class Delivery(Faulty):
     """
 
     dropout_probability: float
-    outage: Episodes | None
+    outage: IntermittentFault | None
     latency: float
     latency_jitter: float
     clock_offset: float
     clock_skew: float
 
     switches = ("dropout_probability", "outage_interval", "latency", "latency_jitter", "clock_offset", "clock_skew")
-    kinds_of_episodes = ("outage",)
+    intermittent_kinds = ("outage",)
 
     @property
-    def is_off(self) -> bool:
+    def has_clock_error(self) -> bool:
         """Whether the sensor's clock is wrong."""
         return bool(nanoseconds(self.clock_offset) or self.clock_skew)
 
@@ -382,7 +382,7 @@ class Delivery(Faulty):
         return np.asarray(epoch_ns + since - drift)
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
-        """Faults of the delivery in a stretch of time; see `Faulty`."""
+        """Faults of the delivery in a stretch of time; see `FaultModel`."""
         lasting = {
             "latency": nanoseconds(self.latency) / 1e9,
             "latency_jitter": nanoseconds(self.latency_jitter) / 1e9,

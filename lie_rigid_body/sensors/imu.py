@@ -27,11 +27,11 @@ from lie_rigid_body.sensors.parameters import (
     values_of,
 )
 from lie_rigid_body.sensors.pointing import OrientationModel
-from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
+from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorMeasurement, diagonal
 from lie_rigid_body.sensors.signal import Signal
 from lie_rigid_body.sensors.triad import Triad, TriadModel
 
-LARGEST_TURN_PER_READING: Final = 3.0
+MAX_ROTATION_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
 _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
@@ -88,24 +88,24 @@ class ImuModel(SensorModel):
         return self.gravity if self.accelerometer_mode == "pivot_gravity" else 0.0
 
     @property
-    def aids(self) -> tuple[VectorAid, ...]:
+    def measurement_models(self) -> tuple[VectorMeasurement, ...]:
         """The vertical, where something holds the body."""
         if not self.support:
             return ()
         triad, up = self.accelerometer, (0.0, 0.0, self.support)
         noise, step = triad.noise_density * math.sqrt(self.rate), triad.bias_random_walk / math.sqrt(self.rate)
-        return (VectorAid(up, noise, triad.turn_on_bias, step, triad.linear_errors),)
+        return (VectorMeasurement(up, noise, triad.turn_on_bias, step, triad.linear_errors),)
 
     def refusal(self, fastest: float) -> ParameterError | None:
         """The error of a body that may turn by half a turn between two readings of an integrated rate."""
-        if self.gyro_rate != "integrated" or fastest <= self.rate * LARGEST_TURN_PER_READING:
+        if self.gyro_rate != "integrated" or fastest <= self.rate * MAX_ROTATION_PER_READING:
             return None
         upwards = Context(prec=3, rounding=ROUND_CEILING)
-        lowest = float(upwards.create_decimal_from_float(fastest / LARGEST_TURN_PER_READING))
+        lowest = float(upwards.create_decimal_from_float(fastest / MAX_ROTATION_PER_READING))
         return ParameterError(
             "imu_rate",
             f"{self.rate:g} Hz lets the body turn by up to {fastest / self.rate:.3g} rad between readings, more than "
-            f"an integrated rate tells ({LARGEST_TURN_PER_READING:g}): give at least {lowest:g} Hz, or gyro_rate "
+            f"an integrated rate tells ({MAX_ROTATION_PER_READING:g}): give at least {lowest:g} Hz, or gyro_rate "
             "instantaneous",
         )
 

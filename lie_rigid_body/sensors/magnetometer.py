@@ -14,7 +14,7 @@ from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty
+from lie_rigid_body.sensors.fault import AXES, Fault, FaultModel, IntermittentFault
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import (
     Values,
@@ -23,17 +23,17 @@ from lie_rigid_body.sensors.parameters import (
     numbers,
     triad_fault_parameters,
 )
-from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorAid, diagonal
+from lie_rigid_body.sensors.sensor import Field, Instrument, Sensor, SensorModel, Topic, VectorMeasurement, diagonal
 from lie_rigid_body.sensors.signal import Converter, Signal
-from lie_rigid_body.sensors.triad import FaultyTriad, TriadFaults, linear_errors
+from lie_rigid_body.sensors.triad import TriadFaultInjector, TriadFaults, linear_errors
 
-STRONGEST_FIELD_T: Final = 1e3
+MAX_FIELD_T: Final = 1e3
 """Largest magnitude of a component of the field or of the hard iron, T."""
 _KIND: Final = "magnetic_disturbance"
 
 
 @dataclass(frozen=True)
-class MagneticDisturbance(Faulty):
+class MagneticDisturbance(FaultModel):
     """A field that comes and goes: something of iron comes by, or a current flows for a while.
 
     It is of the world, its size times (1 − s²)², with s from −1 to 1 over an episode.
@@ -41,19 +41,19 @@ class MagneticDisturbance(Faulty):
     Parameters
     ----------
     sensor, seed, window
-        See `Faulty`.
-    episodes : Episodes
+        See `FaultModel`.
+    episodes : IntermittentFault
     size : float
         Magnitude at its height, T; the direction in the world is drawn evenly over the sphere.
     """
 
-    episodes: Episodes
+    episodes: IntermittentFault
     size: float
 
     @classmethod
     def from_values(cls, sensor: str, values: Values) -> MagneticDisturbance | None:
-        """Make the disturbance of the parameters; None if there is none. See `Faulty.from_values`."""
-        episodes = Episodes.from_values(values, sensor, _KIND, _KIND)
+        """Make the disturbance of the parameters; None if there is none. See `FaultModel.from_values`."""
+        episodes = IntermittentFault.from_values(values, sensor, _KIND, _KIND)
         size = values[f"{_KIND}_size"]
         return None if episodes is None else cls(sensor, episodes.seed, episodes.window, episodes, size)
 
@@ -77,7 +77,7 @@ class MagneticDisturbance(Faulty):
         return np.asarray(self.size * np.stack([x, y, z], axis=-1) / np.sqrt(x * x + y * y + z * z)[:, np.newaxis])
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
-        """Faults that begin in a stretch of time, one for each axis of the world; see `Faulty`."""
+        """Faults that begin in a stretch of time, one for each axis of the world; see `FaultModel`."""
         for number, begin, end in self.episodes.between(begin_ns, end_ns):
             for axis, size in zip(AXES, self._heights(np.array([number]))[0].tolist(), strict=True):
                 yield Fault(_KIND, self.sensor, axis, begin, end, size)
@@ -124,8 +124,8 @@ class MagnetometerModel(SensorModel):
     @classmethod
     def parts(cls, sensor: str, values: Values) -> dict[str, Any]:
         """Fields that have no parameter of their name; see `SensorModel.from_values`."""
-        require_at_most("magnetic_field", values["magnetic_field"], STRONGEST_FIELD_T, "T")
-        require_at_most("magnetometer_hard_iron", values["magnetometer_hard_iron"], STRONGEST_FIELD_T, "T")
+        require_at_most("magnetic_field", values["magnetic_field"], MAX_FIELD_T, "T")
+        require_at_most("magnetometer_hard_iron", values["magnetometer_hard_iron"], MAX_FIELD_T, "T")
         require_at_most("magnetometer_soft_iron", values["magnetometer_soft_iron"], 1e6, "")
         return {
             "field": values["magnetic_field"],
@@ -140,11 +140,11 @@ class MagnetometerModel(SensorModel):
         return self.noise_density * self.noise_density * self.rate + self.converter.variance
 
     @property
-    def aids(self) -> tuple[VectorAid, ...]:
+    def measurement_models(self) -> tuple[VectorMeasurement, ...]:
         """The magnetic field, if there is one. An estimator is granted to know how large the iron's errors may be."""
         noise, hard = self.noise_density * math.sqrt(self.rate), max(map(abs, self.hard_iron))
         soft = float(np.abs(np.array(self.soft_iron).reshape(3, 3) - np.eye(3)).max())
-        return (VectorAid(self.field, noise, hard, 0.0, linear_errors(matrix=soft)),) if any(self.field) else ()
+        return (VectorMeasurement(self.field, noise, hard, 0.0, linear_errors(matrix=soft)),) if any(self.field) else ()
 
 
 class Magnetometer(Instrument):
@@ -162,7 +162,7 @@ class Magnetometer(Instrument):
         self._noise = WhiteNoise(
             model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate)
         )
-        self._faulty = None if model.faults is None else FaultyTriad(model.faults, model.rate, model.converter)
+        self._faulty = None if model.faults is None else TriadFaultInjector(model.faults, model.rate, model.converter)
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings before the converter; see `Instrument.measure`."""

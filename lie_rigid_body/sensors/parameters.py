@@ -19,15 +19,15 @@ from lie_rigid_body.foundation.parameters import Parameter, Value, Vector
 Values: TypeAlias = Mapping[str, Any]
 """Values of all parameters of sensors by their names, each of the type of its parameter."""
 
-LARGEST_PARAMETER: Final = 1e9
+MAX_PARAMETER: Final = 1e9
 """Largest value of a parameter that has no narrower limit, in its unit."""
-_LONGEST_S: Final = 1e9
+_MAX_DURATION_S: Final = 1e9
 """Longest duration of a fault, s."""
-_LONGEST_DELAY_S: Final = 10.0
+_MAX_DELAY_S: Final = 10.0
 """Longest latency of a reading, and largest jitter, s."""
-_LARGEST_OFFSET_S: Final = 2.2e9
+_MAX_OFFSET_S: Final = 2.2e9
 """Largest offset of a sensor's clock, s: it may begin at 0 when it is switched on, in any year that ROS can stamp."""
-_LARGEST_SKEW: Final = 0.01
+_MAX_SKEW: Final = 0.01
 """Largest skew of a sensor's clock, s/s."""
 
 
@@ -37,7 +37,7 @@ def values_of(kind: type, name: str, values: Values) -> dict[str, Any]:
     return {field: value for field, value in found.items() if value is not None}
 
 
-def not_negative(name: str, description: str, default: float = 0.0, maximum: float = LARGEST_PARAMETER) -> Parameter:
+def not_negative(name: str, description: str, default: float = 0.0, maximum: float = MAX_PARAMETER) -> Parameter:
     """A parameter whose values are not below 0."""
     return Parameter(name, "double", default, description, minimum=0.0, maximum=maximum)
 
@@ -77,7 +77,7 @@ def episode_parameters(name: str, what: str, duration: float) -> tuple[Parameter
     """Parameters of the interval and the duration of episodes; ``what`` names the episodes, with a capital."""
     return (
         not_negative(f"{name}_interval", f"{what}: one in each interval of so many seconds; 0: none."),
-        not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _LONGEST_S),
+        not_negative(f"{name}_duration", f"{what}: how long each lasts, s.", duration, _MAX_DURATION_S),
     )
 
 
@@ -89,30 +89,28 @@ def delivery_parameters(sensor: str, title: str) -> tuple[Parameter, ...]:
             f"{sensor}_dropout_probability", f"{name}: probability that a reading is lost; 0: none.", maximum=1.0
         ),
         *episode_parameters(f"{sensor}_outage", f"{name}, outages, in which every reading is lost", 1.0),
-        not_negative(
-            f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_LONGEST_DELAY_S
-        ),
+        not_negative(f"{sensor}_latency", f"{name}: time from a measurement to its message, s.", maximum=_MAX_DELAY_S),
         not_negative(
             f"{sensor}_latency_jitter",
             f"{name}: most that is added to the latency, drawn evenly for each reading, and no longer than 100 000 of "
             "them take, s.",
-            maximum=_LONGEST_DELAY_S,
+            maximum=_MAX_DELAY_S,
         ),
         Parameter(
             f"{sensor}_clock_offset",
             "double",
             0.0,
             f"{name}: how far its clock, which stamps, is ahead at the epoch, s.",
-            minimum=-_LARGEST_OFFSET_S,
-            maximum=_LARGEST_OFFSET_S,
+            minimum=-_MAX_OFFSET_S,
+            maximum=_MAX_OFFSET_S,
         ),
         Parameter(
             f"{sensor}_clock_skew",
             "double",
             0.0,
             f"{name}: by how much its clock is too fast, s/s.",
-            minimum=-_LARGEST_SKEW,
-            maximum=_LARGEST_SKEW,
+            minimum=-_MAX_SKEW,
+            maximum=_MAX_SKEW,
         ),
     )
 
@@ -142,7 +140,7 @@ def triad_fault_parameters(sensor: str, unit: str, spike: float, density: float,
             f"{sensor}_temperature_drift_duration",
             f"{name}: time from fault_begin on in which that change comes about, s.",
             600.0,
-            _LONGEST_S,
+            _MAX_DURATION_S,
         ),
     )
 
@@ -158,9 +156,11 @@ WINDOW_PARAMETERS: Final = (
     not_negative(
         "fault_begin",
         "Lost readings, spikes and episodes of faults: from so many seconds after a start on.",
-        maximum=_LONGEST_S,
+        maximum=_MAX_DURATION_S,
     ),
-    not_negative("fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_LONGEST_S),
+    not_negative(
+        "fault_end", "The same: until so many seconds after a start; 0: without end.", maximum=_MAX_DURATION_S
+    ),
 )
 """The parameters that limit all faults that have a switch."""
 

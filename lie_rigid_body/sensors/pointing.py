@@ -14,7 +14,15 @@ from lie_rigid_body.lie import quaternion, vectors
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.sensors.noise import NoiseSource, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, angle, not_negative, numbers
-from lie_rigid_body.sensors.sensor import AttitudeAid, Field, Instrument, Sensor, SensorModel, Topic, VectorAid
+from lie_rigid_body.sensors.sensor import (
+    AttitudeMeasurement,
+    Field,
+    Instrument,
+    Sensor,
+    SensorModel,
+    Topic,
+    VectorMeasurement,
+)
 from lie_rigid_body.sensors.signal import Signal
 
 
@@ -80,9 +88,9 @@ class AttitudeSensorModel(SensorModel):
         return {"boresight": direction(values, "attitude_sensor_boresight")}
 
     @property
-    def aids(self) -> tuple[AttitudeAid, ...]:
+    def measurement_models(self) -> tuple[AttitudeMeasurement, ...]:
         """The attitude, worst about the boresight."""
-        return (AttitudeAid(self.boresight, self.roll_noise, self.cross_boresight_noise),)
+        return (AttitudeMeasurement(self.boresight, self.roll_noise, self.cross_boresight_noise),)
 
     def covariance(self, attitude_xyzw: Array) -> Array:
         """Covariance of small rotations about the fixed axes of the world, rad², shape (N, 3, 3).
@@ -168,9 +176,9 @@ class SunSensorModel(SensorModel):
         return {"sun": direction(values, "sun_direction")}
 
     @property
-    def aids(self) -> tuple[VectorAid, ...]:
+    def measurement_models(self) -> tuple[VectorMeasurement, ...]:
         """The direction of the sun."""
-        return (VectorAid(self.sun, self.noise),)
+        return (VectorMeasurement(self.sun, self.noise),)
 
 
 class SunSensor(Instrument):

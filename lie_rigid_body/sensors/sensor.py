@@ -15,7 +15,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import Parameter, Vector
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.sensors.fault import Delivery, Faulty
+from lie_rigid_body.sensors.fault import FaultModel, TransportFaults
 from lie_rigid_body.sensors.parameters import Values, delivery_parameters, values_of
 from lie_rigid_body.sensors.signal import Signal
 
@@ -47,7 +47,7 @@ class Instrument(ABC):
     def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:  # noqa: B027 (most have nothing to do)
         """Begin with the reading one interval after a time, at the first one of a segment or behind some left out.
 
-        Of those left out `Faulty.repeated` have to be measured all the same.
+        Of those left out `FaultModel.repeated` have to be measured all the same.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class Instrument(ABC):
 
 
 @short_dataclass(frozen=True)
-class VectorAid:
+class VectorMeasurement:
     """A vector known in the world that a sensor reads in the body frame: it tells of the attitude.
 
     Parameters
@@ -115,7 +115,7 @@ class VectorAid:
 
 
 @short_dataclass(frozen=True)
-class AttitudeAid:
+class AttitudeMeasurement:
     """An attitude that a sensor reads, worst about one axis of the body.
 
     Parameters
@@ -146,14 +146,14 @@ class SensorModel:
         Readings per second.
     seed : int
         Seed of its noise.
-    delivery : Delivery or None
+    delivery : TransportFaults or None
         Faults on the way of its readings; None: there are none.
     """
 
     rate: float
     seed: int
     _: KW_ONLY
-    delivery: Delivery | None = None
+    delivery: TransportFaults | None = None
 
     @classmethod
     def from_values(cls, sensor: str, values: Values) -> Self:
@@ -171,7 +171,7 @@ class SensorModel:
             If a value is invalid, or a jitter holds up more than `MAX_HELD_UP` readings.
         """
         own, parts = values_of(cls, sensor, values), cls.parts(sensor, values)
-        delivery = Delivery.from_values(sensor, values)
+        delivery = TransportFaults.from_values(sensor, values)
         jitter = delivery.latency_jitter if delivery else 0.0
         if own["rate"] * jitter > MAX_HELD_UP:
             raise ParameterError(
@@ -186,12 +186,12 @@ class SensorModel:
         return {}
 
     @property
-    def faulty(self) -> list[Faulty]:
+    def fault_models(self) -> list[FaultModel]:
         """Parts of the model that have faults."""
-        return list(_faulty_in(self))
+        return list(_fault_models_in(self))
 
     @property
-    def aids(self) -> tuple[VectorAid | AttitudeAid, ...]:
+    def measurement_models(self) -> tuple[VectorMeasurement | AttitudeMeasurement, ...]:
         """Vectors and attitudes that its readings tell, from which the smallest error of an estimator follows."""
         return ()
 
@@ -200,12 +200,12 @@ class SensorModel:
         return None
 
 
-def _faulty_in(part: object) -> Iterator[Faulty]:
+def _fault_models_in(part: object) -> Iterator[FaultModel]:
     for value in vars(part).values():
-        if isinstance(value, Faulty):
+        if isinstance(value, FaultModel):
             yield value
         elif is_dataclass(value):
-            yield from _faulty_in(value)
+            yield from _fault_models_in(value)
 
 
 @short_dataclass(frozen=True)

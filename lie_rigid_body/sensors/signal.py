@@ -12,7 +12,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.sensors.parameters import Values, values_of
 
-FINEST_RESOLUTION: Final = 1e-18
+MIN_RESOLUTION: Final = 1e-18
 """Finest step of a converter, in the sensor's unit: far finer than any instrument, and no count of steps overflows."""
 _ROUND_OFF: Final = 2.0**-50
 """Relative round-off granted to a limit over a step: 0.3 holds three steps of 0.1, though 3 · 0.1 exceeds 0.3."""
@@ -44,9 +44,9 @@ class Converter:
         """
         found, name = cls(**values_of(cls, sensor, values)), f"{sensor}_resolution"
         step = found.resolution
-        if 0.0 < step < FINEST_RESOLUTION:
+        if 0.0 < step < MIN_RESOLUTION:
             raise ParameterError(
-                name, f"{step:g} is finer than {FINEST_RESOLUTION:g}, the finest step: give 0 for a continuous reading"
+                name, f"{step:g} is finer than {MIN_RESOLUTION:g}, the finest step: give 0 for a continuous reading"
             )
         if found.range and step > found.range:
             raise ParameterError(

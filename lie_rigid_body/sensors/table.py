@@ -126,9 +126,9 @@ class Sensors:
         return {p.name for name, sensor in SENSORS.items() if name not in self.on for p in sensor.all_parameters}
 
     @property
-    def have_faults(self) -> bool:
+    def has_faults(self) -> bool:
         """Whether any fault is on."""
-        return any(model.faulty for model in self.on.values())
+        return any(model.fault_models for model in self.on.values())
 
 
 def frame_parameters() -> set[str]:

@@ -15,31 +15,31 @@ from lie_rigid_body.foundation.parameters import Vector, require_at_most
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import so3, vectors
 from lie_rigid_body.mechanics.inertia import apply_tensor
-from lie_rigid_body.sensors.fault import AXES, Episodes, Fault, Faulty, nanoseconds, stream
+from lie_rigid_body.sensors.fault import AXES, Fault, FaultModel, IntermittentFault, nanoseconds, stream
 from lie_rigid_body.sensors.noise import NoiseSource, RandomWalk, WhiteNoise
 from lie_rigid_body.sensors.parameters import Values, values_of
 from lie_rigid_body.sensors.signal import Converter, Signal
 
 
 @dataclass(frozen=True)
-class TriadFaults(Faulty):
+class TriadFaults(FaultModel):
     """The faults of a triad.
 
     Parameters
     ----------
     sensor, seed, window
-        See `Faulty`.
+        See `FaultModel`.
     spike_probability : float
         Probability that a reading has a spike, on one axis.
     spike_size : float
         Size of a spike, unit of the reading; its sign is drawn.
-    noise_burst : Episodes or None
+    noise_burst : IntermittentFault or None
         Episodes with more white noise.
     noise_burst_density : float
         Noise density in a burst, unit/√Hz.
-    stuck : Episodes or None
+    stuck : IntermittentFault or None
         Episodes in which an axis repeats what it read before.
-    saturation : Episodes or None
+    saturation : IntermittentFault or None
         Episodes in which the readings saturate at a lower level.
     saturation_level : float
         Largest magnitude in an episode of saturation, unit. Readings are multiples of the resolution up to it, within
@@ -52,10 +52,10 @@ class TriadFaults(Faulty):
 
     spike_probability: float
     spike_size: float
-    noise_burst: Episodes | None
+    noise_burst: IntermittentFault | None
     noise_burst_density: float
-    stuck: Episodes | None
-    saturation: Episodes | None
+    stuck: IntermittentFault | None
+    saturation: IntermittentFault | None
     saturation_level: float
     temperature_drift: float
     temperature_drift_duration: float
@@ -64,7 +64,7 @@ class TriadFaults(Faulty):
         *("spike_probability", "noise_burst_interval", "stuck_interval", "saturation_interval"),
         "temperature_drift",
     )
-    kinds_of_episodes = ("noise_burst", "stuck", "saturation")
+    intermittent_kinds = ("noise_burst", "stuck", "saturation")
 
     @cached_property
     def drifted(self) -> Array:
@@ -79,7 +79,7 @@ class TriadFaults(Faulty):
         return np.asarray(share[:, np.newaxis] * self.drifted)
 
     def spikes(self, first: int, times_ns: Integers) -> Array:
-        """What spikes add to some readings, shape (N, 3), unit; see `Delivery.lost` for the arguments."""
+        """What spikes add to some readings, shape (N, 3), unit; see `TransportFaults.lost` for the arguments."""
         spikes = np.zeros((len(times_ns), 3))
         if self.spike_probability:
             drawn = self.draws("spike").following(first, len(times_ns))
@@ -88,7 +88,7 @@ class TriadFaults(Faulty):
         return spikes
 
     def faults(self, begin_ns: int, end_ns: int, first: int, times_ns: Integers) -> Iterator[Fault]:
-        """Faults that begin in a stretch of time; see `Faulty`."""
+        """Faults that begin in a stretch of time; see `FaultModel`."""
         start = self.window.begin_ns
         if self.temperature_drift and begin_ns <= start < end_ns:
             end = start + nanoseconds(self.temperature_drift_duration)
@@ -108,7 +108,7 @@ class TriadFaults(Faulty):
     def repeated(
         self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
     ) -> Iterator[int]:
-        """Numbers of readings that readings after ``number`` may repeat on a stuck axis; see `Faulty.repeated`."""
+        """Numbers of readings that readings after ``number`` may repeat on a stuck axis; see `FaultModel.repeated`."""
         axes: set[int] = set()
         if self.stuck is not None:
             yield number
@@ -126,7 +126,7 @@ def axis_of(drawn: Array) -> Integers:
     return (3.0 * drawn).astype(np.int64)
 
 
-def stuck_axes(stuck: Episodes, numbers: Integers) -> Integers:
+def stuck_axes(stuck: IntermittentFault, numbers: Integers) -> Integers:
     """The axis, from 0 to 2, that is stuck in each of some episodes."""
     return axis_of(stuck.draws(np.maximum(numbers, 0))[:, 1])
 
@@ -153,7 +153,7 @@ def linear_errors(*, scale: float = 0.0, misalignment: float = 0.0, matrix: floa
     return np.concatenate([size * kind for size, kind in sizes if size] or [np.zeros((0, 3, 3))])
 
 
-class FaultyTriad:
+class TriadFaultInjector:
     """The faults of three axes at work, on readings in order.
 
     Parameters
@@ -183,7 +183,7 @@ class FaultyTriad:
             signal = np.where(inside, self._converter.limited(signal, model.saturation_level), signal)
         return signal if model.stuck is None or not count else self._held(model.stuck, times_ns, signal)
 
-    def _held(self, stuck: Episodes, times_ns: Integers, signal: Array) -> Array:
+    def _held(self, stuck: IntermittentFault, times_ns: Integers, signal: Array) -> Array:
         """The signal that repeats, on a stuck axis, that of the reading before: so whatever the converter."""
         before = signal[:1] if self._last is None else self._last
         numbers = stuck.at(times_ns)
@@ -295,7 +295,7 @@ class Triad:
         self._bias = RandomWalk(start, WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate)))
         self._noise = WhiteNoise(seed, white, model.noise_density * math.sqrt(rate))
         self._model, self._sensitivity = model, model.sensitivity
-        self._faulty = None if model.faults is None else FaultyTriad(model.faults, rate, model.converter)
+        self._faulty = None if model.faults is None else TriadFaultInjector(model.faults, rate, model.converter)
 
     def signals(self, first: int, times_ns: Integers, truth: Array, interval: float = 0.0) -> tuple[Signal, Signal]:
         """Readings before the converter, and the biases in them; see `Instrument.signals`.

@@ -91,7 +91,7 @@ class _SegmentFaults:
     def __init__(self, segment: Segment) -> None:
         self.start_ns, self.end_ns = segment.start_ns, 2 * MAX_EPOCH_NS
         self._segment, self._known_ns, self._ready = segment, segment.start_ns, list[Fault]()
-        self._faulty = [sensor for sensor in segment.scenario.sensors.on.values() if sensor.faulty]
+        self._faulty = [sensor for sensor in segment.scenario.sensors.on.values() if sensor.fault_models]
         fastest = max((sensor.rate for sensor in self._faulty), default=1.0)
         self.most_per_second = max((rate for sensor in self._faulty for rate in _rates(sensor)), default=0.0)
         self._ahead_ns = min(int(_READINGS_AHEAD * NS / fastest), NS)  # of slow ones no sea of episodes
@@ -112,7 +112,7 @@ class _SegmentFaults:
         first = clock.count_until(begin_ns - 1)
         times = clock.stamps_ns(first, clock.count_until(end_ns - 1) - first) - start_ns
         first -= clock.count_until(start_ns - 1)
-        for faulty in sensor.faulty:
+        for faulty in sensor.fault_models:
             for fault in faulty.faults(begin_ns - start_ns, end_ns - start_ns, first, times):
                 yield fault.later(start_ns)
 
@@ -120,8 +120,8 @@ class _SegmentFaults:
 def _rates(sensor: SensorModel) -> Iterator[float]:
     """The most faults a second of each kind that a sensor has."""
     yield sensor.rate
-    for faulty in sensor.faulty:
-        kinds = (getattr(faulty, kind) for kind in faulty.kinds_of_episodes)
+    for faulty in sensor.fault_models:
+        kinds = (getattr(faulty, kind) for kind in faulty.intermittent_kinds)
         yield from (NS / episodes.interval_ns for episodes in kinds if episodes is not None)
 
 
@@ -327,8 +327,8 @@ def _require_stamps_of_readings(scenario: Scenario, *times_ns: int) -> None:
 
 
 @dataclass
-class Latest:
-    """Latest call of the users in step: its number from 1 on, its times and states, and the motion after it."""
+class LastCall:
+    """Last call of the users in step: its number from 1 on, its times and states, and the motion after it."""
 
     number: int = 0
     t_ns: Any = None
@@ -336,7 +336,7 @@ class Latest:
     motion: Any = None
 
 
-class SharedMotion:
+class MemoizedMotion:
     """A motion for one of several users, each of whom gets the bits of a motion of their own.
 
     As long as they ask for the same times in the same order, each answer is computed for the first of them. It is kept
@@ -346,11 +346,11 @@ class SharedMotion:
     ----------
     motion : Motion
         The motion at the start, which is copied.
-    latest : Latest
+    latest : LastCall
         What all users share.
     """
 
-    def __init__(self, motion: Motion, latest: Latest) -> None:
+    def __init__(self, motion: Motion, latest: LastCall) -> None:
         self._motion, self._latest = copy.copy(motion), latest
         self._calls, self._in_step = 0, True
 
@@ -370,7 +370,7 @@ class SharedMotion:
         return states
 
 
-def motions_of(scenario: Scenario, clocks: Mapping[float, Latest] | None = None) -> Callable[[], Motion]:
+def motions_of(scenario: Scenario, clocks: Mapping[float, LastCall] | None = None) -> Callable[[], Motion]:
     """Motions from the start of a scenario: each call gives one, first that of the truth, then that of each sensor.
 
     A moving chart takes steps from one sample to the next, so samples of another clock in between would change its
@@ -379,13 +379,13 @@ def motions_of(scenario: Scenario, clocks: Mapping[float, Latest] | None = None)
     Parameters
     ----------
     scenario : Scenario
-    clocks : mapping of float to Latest, optional
+    clocks : mapping of float to LastCall, optional
         By their rates, those that several simulations of one motion share. All are made before anything is taken.
     """
     rates = scenario.rates
-    shared = {rate: Latest() for rate in rates} if clocks is None else clocks
+    shared = {rate: LastCall() for rate in rates} if clocks is None else clocks
     start, turns = scenario.make_motion(), iter(rates)
-    return lambda: SharedMotion(start, shared[next(turns)])
+    return lambda: MemoizedMotion(start, shared[next(turns)])
 
 
 # A function of a module, no closure: a simulation is copied, and sent to other processes, with its queues.

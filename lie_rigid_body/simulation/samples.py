@@ -224,7 +224,9 @@ class Measurement:
     def begin_at(self, number: int) -> None:
         """Leave out the readings before one. What an axis that is stuck repeats in it is measured all the same."""
         if number > self.next:
-            parts = [faulty.repeated(number - 1, self._elapsed_ns, self._number_before) for faulty in self.model.faulty]
+            parts = [
+                faulty.repeated(number - 1, self._elapsed_ns, self._number_before) for faulty in self.model.fault_models
+            ]
             for earlier in sorted({max(self.first, repeated) for part in parts for repeated in part}):
                 if earlier >= self.next:
                     self._skip_to(earlier)

@@ -15,12 +15,12 @@ from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors.fault import Delivery, nanoseconds
+from lie_rigid_body.sensors.fault import TransportFaults, nanoseconds
 from lie_rigid_body.system.bounded_input import LONGEST_NUMBER
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
-LONGEST_SCENARIO_TEXT: Final = 64 * 1024
+MAX_SCENARIO_TEXT: Final = 64 * 1024
 """Largest length of a scenario message that is read, characters; this package writes about 2000."""
 
 
@@ -135,10 +135,8 @@ class Segment:
         InputError
             If the text is not such a message, or its ``start_ns`` is not the stamp of its ``first_sample``.
         """
-        if len(text) > LONGEST_SCENARIO_TEXT:
-            raise InputError(
-                f"the scenario message has {len(text)} characters: at most {LONGEST_SCENARIO_TEXT} are read"
-            )
+        if len(text) > MAX_SCENARIO_TEXT:
+            raise InputError(f"the scenario message has {len(text)} characters: at most {MAX_SCENARIO_TEXT} are read")
         try:
             content = _parsed(text)
         except ValueError as error:
@@ -209,11 +207,11 @@ class Arrivals:
         Number of the segment's first reading.
     start_ns : int
         The segment's start, ns.
-    delivery : Delivery
+    delivery : TransportFaults
         Faults on the way.
     """
 
-    def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: Delivery) -> None:
+    def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: TransportFaults) -> None:
         self._clock, self._first, self._start_ns, self._delivery = clock, first, start_ns, delivery
         self._latency_ns, self._jitter_ns = nanoseconds(delivery.latency), nanoseconds(delivery.latency_jitter)
 

@@ -12,7 +12,7 @@ from tampering import Change, on
 from lie_rigid_body.certificate import certify, readings
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.recovery import recover
-from lie_rigid_body.sensors import Delivery
+from lie_rigid_body.sensors import TransportFaults
 
 
 def without(*topics: str) -> Change:
@@ -72,7 +72,7 @@ def test_poses_that_a_recorder_has_no_twist_of_are_told(bag, tmp_path):
 
 
 def test_a_forged_stamp_years_ahead_is_not_searched_for_lost_readings(tmp_path, monkeypatch):
-    searched, lost = list[int](), Delivery.lost
+    searched, lost = list[int](), TransportFaults.lost
 
     def counted(self, numbers, times_ns):
         searched.append(len(numbers))
@@ -86,7 +86,7 @@ def test_a_forged_stamp_years_ahead_is_not_searched_for_lost_readings(tmp_path, 
 
     path = write(tmp_path / "lossy.mcap", ({"imu_rate": 1000.0, "imu_dropout_probability": 0.9}, 0.5))
     monkeypatch.setattr(readings, "MOST_DRAWN", 10_000)
-    monkeypatch.setattr(Delivery, "lost", counted)
+    monkeypatch.setattr(TransportFaults, "lost", counted)
     both = [on(topic, ahead) for topic in ("/pose", "/twist")]
     found = certificate(path, tmp_path, lambda ms: both[1](both[0](ms)))
     assert "stamps" in broken(found)

@@ -18,7 +18,7 @@ ROOM: Any = groups
 
 
 def test_the_coadjoint_action_takes_lists():
-    assert np.array_equal(groups.coadjoint_action(GROUP, [1, 0, 0], [0, 1, 0]), [0, 0, -1])
+    assert np.array_equal(groups.ad_star(GROUP, [1, 0, 0], [0, 1, 0]), [0, 0, -1])
 
 
 def test_a_list_of_groups_and_a_seed_make_no_group():

@@ -11,7 +11,7 @@ from scipy.integrate import nquad
 
 from lie_rigid_body import ParameterError, RigidBody
 from lie_rigid_body.mechanics import ball, box, cylinder, disc, ellipsoid, rod
-from lie_rigid_body.mechanics.shapes import THINNEST, box_sides
+from lie_rigid_body.mechanics.shapes import MIN_THICKNESS, box_sides
 
 DIMENSIONS = range(1, 7)
 
@@ -166,5 +166,5 @@ def test_the_box_to_draw_has_the_moments_of_the_body(a, b, c):
 
 
 def test_a_flat_body_and_a_rod_can_be_seen():
-    np.testing.assert_allclose(box_sides([1.0, 1.0, 2.0]), [1.0, 1.0, THINNEST])
-    np.testing.assert_allclose(box_sides([1e-9, 1.0, 1.0]), [1.0, THINNEST, THINNEST], rtol=1e-3)
+    np.testing.assert_allclose(box_sides([1.0, 1.0, 2.0]), [1.0, 1.0, MIN_THICKNESS])
+    np.testing.assert_allclose(box_sides([1e-9, 1.0, 1.0]), [1.0, MIN_THICKNESS, MIN_THICKNESS], rtol=1e-3)

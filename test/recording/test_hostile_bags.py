@@ -30,7 +30,7 @@ from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.recording.records import DamageError
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, declared_segments
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation.segment import LONGEST_SCENARIO_TEXT, Segment
+from lie_rigid_body.simulation.segment import MAX_SCENARIO_TEXT, Segment
 from lie_rigid_body.system.bounded_input import LARGEST_CHUNK, LONGEST_NUMBER
 
 LARGE = 2 * LARGEST_CHUNK
@@ -175,13 +175,13 @@ def test_files_are_sorted_by_any_name(make_bag: MakeBag, tmp_path: Path) -> None
 
 
 def test_a_scenario_message_is_short_and_flat() -> None:
-    with refused("long scenario", length=LONGEST_SCENARIO_TEXT + 1, most=LONGEST_SCENARIO_TEXT):
-        Segment.from_json("[" * (LONGEST_SCENARIO_TEXT + 1))
+    with refused("long scenario", length=MAX_SCENARIO_TEXT + 1, most=MAX_SCENARIO_TEXT):
+        Segment.from_json("[" * (MAX_SCENARIO_TEXT + 1))
     for text, error in (
         ('{"rate": 1, "rate": 2}', refused("key twice", key="rate")),
         ("[]", refused("no object")),
         ('{"first_sample": 0}', refused("no key", key="start_ns")),
-        ("[" * LONGEST_SCENARIO_TEXT, refused("nested")),
+        ("[" * MAX_SCENARIO_TEXT, refused("nested")),
         (f'{{"software": -{"7" * 5000}}}', refused("long integer", length=5001, most=LONGEST_NUMBER)),
     ):
         with error:

@@ -14,7 +14,16 @@ from lie_rigid_body import Run, simulate
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.runs import SensorArrays
 from lie_rigid_body.sensors import SENSORS, Fault
-from lie_rigid_body.sensors.fault import AXES, END_OF_TIME, KINDS, LONGEST_FAULT_TEXT, STREAMS, Episodes, Window, stream
+from lie_rigid_body.sensors.fault import (
+    AXES,
+    END_OF_TIME,
+    KINDS,
+    MAX_FAULT_TEXT,
+    STREAMS,
+    IntermittentFault,
+    Window,
+    stream,
+)
 from lie_rigid_body.sensors.noise import Draws, NoiseSource
 
 NS = 1_000_000_000
@@ -73,7 +82,7 @@ def test_draws_are_the_same_in_whatever_order(numbers: list[int]) -> None:
 )
 def test_there_is_one_episode_in_each_interval(seed: int, interval: int, share: float, begin: int) -> None:
     window = Window(begin, begin + 20 * interval + interval // 2)
-    episodes = Episodes(seed, "gyro", "stuck", window, interval, max(1, int(share * interval)))
+    episodes = IntermittentFault(seed, "gyro", "stuck", window, interval, max(1, int(share * interval)))
     found = list(episodes.between(0, END_OF_TIME))
     assert [number for number, *_ in found[:20]] == list(range(20))
     assert len(found) in (20, 21)
@@ -256,7 +265,9 @@ def test_a_magnetic_disturbance_comes_and_goes_with_its_size_in_the_world() -> N
     states = MOTION.at(t)
     difference = magnetometer(**given).measure(t, states)["field"] - magnetometer().measure(t, states)["field"]
     size = np.linalg.norm(difference, axis=1)
-    episodes = Episodes.from_values({**_defaults(), **given}, "magnetometer", "magnetic_disturbance", KINDS[-1])
+    episodes = IntermittentFault.from_values(
+        {**_defaults(), **given}, "magnetometer", "magnetic_disturbance", KINDS[-1]
+    )
     assert episodes is not None
     for _, begin, end in episodes.between(0, 40 * NS):
         there = (t >= begin) & (t < end)
@@ -281,8 +292,8 @@ def _defaults() -> dict[str, Any]:
 def test_a_fault_comes_back_from_its_text(kind, sensor, axis, begin, end, size) -> None:
     fault = Fault(kind, sensor, axis, begin, end, size)
     text = fault.to_json()
-    assert len(text) <= LONGEST_FAULT_TEXT
-    assert Fault.from_json(text.ljust(LONGEST_FAULT_TEXT)) == fault
+    assert len(text) <= MAX_FAULT_TEXT
+    assert Fault.from_json(text.ljust(MAX_FAULT_TEXT)) == fault
 
 
 @pytest.mark.parametrize(

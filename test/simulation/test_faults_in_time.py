@@ -16,7 +16,7 @@ from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.sensors import Delivery, Fault
+from lie_rigid_body.sensors import Fault, TransportFaults
 from lie_rigid_body.sensors.fault import END_OF_TIME, Window
 from lie_rigid_body.simulation import SampleClock, Simulation, Taken
 from lie_rigid_body.simulation.segment import Arrivals
@@ -142,7 +142,7 @@ def test_readings_are_counted_when_they_have_arrived(
     clock = SampleClock(EPOCH, rate)
     start = clock.stamp_ns(first)
     window = Window(0, END_OF_TIME)
-    delivery = Delivery("imu", 3, window, 0.0, None, latency_ns / 1e9, jitter_ns / 1e9, 0.0, 0.0)
+    delivery = TransportFaults("imu", 3, window, 0.0, None, latency_ns / 1e9, jitter_ns / 1e9, 0.0, 0.0)
     arrivals = Arrivals(clock, first, start, delivery)
     times, *_ = arrivals.of(first, clock.stamps_ns(first, 1500))
     assert (np.diff(times) >= 0).all()

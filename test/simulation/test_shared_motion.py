@@ -14,7 +14,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.motion import Motion
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import motions_of
-from lie_rigid_body.simulation.loop import Latest, SharedMotion
+from lie_rigid_body.simulation.loop import LastCall, MemoizedMotion
 
 PERIOD_NS = 10_000_000
 KINDS = ("moving_chart", "closed_form")
@@ -46,7 +46,7 @@ class Counted:
 class User:
     """Who asks for some samples after the other, and checks them against a motion of their own."""
 
-    def __init__(self, shared: SharedMotion, own: Motion) -> None:
+    def __init__(self, shared: MemoizedMotion, own: Motion) -> None:
         self.shared, self.own, self.next = shared, own, 0
 
     def ask(self, count: int) -> None:
@@ -56,8 +56,8 @@ class User:
 
 
 def users(kind: str, count: int, calls: list[int]) -> list[User]:
-    start, latest = scenario(kind).make_motion(), Latest()
-    return [User(SharedMotion(Counted(start, calls), latest), scenario(kind).make_motion()) for _ in range(count)]
+    start, latest = scenario(kind).make_motion(), LastCall()
+    return [User(MemoizedMotion(Counted(start, calls), latest), scenario(kind).make_motion()) for _ in range(count)]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -31,7 +31,7 @@ from lie_rigid_body.arithmetic.double_double import (
     subtract,
 )
 from lie_rigid_body.arithmetic.numbers import Number, Quadruple, Triple, magnitude, sign
-from lie_rigid_body.lie.quaternion import outer_square
+from lie_rigid_body.lie.quaternion import shepperd_matrix
 
 Condition: TypeAlias = Any
 """A bool of one motion, or an array of them."""
@@ -277,7 +277,7 @@ def _conjugate_quaternion(rows: Matrix) -> Quadruple:
 
 def _quaternion_of_one(matrix: Any) -> tuple[float, float, float, float]:
     """The inverse of a rotation matrix as a quaternion; see `lie.quaternion.from_matrix`."""
-    rows = outer_square(matrix)
+    rows = shepperd_matrix(matrix)
     x, y, z, w = rows[max(range(4), key=lambda i: rows[i][i])]
     length = math.sqrt(x * x + y * y + z * z + w * w)
     return -x / length, -y / length, -z / length, w / length

@@ -151,8 +151,8 @@ def rotated(q: list[Decimal], v: Sequence[Decimal]) -> list[Decimal]:
 
 
 def _rotation_quaternion(first: Vector, second: Vector, third: Vector) -> list[Decimal]:
-    """The unit quaternion of the matrix with these columns: the longest row of its `outer_square`."""
-    rows = quaternion.outer_square(zip(first, second, third, strict=True))
+    """The unit quaternion of the matrix with these columns: the longest row of its `shepperd_matrix`."""
+    rows = quaternion.shepperd_matrix(zip(first, second, third, strict=True))
     largest = max(range(4), key=lambda k: rows[k][k])
     norm = dot(rows[largest], rows[largest]).sqrt()
     return [x / norm for x in rows[largest]]
