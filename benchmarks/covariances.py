@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from lie_rigid_body.evaluation.honesty import Honesty, honesty
+from lie_rigid_body.evaluation.ensemble_consistency import EnsembleConsistency, ensemble_consistency
 
 Array = NDArray[np.float64]
 
@@ -67,13 +67,15 @@ GIVEN: Final[dict[str, Callable[[Array, Array], Array]]] = {
 """What a filter gives in the place of its covariance, from the true one and the true rotations."""
 
 
-def judged(kind: str, wrong: str, number: int) -> Honesty:
+def judged(kind: str, wrong: str, number: int) -> EnsembleConsistency:
     """The verdict of one campaign."""
     draws = np.random.default_rng((KINDS.index(kind), number))
     errors, covariance = drawn(kind, draws)
     attitude = Rotation.from_quat(draws.normal(size=(RUNS * len(TIMES), 4)))  # of any direction alike
     R = attitude.as_matrix().reshape(RUNS, len(TIMES), 3, 3)
-    return honesty(TIMES, errors, GIVEN[wrong](covariance, R), attitude.as_quat().reshape(RUNS, len(TIMES), 4))
+    return ensemble_consistency(
+        TIMES, errors, GIVEN[wrong](covariance, R), attitude.as_quat().reshape(RUNS, len(TIMES), 4)
+    )
 
 
 def main() -> None:

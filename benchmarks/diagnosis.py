@@ -28,7 +28,7 @@ from league.contender import Filter, filters
 from league.readings import Readings
 from lie_rigid_body.diagnosis import diagnose
 from lie_rigid_body.diagnosis.course import courses_of
-from lie_rigid_body.diagnosis.examination import MOST_RUNS
+from lie_rigid_body.diagnosis.examination import MAX_RUNS
 from lie_rigid_body.diagnosis.repairs import SENSOR_READINGS, Answer, Job, Repair, exact_repairs, factor, late
 from lie_rigid_body.diagnosis.search import Search, plain
 from lie_rigid_body.estimates.estimators import each_alone
@@ -187,7 +187,7 @@ class Watched:
 
     def __init__(self, estimate: Estimate, put: Put | None = None) -> None:
         self._estimate, self._put = put.into(estimate) if put else estimate, put
-        self.search = Search(self._each, courses_of({}), MOST_RUNS)
+        self.search = Search(self._each, courses_of({}), MAX_RUNS)
 
     def _each(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
         last = (BODY_AXES,) if self._put and self._put.on_body_axes else ()

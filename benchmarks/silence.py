@@ -20,7 +20,7 @@ from typing import Any, Final
 import numpy as np
 
 from lie_rigid_body.diagnosis.course import courses_of
-from lie_rigid_body.diagnosis.examination import MOST_RUNS
+from lie_rigid_body.diagnosis.examination import MAX_RUNS
 from lie_rigid_body.diagnosis.repairs import Repair, exact_repairs
 from lie_rigid_body.diagnosis.search import Search
 from lie_rigid_body.estimates.estimators import each_alone
@@ -77,7 +77,7 @@ def of_the_league() -> Iterator[tuple[str, str, Callable[[Any], Any]]]:
 
 def margins(estimate: Callable[[Any], Any]) -> tuple[float, float, dict[Repair, tuple[float, bool]]]:
     """The error in a short course and the change by tiny errors, rad, and of each repair the margin and its worth."""
-    search = Search(partial(each_alone, estimate), courses_of({}), MOST_RUNS)
+    search = Search(partial(each_alone, estimate), courses_of({}), MAX_RUNS)
     ((plain,),) = search.tried([((), search.short)])
     change = max(search.changes(), default=0.0)
     found = {}

@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.campaign.definition import Campaign, EstimatorSpec
 from lie_rigid_body.campaign.run import CURVE, MORE_SCORES, SCORES, SERIES, Row, RunScore, errors_of
 from lie_rigid_body.evaluation.differences import Difference, of_runs
-from lie_rigid_body.evaluation.honesty import FEWEST_RUNS, Honesty, honesty
+from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS, EnsembleConsistency, ensemble_consistency
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.runs import simulate
@@ -66,7 +66,7 @@ class EstimatorSummary:
         Median time of a run by the number of its attitudes, s; NaN if it failed in all.
     curve_deg : ndarray, shape (K, `CURVE`)
         Total error, degrees, over time in at most `MAX_SERIES` runs; NaN where there is no estimate.
-    covariance, gyro_bias : Honesty or None
+    covariance, gyro_bias : EnsembleConsistency or None
         Verdict on the covariance of the attitude, and of the gyro's bias, where there are enough runs that have one.
     points : tuple of Point
         Those of its grid.
@@ -79,8 +79,8 @@ class EstimatorSummary:
     reason: str
     reading_s: float
     curve_deg: Array
-    covariance: Honesty | None
-    gyro_bias: Honesty | None
+    covariance: EnsembleConsistency | None
+    gyro_bias: EnsembleConsistency | None
     points: tuple[Point, ...]
 
     @property
@@ -291,13 +291,17 @@ def _best_possible(campaign: Campaign, summaries: Sequence[EstimatorSummary]) ->
     return Best(run, float(np.degrees(bound.rms(bound.filtered))))
 
 
-def _verdict(duration_s: float | None, run_scores: list[RunScore], *, of_bias: bool) -> Honesty | None:
+def _verdict(duration_s: float | None, run_scores: list[RunScore], *, of_bias: bool) -> EnsembleConsistency | None:
     """Verdict on the covariance of the attitude, or of the gyro's bias, of enough runs of a duration that have one."""
     axes = {each.axes for each in run_scores if each.covariance}
     series = [each.gyro_bias if of_bias else each.covariance for each in run_scores]
     told = [rows for rows in series if rows]
-    if duration_s is None or len(told) < FEWEST_RUNS or len(axes) > 1:
+    if duration_s is None or len(told) < MIN_RUNS or len(axes) > 1:
         return None
     t_s = np.linspace(0.0, duration_s, SERIES)
     errors, P, attitude_xyzw = errors_of(told)
-    return honesty(t_s, errors, P) if of_bias else honesty(t_s, errors, P, attitude_xyzw, axes.pop())
+    return (
+        ensemble_consistency(t_s, errors, P)
+        if of_bias
+        else ensemble_consistency(t_s, errors, P, attitude_xyzw, axes.pop())
+    )

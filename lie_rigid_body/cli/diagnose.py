@@ -9,7 +9,7 @@ import argparse
 from typing import Any, Final
 
 from lie_rigid_body.command_line import FORCE_PAGE, WORKERS, argument, file_name, verb
-from lie_rigid_body.diagnosis.examination import MOST_RUNS, MOST_RUNS_OF_NODE, TIMEOUT_S, diagnose
+from lie_rigid_body.diagnosis.examination import MAX_RUNS, MAX_RUNS_OF_NODE, TIMEOUT_S, diagnose
 from lie_rigid_body.estimates.programs import CommandEstimator, NodeEstimator, ProgramEstimator, words
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import printable
@@ -72,7 +72,7 @@ def named_by(given: argparse.Namespace) -> list[str]:
         metavar="N",
         type=int,
         help="runs of the filter after which no constant is fitted and no pair of repairs is begun "
-        f"(default: {MOST_RUNS}, and {MOST_RUNS_OF_NODE} of a node)",
+        f"(default: {MAX_RUNS}, and {MAX_RUNS_OF_NODE} of a node)",
     ),
     argument(
         "--timeout",

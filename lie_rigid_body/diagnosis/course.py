@@ -14,10 +14,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import Truth, sizes, turns
+from lie_rigid_body.evaluation.attitudes import Truth, relative_rotations
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.runs.ensemble import BlindRun
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_table import read_parameters
@@ -54,7 +55,7 @@ TINY: Final = 1e-4
 """Constant error of nearly perfect sensors, as a multiple of the mean turn between two readings in rad: rad/s of the
 gyro, a share of the vector of others. An unstable filter amplifies such errors, as it does round-off, so that no repair
 looks right by chance."""
-SMALLEST_TURN: Final = 1e-6
+MIN_STEP_TURN: Final = 1e-6
 """Turn between two readings, rad, below which a motion tells nothing."""
 _TAKEN: Final = {*COURSE_MOTIONS[0], "imu_rate", "magnetometer_rate", "gravity", "magnetic_field"}
 """Parameters that a course takes from a given scenario."""
@@ -97,7 +98,8 @@ class Course(Truth):
     gaps_s: tuple[float, ...] = ()
     off: tuple[tuple[str, tuple[float, ...]], ...] = ()
     seed: int = 0
-    first_ns, last_ns = -(2**62), 2**62
+    first_ns = -(2**62)
+    last_ns = 2**62
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes world-from-body, shape (..., 4)."""
@@ -131,7 +133,7 @@ class Course(Truth):
     def turn(self) -> float:
         """Mean turn between two readings of the gyro while the body moves, rad."""
         times = np.linspace(self.rest_s, self.rest_s + self.moving_s, 500) * 1e9
-        return float(np.mean(sizes(self.states(times.astype(np.int64))[1])) / self.parameter("imu_rate"))
+        return float(np.mean(norm(self.states(times.astype(np.int64))[1])) / self.parameter("imu_rate"))
 
 
 @lru_cache(maxsize=512)  # fits ask again and again at the same stamps
@@ -168,7 +170,8 @@ class Readings:
 
     def run(self) -> BlindRun:
         """Run that a filter is given: the readings without the margin and the gaps."""
-        imu, magnetometer = self._given(self.t_ns), self._given(self.field_t_ns)
+        imu = self._given(self.t_ns)
+        magnetometer = self._given(self.field_t_ns)
         vectors = {name: array[magnetometer if name == "field" else imu] for name, array in self.vectors.items()}
         return BlindRun.of_readings(self.course.scenario, self.t_ns[imu], vectors, self.field_t_ns[magnetometer])
 
@@ -186,7 +189,7 @@ def readings(course: Course) -> Readings:
     attitude, rate = course.states(t_ns)
     if course.parameter("gyro_rate") == "integrated":
         before = np.concatenate([[2 * t_ns[0] - t_ns[1]], t_ns[:-1]])
-        rate = turns(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
+        rate = relative_rotations(course.at(before), attitude) / ((t_ns - before) / 1e9)[:, np.newaxis]
     read = {
         "gyro": rate,
         "specific_force": quaternion.rotate(quaternion.conjugate(attitude), [0.0, 0.0, course.parameter("gravity")]),
@@ -223,7 +226,7 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
     Raises
     ------
     InputError
-        If they give a body that turns no more than `SMALLEST_TURN` between two readings of a sensor, or one by one
+        If they give a body that turns no more than `MIN_STEP_TURN` between two readings of a sensor, or one by one
         what a course sets itself, as errors of sensors.
     """
     kept = {name: value for name, value in read_parameters(given).items() if name in _TAKEN & given.keys()}
@@ -242,9 +245,9 @@ def courses_of(given: Mapping[str, object], said: Collection[str] = ()) -> tuple
     courses = tuple(Course(Scenario.from_parameters({**motion, **_OWN, **rates})) for motion in motions)
     fastest = max(rates, key=courses[0].parameter)
     share = courses[0].parameter("imu_rate") / courses[0].parameter(fastest)
-    if not min(course.turn for course in courses) * share > SMALLEST_TURN:
+    if not min(course.turn for course in courses) * share > MIN_STEP_TURN:
         raise InputError(
-            f"initial_body_rate, {fastest}: the body turns by {SMALLEST_TURN:g} rad or less between two readings, "
+            f"initial_body_rate, {fastest}: the body turns by {MIN_STEP_TURN:g} rad or less between two readings, "
             "which tells nothing of a filter: let it turn faster, or read it less often"
         )
     return courses

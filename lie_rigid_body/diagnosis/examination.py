@@ -17,7 +17,7 @@ from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
 from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
-from lie_rigid_body.evaluation.track import error_of
+from lie_rigid_body.evaluation.matched import error_of
 from lie_rigid_body.foundation.arrays import Array, whole_number
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown
@@ -28,9 +28,9 @@ from lie_rigid_body.scenario.parameter_file import recording
 from lie_rigid_body.scenario.parameter_table import BY_NAME
 from lie_rigid_body.system.portable import MOST_PROCESSES, cores
 
-MOST_RUNS: Final = 2000
+MAX_RUNS: Final = 2000
 """Default number of runs of the filter after which no more repairs are tried."""
-MOST_RUNS_OF_NODE: Final = 400
+MAX_RUNS_OF_NODE: Final = 400
 """Default number of runs of a ROS 2 node after which no more repairs are tried: each is a process and takes seconds."""
 WORKERS_OF_NODE: Final = 2
 """Number of processes per core that run a node: most of the time of a run all of them wait for the middleware."""
@@ -238,9 +238,7 @@ def diagnose(
     time_limit(timeout)
     source = source_of(estimate)
     is_node = isinstance(source, NodeEstimator)
-    most, each_core, left_out = (
-        (MOST_RUNS_OF_NODE, WORKERS_OF_NODE, LEFT_OUT_OF_NODE) if is_node else (MOST_RUNS, 1, ())
-    )
+    most, each_core, left_out = (MAX_RUNS_OF_NODE, WORKERS_OF_NODE, LEFT_OUT_OF_NODE) if is_node else (MAX_RUNS, 1, ())
     most = most if max_runs is None else whole_number("max_runs", max_runs, 1)
     count = each_core * cores() if workers is None else whole_number("workers", workers, 1, MOST_PROCESSES)
     with closing(Workers(source, count, timeout)) if source else nullcontext() as crew:
@@ -256,7 +254,9 @@ def diagnose(
 
 def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) -> FilterDiagnosis:
     """Search, name and probe, but for some probes; when interrupted, tell what was found so far."""
-    errors, probes, notes = list[ErrorOverTime](), list[Probe](), list[Note]()
+    errors = list[ErrorOverTime]()
+    probes = list[Probe]()
+    notes = list[Note]()
     interrupted = False
     try:
         search.run()
@@ -271,7 +271,8 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
         if not search.trials:
             raise
         interrupted = True
-    mistakes, unrepaired = tuple(_mistakes(search, errors)), plain(search.trials)
+    mistakes = tuple(_mistakes(search, errors))
+    unrepaired = plain(search.trials)
     if search.is_cut:
         remarks = [*remarks, f"No more repairs were tried after {search.most_runs} runs: --max-runs allows more."]
     if mistakes and search.chosen.error > search.floor:
@@ -297,7 +298,8 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
 
 def _over_time(search: Search) -> Iterator[ErrorOverTime]:
     """The errors of the filter as it is, and after each of the repairs that are named."""
-    chosen, courses = search.chosen, [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
+    chosen = search.chosen
+    courses = [course.of_scenario(gyro_rate=search.chosen.kind) for course in search.courses]
     for count, code in enumerate(("", *chosen.codes)):
         repairs = (*chosen.mistakes[:count], *(JOINT,) * (JOINT in chosen.repairs and count > 0))
         answers = search.ask([Job(course, repairs) for course in courses])
@@ -307,7 +309,7 @@ def _over_time(search: Search) -> Iterator[ErrorOverTime]:
                 code,
                 tracks[0].stamps_ns / 1e9,
                 np.degrees(tracks[0].error().total),
-                float(np.degrees(error_of([track.share() for track in tracks]))),
+                float(np.degrees(error_of([track.fraction() for track in tracks]))),
             )
 
 
@@ -317,7 +319,8 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     left = {code: float(np.degrees(named.error)) for code in named.codes[-1:]} | {e.code: e.rms_deg for e in errors}
     before = left.get("", float(np.degrees(plain(search.trials).error)))
     for found in named.mistakes:
-        after, instead = left.get(found.code, before), or_else(named, others, found.code)
+        after = left.get(found.code, before)
+        instead = or_else(named, others, found.code)
         doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
         yield Mistake(
             found.code,

@@ -14,9 +14,9 @@ from lie_rigid_body.diagnosis.repairs import Answer, Job
 from lie_rigid_body.diagnosis.search import NEAR, Search
 from lie_rigid_body.evaluation import CramerRaoBound, ExactTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import error_vectors
-from lie_rigid_body.evaluation.honesty import honesty
+from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
+from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.evaluation.remarks import NOT_UNIT
-from lie_rigid_body.evaluation.track import Track, error_of
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import FilterError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -118,7 +118,7 @@ def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
     return False, f"{said}{_without_repair(search, answers[0].track)}", value
 
 
-def _without_repair(search: Search, track: Track) -> str:
+def _without_repair(search: Search, track: Matched) -> str:
     """What is known of an error that no repair mends."""
     if search.is_by_chance:
         return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
@@ -213,12 +213,13 @@ def _noisy(search: Search, seed: int = 1) -> Course:
 
 def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     """Error with noise; its limit is that of TRIAD at the readings that are answered; the least possible is told."""
-    course, stamps = _noisy(search), answers[0].track.stamps_ns
+    course = _noisy(search)
+    stamps = answers[0].track.stamps_ns
     read = readings(course)
     held = np.maximum(np.searchsorted(read.field_t_ns, read.t_ns, side="right") - 1, 0)
     world = _axes(np.array([0.0, 0.0, 1.0]), course.field)
     body = _axes(read.vectors["specific_force"], read.vectors["field"][held])
-    single = Track(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course)
+    single = Matched(read.t_ns, quaternion.from_matrix(world @ np.swapaxes(body, -1, -2)), course)
     answered = np.maximum(np.searchsorted(read.t_ns, stamps, side="right") - 1, 0)
     bound = simulate(course.scenario, duration=course.rest_s + course.moving_s).cramer_rao_bound()
     assert bound
@@ -226,7 +227,7 @@ def _noise_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     return limited(
         "with the noise of tactical sensors it errs by",
         answers[0].error(),
-        1.01 * error_of([single.part(answered[len(stamps) // 3 :])]),
+        1.01 * error_of([single[answered[len(stamps) // 3 :]]]),
         f"; the best filter errs by {with_unit(float(np.degrees(least)))} over many such runs",
     )
 
@@ -244,8 +245,9 @@ def _gaps(search: Search) -> list[Course]:
 
 
 def _gaps_judged(search: Search, answers: Sequence[Answer]) -> Judged:
-    errors, t_s = answers[0].track.error().total, answers[0].track.stamps_ns / 1e9
-    last = error_of([answers[0].track.part(t_s >= 40.0)])
+    errors = answers[0].track.error().total
+    t_s = answers[0].track.stamps_ns / 1e9
+    last = error_of([answers[0].track[t_s >= 40.0]])
     most = max(search.floor, 0.5 * errors[t_s >= 31.0].max(initial=0.0))
     passed, said, value = limited("after gaps of a second in a slow motion it keeps at the end", last, most)
     return (False, f"{said}: attitudes are not finite", value) if answers[0].broken.size else (passed, said, value)
@@ -285,14 +287,15 @@ def _noisy_runs(search: Search) -> list[Course]:
 
 def _covariance_judged(search: Search, answers: Sequence[Answer]) -> Judged:
     """Whether a covariance is honest, and what is wrong with it, by the rule of a campaign."""
-    count, axes = min(len(answer.track.stamps_ns) for answer in answers), answers[0].given.covariance_axes
+    count = min(len(answer.track.stamps_ns) for answer in answers)
+    axes = answers[0].given.covariance_axes
     at = np.linspace(count // 3, count - 1, JUDGED).astype(np.int64)
-    tracks = [answer.track.part(at) for answer in answers]
+    tracks = [answer.track[at] for answer in answers]
     estimate, truth = np.stack([(track.attitude_xyzw, track.truth.at(track.stamps_ns)) for track in tracks], axis=1)
     errors = error_vectors(estimate, truth, axes)
     covariance = np.stack([answer.given.rotation_covariance()[at] for answer in answers])
     verdicts = [
-        honesty(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)
+        ensemble_consistency(tracks[0].stamps_ns / 1e9, errors[runs], covariance[runs], estimate[runs], axes)
         for runs in (slice(SEEDS), slice(SEEDS, None))
     ]
     found = min(verdicts, key=lambda each: (not each.passed, each.cause in ("", "factor")))
@@ -343,7 +346,7 @@ PROBES: Final = (
         lambda s: [s.course, s.course],
         lambda s, o: limited(
             "called twice it gives estimates that differ by",
-            o[0].track.apart(o[1].track),
+            o[0].track.max_difference(o[1].track),
             SAME,
             "; one that differs goes by a clock of its own, or by the order in which readings arrive",
             " rad",
@@ -375,8 +378,8 @@ NOTES: Final = (
         _cut,
         lambda s, o: limited(
             "The estimate uses later readings, as smoothers do: without them it is another, by up to",
-            o[0].track.apart(o[2].track),
-            SAME if o[0].track.apart(o[1].track) <= SAME else np.inf,
+            o[0].track.max_difference(o[2].track),
+            SAME if o[0].track.max_difference(o[1].track) <= SAME else np.inf,
         ),
     ),
 )

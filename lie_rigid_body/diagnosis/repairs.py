@@ -11,11 +11,11 @@ import numpy as np
 
 from lie_rigid_body.diagnosis.course import MARGIN, Course, Readings, readings
 from lie_rigid_body.estimates.estimators import Estimator, called
-from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
+from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, angles_between, named
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES, UP, Cause, undone
 from lie_rigid_body.evaluation.estimate import Estimate
-from lie_rigid_body.evaluation.track import Track, Tracks, error_of
+from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
@@ -26,7 +26,7 @@ begin with its readings."""
 SENSOR_READINGS: Final = {"gyro": "gyro", "accelerometer": "specific_force", "magnetometer": "field"}
 """Names of the readings of each sensor, by the sensor's name in codes."""
 
-LARGEST_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
+MAX_NORM: Final = float(np.sqrt(np.finfo(np.float64).max))
 """Norm of a quaternion from which its square is beyond float64."""
 DRIFT: Final = 0.1
 """Rate error of a drifting gyro, as a share of the body's mean rate: in a course it makes hundreds of times the floor
@@ -196,7 +196,7 @@ def of_output(cause: Cause, constants: Array) -> Repair:
     return Repair(cause.code, text, cause.price, None, cause.fact(constants), cause.deed(constants), constants)
 
 
-def without(tracks: Tracks, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
+def without(tracks: MatchedRuns, causes: Iterable[Cause], *, pairs: bool) -> Iterator[tuple[Repairs, float]]:
     """Undo each cause, or each pair whose first has no constant; yield the repairs and the error left."""
     for cause in causes:
         constants, error = cause.fitted(tracks)
@@ -261,21 +261,21 @@ class Answer:
 
     Attributes
     ----------
-    track : Track
-        Track of the repaired and normalised attitudes beside the truth; the identity where one is broken.
+    track : Matched
+        Matched of the repaired and normalised attitudes beside the truth; the identity where one is broken.
     broken : ndarray of int64
         Numbers of the samples that are zero, or whose norm has no finite square.
     given : Estimate
         Estimate as the filter returned it.
     """
 
-    track: Track
+    track: Matched
     broken: Integers
     given: Estimate
 
     def error(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> float:
         """RMS of the total error, rad, from one share of the samples to another; by default of the last two thirds."""
-        return error_of([self.track.share(begin, end)])
+        return error_of([self.track.fraction(begin, end)])
 
 
 def first_attitude(answers: Sequence[Answer]) -> list[float] | None:
@@ -305,8 +305,8 @@ class Job:
             given = repair.change(given) if repair.change else given
         found = called(estimate, given.run(), (self.course.rest_s + self.course.moving_s) / 3.0)
         norms = quaternion.norm(found.attitude_xyzw)
-        broken = ~((norms > SMALLEST_NORM) & (norms < LARGEST_NORM))
+        broken = ~((norms > MIN_NORM) & (norms < MAX_NORM))
         attitude = np.where(broken[:, np.newaxis], (0.0, 0.0, 0.0, 1.0), found.attitude_xyzw)
-        track = Track(found.t_ns, quaternion.normalize(attitude), self.course)
+        track = Matched(found.t_ns, quaternion.normalize(attitude), self.course)
         causes = [(BY_CODE[each.code], each.constants) for each in self.repairs if each.constants is not None]
         return Answer(undone(track, causes), np.flatnonzero(broken), found)

@@ -29,7 +29,7 @@ from lie_rigid_body.diagnosis.repairs import (
     without,
 )
 from lie_rigid_body.evaluation.causes import CAUSES, IDENTITY, Cause
-from lie_rigid_body.evaluation.track import Track, error_of
+from lie_rigid_body.evaluation.matched import Matched, error_of
 from lie_rigid_body.foundation.errors import FilterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
@@ -74,7 +74,7 @@ class Trial:
     parts : tuple of float
         RMS of the error of the vertical, and of that of the turns, rad, where it is known. In the choice of pairs after
         the least that it leaves with one repair of the output. One repair of two may take away one of these alone.
-    track : Track or None
+    track : Matched or None
         The estimate on the first course, at those samples that are compared; none where the filter failed.
     unrepaired : sequence of Answer
         What the filter answers on each course where no reading is repaired; else none.
@@ -84,12 +84,12 @@ class Trial:
     kind: str
     error: float
     parts: tuple[float, ...] = ()
-    track: Track | None = None
+    track: Matched | None = None
     unrepaired: Sequence[Answer] = ()
 
     def changes(self, other: Trial) -> bool:
         """Whether its estimate differs from that of another trial, or the filter failed in one of them."""
-        return self.track is None or other.track is None or self.track.apart(other.track) > UNCHANGED
+        return self.track is None or other.track is None or self.track.max_difference(other.track) > UNCHANGED
 
     @property
     def mistakes(self) -> Repairs:
@@ -177,10 +177,15 @@ class Search:
         most_runs: int,
         tell: Callable[[int], object] = lambda runs: None,
     ) -> None:
-        self._each, self.courses, self.most_runs, self._tell = each, courses, most_runs, tell
+        self._each = each
+        self.courses = courses
+        self.most_runs = most_runs
+        self._tell = tell
         self.floor = FLOOR * float(np.mean([course.turn for course in courses]))
         self.trials: list[Trial] = []
-        self.runs, self.is_cut, self.begins_alike = 0, False, False
+        self.runs = 0
+        self.is_cut = False
+        self.begins_alike = False
         self.scatter = self.change = 0.0
 
     def ask(self, jobs: Sequence[Job]) -> Iterator[Answer | FilterError]:
@@ -245,7 +250,7 @@ class Search:
             given = self.ask([Job(each, repairs) for each in (course, course, course.nearly_perfect())])
             exact, again, nearly = (answer if isinstance(answer, Answer) else None for answer in given)
             if exact and again and nearly:
-                scatter, change = (exact.track.apart(other.track) for other in (again, nearly))
+                scatter, change = (exact.track.max_difference(other.track) for other in (again, nearly))
                 yield scatter, change if change > max(self.floor, NEAR * scatter) else 0.0
 
     @property
@@ -287,7 +292,8 @@ class Search:
 
     def _fitted_beside(self, first: Repairs) -> list[Trial]:
         """Try repairs with a fitted constant, alone, then also with those of the output, or beside another."""
-        causes, rests = () if first else QUICK, (first, (*first, JOINT))
+        causes = () if first else QUICK
+        rests = (first, (*first, JOINT))
         pairs = [(code, rest) for code in FITTED if code not in [each.code for each in first] for rest in rests]
         return self._screened(
             [(self._fitted(code, rest, causes), *rest) for code, rest in pairs if self._may_go_on()], causes
@@ -351,7 +357,8 @@ class Search:
             return [min(trial.error for trial in trials) for trials in self.tried(asked, causes)]
 
         place = int(np.argmin(left(tried)))
-        low, high = tried[max(0, place - 1)], tried[min(len(tried) - 1, place + 1)]
+        low = tried[max(0, place - 1)]
+        high = tried[min(len(tried) - 1, place + 1)]
         if code == "time_step":
             best: float = scipy.optimize.minimize_scalar(
                 lambda value: left([value])[0] ** 2, bounds=(low, high), method="bounded"
@@ -375,7 +382,8 @@ class Search:
         """
         answers = self.ask([Job(course, repairs) for repairs, courses in asked for course in courses])
         for repairs, courses in asked:
-            given, kind = [next(answers) for _ in courses], courses[0].parameter("gyro_rate")
+            given = [next(answers) for _ in courses]
+            kind = courses[0].parameter("gyro_rate")
             failed = [answer for answer in given if isinstance(answer, FilterError)]
             if failed and not repairs:
                 raise failed[0]
@@ -383,10 +391,10 @@ class Search:
             if len(right) < len(courses):
                 yield [Trial(repairs, kind, np.pi, (np.pi, np.pi))]
                 continue
-            tracks = [answer.track.share() for answer in right]
+            tracks = [answer.track.fraction() for answer in right]
             parts = tracks[0].partial_errors()
             if courses == self.short:
-                tracks = [each.few(SCREENED) for each in tracks]
+                tracks = [each.thinned(SCREENED) for each in tracks]
             alone = Trial(repairs, kind, error_of(tracks), parts, tracks[0], () if repairs else right)
             yield [
                 alone,

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.arguments import SMALLEST_NORM
+from lie_rigid_body.evaluation.arguments import MIN_NORM
 from lie_rigid_body.evaluation.attitudes import in_order
 from lie_rigid_body.evaluation.score import BiasEstimate
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
@@ -60,7 +60,7 @@ def usable(track: AttitudeTrack) -> Booleans:
     """Mask of the attitudes that are finite and not zero."""
     finite = np.isfinite(track.attitude_xyzw).all(axis=1)
     norms = quaternion.norm(np.where(finite[:, np.newaxis], track.attitude_xyzw, 0.0))
-    return np.asarray(finite & (norms >= SMALLEST_NORM) & np.isfinite(norms))
+    return np.asarray(finite & (norms >= MIN_NORM) & np.isfinite(norms))
 
 
 def rising(stamps_ns: Integers) -> Booleans:

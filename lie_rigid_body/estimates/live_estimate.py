@@ -20,8 +20,8 @@ from lie_rigid_body.estimates.buffers import (
 from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation import AttitudeError, Limits, Score, Truth, attitude_error
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS, period_ns
+from lie_rigid_body.evaluation.matched import spread
 from lie_rigid_body.evaluation.statistics import Tally
-from lie_rigid_body.evaluation.track import spread
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import NS, exact_duration

@@ -21,9 +21,9 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import quaternion
 
-FARTHEST_NS: Final = 2**31 * 10**9
+MAX_STAMP_NS: Final = 2**31 * 10**9
 """Largest stamp that a message can have, ns; differences of such stamps do not overflow."""
-SMALLEST_NORM: Final = 1e-12
+MIN_NORM: Final = 1e-12
 """Least norm of a quaternion; one of a smaller norm is taken for a quaternion that nobody has set."""
 
 
@@ -120,7 +120,7 @@ def unit(name: str, value: ArrayLike) -> Array:
     """
     array = numbers(name, value, 4)
     norms = quaternion.norm(array).ravel()
-    bad = np.flatnonzero((norms < SMALLEST_NORM) | np.isinf(norms))
+    bad = np.flatnonzero((norms < MIN_NORM) | np.isinf(norms))
     if bad.size:
         raise InputError(
             f"{name}: {bad.size} of {norms.size} quaternions are zero or overflow, the first is row {bad[0]}: "
@@ -147,7 +147,7 @@ def integer_stamps(name: str, stamps_ns: ArrayLike) -> Integers:
             f"{name}: stamps of type {stamps.dtype}: give integer nanoseconds"
             f"{TO_NANOSECONDS.get(stamps.dtype.kind, '')}"
         )
-    if stamps.size and max(int(stamps.max()), -int(stamps.min())) > FARTHEST_NS:
+    if stamps.size and max(int(stamps.max()), -int(stamps.min())) > MAX_STAMP_NS:
         raise InputError(
             f"{name}: stamps from {stamps.min()} to {stamps.max()}: those of ROS 2 are within 2**31 s: give nanoseconds"
         )
@@ -190,7 +190,8 @@ def read_series(name: str, stamps_ns: ArrayLike, attitude_xyzw: ArrayLike) -> tu
     InputError
         As `read_stamps` and `unit`, or if there is not an attitude for each stamp.
     """
-    stamps, attitude = read_stamps(name, stamps_ns), unit(name, attitude_xyzw)
+    stamps = read_stamps(name, stamps_ns)
+    attitude = unit(name, attitude_xyzw)
     if attitude.shape != (len(stamps), 4):
         raise InputError(
             f"{name}: attitudes of shape {attitude.shape} for {len(stamps)} stamps: give a row for each stamp"

@@ -24,12 +24,13 @@ from typing import Any, Final, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.evaluation.arguments import FARTHEST_NS, as_stamps, integer_stamps, numbers, read_series, unit
+from lie_rigid_body.evaluation.arguments import MAX_STAMP_NS, as_stamps, integer_stamps, numbers, read_series, unit
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_repr
 from lie_rigid_body.foundation.wording import components, shown
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 QUATERNION_ROUND_OFF: Final = 2e-15
 """Round-off of the components of a product of unit quaternions: smaller z and w tell no heading, as their ratio is
@@ -113,7 +114,8 @@ def pairs(estimate_xyzw: ArrayLike, truth_xyzw: ArrayLike) -> tuple[Array, Array
     InputError
         As `attitude_error`.
     """
-    estimate, truth = unit("estimate_xyzw", estimate_xyzw), unit("truth_xyzw", truth_xyzw)
+    estimate = unit("estimate_xyzw", estimate_xyzw)
+    truth = unit("truth_xyzw", truth_xyzw)
     try:
         np.broadcast_shapes(estimate.shape, truth.shape)
     except ValueError:
@@ -129,7 +131,8 @@ def angles(error_xyzw: Array) -> AttitudeError:
     # of each component its own array: arctan2 of a strided one, on NumPy 1.26 with AVX-512, has other last bits where
     # its result happens to lie behind it in memory
     x, y, z, w = np.ascontiguousarray(np.moveaxis(np.abs(error_xyzw), -1, 0))
-    tilt, turn = np.hypot(x, y), np.hypot(z, w)
+    tilt = np.hypot(x, y)
+    turn = np.hypot(z, w)
     heading = 2.0 * np.arctan2(np.where(turn > QUATERNION_ROUND_OFF, z, 0.0), w)
     return AttitudeError(2.0 * np.arctan2(np.hypot(tilt, z), w), heading, 2.0 * np.arctan2(tilt, turn))
 
@@ -144,25 +147,20 @@ def error_vectors(estimate_xyzw: Array, truth_xyzw: Array, axes: str = "world") 
     return quaternion.log(quaternion.multiply(*factors))
 
 
-def turns(start_xyzw: Array, end_xyzw: Array) -> Array:
+def relative_rotations(start_xyzw: Array, end_xyzw: Array) -> Array:
     """Rotation vectors from some attitudes to others on the body's axes, log(q_start⁻¹ ⊗ q_end), (..., 3), rad."""
     return error_vectors(end_xyzw, start_xyzw, "body")
 
 
 def angles_between(start_xyzw: Array, end_xyzw: Array) -> Array:
     """Angles of the turns from some attitudes to others, shape (...), rad."""
-    return sizes(turns(start_xyzw, end_xyzw))
-
-
-def sizes(vectors: Array) -> Array:
-    """Norms of vectors of shape (..., 3)."""
-    return np.asarray(np.sqrt(np.sum(vectors**2, axis=-1)))
+    return norm(relative_rotations(start_xyzw, end_xyzw))
 
 
 def geodesic(start_xyzw: Array, end_xyzw: Array, fraction: Array) -> Array:
     """Attitude at a fraction of the shortest turn from one attitude to another, shape (..., 4)."""
     return quaternion.multiply(
-        start_xyzw, quaternion.exp(turns(start_xyzw, end_xyzw) * np.asarray(fraction)[..., np.newaxis])
+        start_xyzw, quaternion.exp(relative_rotations(start_xyzw, end_xyzw) * np.asarray(fraction)[..., np.newaxis])
     )
 
 
@@ -191,7 +189,7 @@ def places(mounting: Array) -> str:
 def angle_and_axis(rotation: Array) -> str:
     """Angle and axis of a rotation, shape (4,), in words."""
     turn = quaternion.log(rotation)
-    angle = float(sizes(turn))
+    angle = float(norm(turn))
     return f"{np.degrees(angle):.4g}° about ({components(turn / angle if angle else turn, 3)})"
 
 
@@ -264,9 +262,10 @@ class Truth(ABC):
         """
         stamps = np.clip(as_stamps("truth", stamps_ns), self.first_ns, self.last_ns)
         begin, end = self.smooth_around(stamps)
-        before, after = np.maximum(stamps - DIFFERENCE_NS, begin), np.minimum(stamps + DIFFERENCE_NS, end)
+        before = np.maximum(stamps - DIFFERENCE_NS, begin)
+        after = np.minimum(stamps + DIFFERENCE_NS, end)
         earlier, now, later = self.at(np.stack([before, stamps, after]))
-        return now, turns(earlier, later) / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
+        return now, relative_rotations(earlier, later) / (np.maximum(after - before, 1) * 1e-9)[..., np.newaxis]
 
 
 class ExactTruth(Truth):
@@ -286,7 +285,8 @@ class ExactTruth(Truth):
     """
 
     def __init__(self, attitude_xyzw: Callable[[Integers], Array], first_ns: int, last_ns: int) -> None:
-        self.first_ns, self.last_ns = _time(first_ns), _time(last_ns)
+        self.first_ns = _time(first_ns)
+        self.last_ns = _time(last_ns)
         if last_ns < first_ns:
             raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns: exchange them")
         self._attitude = attitude_xyzw
@@ -327,10 +327,13 @@ class SampledTruth(Truth):
         if np.any(np.diff(stamps) == 0):
             raise InputError("truth: a stamp occurs twice: leave one of the two samples out")
         self._longest_gap = GAP_PERIODS * period_ns(stamps) if longest_gap_ns is None else _time(longest_gap_ns)
-        self.first_ns, self.last_ns = int(stamps[0]), int(stamps[-1])
+        self.first_ns = int(stamps[0])
+        self.last_ns = int(stamps[-1])
         if len(stamps) == 1:  # an interval, within whose ends the truth is not asked for
-            stamps, attitude = stamps + np.arange(2), np.repeat(attitude, 2, axis=0)
-        self._stamps, self._attitude = stamps, attitude
+            stamps = stamps + np.arange(2)
+            attitude = np.repeat(attitude, 2, axis=0)
+        self._stamps = stamps
+        self._attitude = attitude
         around = stamps[2:] - stamps[:-2]
         middle = geodesic(attitude[:-2], attitude[2:], (stamps[1:-1] - stamps[:-2]) / around)
         misses = angles_between(middle, attitude[1:-1])[around <= 2 * self._longest_gap]
@@ -360,7 +363,7 @@ class SampledTruth(Truth):
 
 
 def _time(value: Any) -> int:
-    is_near = isinstance(value, int | float | np.integer) and -FARTHEST_NS <= value <= FARTHEST_NS
+    is_near = isinstance(value, int | float | np.integer) and -MAX_STAMP_NS <= value <= MAX_STAMP_NS
     if not is_near or value != int(value):
         raise InputError(f"truth: the time {shown(value)} is no whole number within 2**31 s of 0, as in ROS 2: give ns")
     return int(value)

@@ -22,11 +22,12 @@ from typing import Final, Literal, get_args
 import numpy as np
 import scipy  # whose parts are loaded where they are first called
 
-from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, sizes, times, turns
-from lie_rigid_body.evaluation.track import Track, Tracks, error_of, products
+from lie_rigid_body.evaluation.attitudes import angle_and_axis, places, relative_rotations, times
+from lie_rigid_body.evaluation.matched import Matched, MatchedRuns, error_of, products
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import components
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
@@ -69,25 +70,25 @@ class Cause:
 
     code: str
     price: int
-    undo: Callable[[Track, Array], Track]
-    fits: Callable[[Tracks], Sequence[Array]]
+    undo: Callable[[Matched, Array], Matched]
+    fits: Callable[[MatchedRuns], Sequence[Array]]
     fact: Callable[[Array], str]
     deed: Callable[[Array], str]
     maps: tuple[Array, ...] = ()
-    slopes: Callable[[Track, Array, Array], Array] = field(
+    slopes: Callable[[Matched, Array, Array], Array] = field(
         default=lambda track, truth, rate: np.zeros((len(truth), 3, 0)), repr=False
     )
     moved: Callable[[Array, Array], Array] = field(default=np.add, repr=False)
     remedy: Callable[[Array], str] = field(default=lambda constants: "", repr=False)
     unit: str = ""
 
-    def fitted(self, tracks: Tracks) -> tuple[Array, float]:
+    def fitted(self, tracks: MatchedRuns) -> tuple[Array, float]:
         """The best constants, and the RMS of the total error that they leave, rad."""
-        few = [track.few() for track in tracks]
+        few = [track.thinned() for track in tracks]
         best = min(self.fits(tracks), key=lambda constants: self.left(few, constants))
         return best, self.left(tracks, best)
 
-    def left(self, tracks: Tracks, constants: Array) -> float:
+    def left(self, tracks: MatchedRuns, constants: Array) -> float:
         """RMS of the total error of tracks without the cause, rad."""
         return error_of([self.undo(track, constants) for track in tracks])
 
@@ -96,24 +97,25 @@ Part = tuple[Cause, Array]
 """A cause with its constants."""
 
 
-def undone(track: Track, parts: Sequence[Part]) -> Track:
+def undone(track: Matched, parts: Sequence[Part]) -> Matched:
     """The track without some causes, in their order."""
     for cause, constants in parts:
         track = cause.undo(track, constants)
     return track
 
 
-def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
+def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Part]:
     """Fit the constants of some causes together, from a start near them.
 
     Gauss and Newton's steps, with the weights of Geman and McClure: far errors, as while a filter converges, hardly
     count. What the motion does not tell apart stays where it was.
     """
     for _ in range(steps if any(cause.price for cause, _ in parts) else 0):
-        normal, slope = 0.0, 0.0
+        normal = 0.0
+        slope = 0.0
         for track in tracks:
             J, error, _ = derivative(track, parts)
-            weighted = J * weights(sizes(error))[:, np.newaxis, np.newaxis]
+            weighted = J * weights(norm(error))[:, np.newaxis, np.newaxis]
             normal = normal + np.einsum("nia,nib->ab", weighted, J)
             slope = slope + np.einsum("nia,ni->a", weighted, error)
         step = np.clip(np.linalg.lstsq(np.atleast_2d(normal), np.atleast_1d(slope), rcond=1e-10)[0], -0.3, 0.3)
@@ -127,12 +129,12 @@ def fit(tracks: Tracks, parts: Sequence[Part], steps: int = 12) -> list[Part]:
     return list(parts)
 
 
-def derivative(track: Track, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
+def derivative(track: Matched, parts: Sequence[Part]) -> tuple[Array, Array, Array]:
     """Derivative of the errors by the constants, (N, 3, n), errors on the body's axes, (N, 3), and true attitudes."""
     now = undone(track, parts)
     truth, rate = now.truth.states(now.stamps_ns)
     J = np.concatenate([cause.slopes(track, truth, rate) for cause, _ in parts], axis=-1)
-    return J, turns(truth, now.attitude_xyzw), truth
+    return J, relative_rotations(truth, now.attitude_xyzw), truth
 
 
 def weights(norms: Array) -> Array:
@@ -150,16 +152,16 @@ def _right(turns_xyzw: Array) -> Array:
     return np.swapaxes(quaternion.multiply(np.eye(4), turns_xyzw[:, np.newaxis]), 1, 2)
 
 
-def _turned(track: Track, left: Array = IDENTITY, right: Array = IDENTITY) -> Track:
+def _turned(track: Matched, left: Array = IDENTITY, right: Array = IDENTITY) -> Matched:
     return replace(track, attitude_xyzw=quaternion.multiply(quaternion.multiply(left, track.attitude_xyzw), right))
 
 
-def _by_map(*maps: Array) -> Callable[[Track, Array], Track]:
+def _by_map(*maps: Array) -> Callable[[Matched, Array], Matched]:
     """The repair by a matrix without constants, chosen by its number."""
     return lambda track, chosen: replace(track, attitude_xyzw=track.attitude_xyzw @ maps[int(chosen[0])].T)
 
 
-def _reordered(track: Track, orders: Array) -> Track:
+def _reordered(track: Matched, orders: Array) -> Matched:
     """The attitude of the same three angles in another order of axes."""
     rotation = scipy.spatial.transform.Rotation
     wrong, right = (_ORDERS[int(order)] for order in orders)
@@ -170,20 +172,20 @@ def _reordered(track: Track, orders: Array) -> Track:
     return replace(track, attitude_xyzw=rotation.from_euler(right, sorted_angles).as_quat())
 
 
-def _moved(track: Track, lag_s: Array) -> Track:
+def _moved(track: Matched, lag_s: Array) -> Matched:
     return replace(track, stamps_ns=track.stamps_ns - np.int64(np.round(lag_s[0] * 1e9)))
 
 
-def _by_clock(track: Track, rate: Array) -> Track:
+def _by_clock(track: Matched, rate: Array) -> Matched:
     return replace(track, stamps_ns=track.origin + np.round(1e9 * track.since_s * rate[0]).astype(np.int64))
 
 
-def _fixed(*values: Sequence[float]) -> Callable[[Tracks], Sequence[Array]]:
+def _fixed(*values: Sequence[float]) -> Callable[[MatchedRuns], Sequence[Array]]:
     """Constants that are not fitted, one or some to choose from."""
     return lambda tracks: [np.array(value) for value in values]
 
 
-def _turn(maps: Array, constants: Callable[[Array], Array], tracks: Tracks) -> Sequence[Array]:
+def _turn(maps: Array, constants: Callable[[Array], Array], tracks: MatchedRuns) -> Sequence[Array]:
     """Fit of the best turn of a kind, whose quaternion is an eigenvector."""
     each = [products(track, track.stamps_ns) @ maps.reshape(-1, 16).T for track in tracks]
     return [constants(np.linalg.eigh(sum(one.T @ one for one in each))[1][:, -1])]
@@ -199,7 +201,7 @@ def vector(c: Array) -> Array:
     return -quaternion.log(np.roll(c, -1))
 
 
-def _misses(track: Track, undo: Callable[[Track, Array], Track], values: Array) -> Array:
+def _misses(track: Matched, undo: Callable[[Matched, Array], Matched], values: Array) -> Array:
     """Sum of the squared halves of the errors, rad², that a constant of the stamps leaves, for each of some values."""
     stamps = np.stack([undo(track, np.array([value])).stamps_ns for value in values])
     truth = track.truth.at(np.clip(stamps, track.truth.first_ns, track.truth.last_ns))
@@ -207,14 +209,14 @@ def _misses(track: Track, undo: Callable[[Track, Array], Track], values: Array) 
     return np.asarray(np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1))
 
 
-def fitted_in_time(cause: Cause, values: Array, tracks: Tracks, most: int = 200) -> Array:
+def fitted_in_time(cause: Cause, values: Array, tracks: MatchedRuns, most: int = 200) -> Array:
     """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values."""
-    start = values[[np.argmin(sum(_misses(track.few(), cause.undo, values) for track in tracks))]]
-    [(_, found)] = fit([track.few(most) for track in tracks], [(cause, start)])
+    start = values[[np.argmin(sum(_misses(track.thinned(), cause.undo, values) for track in tracks))]]
+    [(_, found)] = fit([track.thinned(most) for track in tracks], [(cause, start)])
     return found
 
 
-def _lag(sign: float, tracks: Tracks) -> Sequence[Array]:
+def _lag(sign: float, tracks: MatchedRuns) -> Sequence[Array]:
     """A lag of that sign and of more than a sample, s; else 0."""
     found = fitted_in_time(BY_CODE["lagging"], _LAGS, tracks)
     steps = np.diff(tracks[0].stamps_ns)

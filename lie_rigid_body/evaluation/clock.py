@@ -11,21 +11,29 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import sizes
 from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, fitted_in_time, late, undone, weights
 from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FULL,
-    LARGEST_LEFT,
     LEAD,
-    LEAST_LATE,
+    MAX_LEFT,
+    MIN_LATE,
     SHARE,
     UNLIKE,
     Explanation,
 )
+from lie_rigid_body.evaluation.matched import (
+    MIN_SAMPLES,
+    NEGLIGIBLE,
+    Matched,
+    constant_attitude_misfit,
+    floored,
+    is_single_axis,
+    quarters,
+)
 from lie_rigid_body.evaluation.statistics import rms
-from lie_rigid_body.evaluation.track import FEWEST, NEGLIGIBLE, Track, counted, quarters, spins, still
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 SIGNIFICANT: Final = 3.0
 """Largest lag, in standard errors, that counts as none."""
@@ -33,11 +41,11 @@ SURE: Final = 8.0
 """Least lag, in standard errors, that is named as a cause even if other errors are larger."""
 UNSTEADY: Final = 0.25
 """Largest relative difference between the lag of either half of a run and that of the whole run; a drift makes ½."""
-LARGEST_INFLATION: Final = 10.0
+MAX_INFLATION: Final = 10.0
 """Largest variance inflation factor with which the motion separates a lag from constant turns."""
-LEAST_BODY_RATE: Final = 1e-6
+MIN_BODY_RATE: Final = 1e-6
 """Least body rate, rad/s, at which the motion determines a lag."""
-LEFT_BY_CLOCK: Final = float(np.radians(5.0))
+MAX_LEFT_BY_RATE: Final = float(np.radians(5.0))
 """Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
 MIN_COVERED: Final = 0.9
 """Smallest share of the samples that the rate of another clock puts within the truth's times."""
@@ -45,7 +53,7 @@ MIN_OFF: Final = 2e-3
 """Smallest difference of a clock's rate from 1 that is named: a lag explains a smaller one as well."""
 CLOCK_RATIO: Final = 1.5
 """Ratio of two rates above which no error of a gyro looks like another rate."""
-MOSTLY_SPANNED: Final = 0.8
+MIN_SPANNED: Final = 0.8
 """Smallest share of the truth's time span that the stamps fill by another rate, if the body turns about one axis."""
 RATES: Final = np.geomspace(1.0 / 16.0, 16.0, 557)
 """Rates from which a fit begins, 1 % apart."""
@@ -67,7 +75,7 @@ class Lag(NamedTuple):
     sure: bool = False
 
 
-def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: float, most: int = 4000) -> Lag:
+def lag_of(track: Matched, named: Explanation, longest_lag_s: float, period_s: float, most: int = 4000) -> Lag:
     """Fit the lag together with a turn of the world and one of the body, where the motion tells them apart.
 
     Otherwise the lag is fitted beside a heading and a mounting, else beside the turns that are named. Then a tilt of
@@ -77,11 +85,14 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
     is left. The fit uses `most` samples.
     """
     parts = [part for part in named.parts if part[0].code in BOTH]
-    track = undone(track.few(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
-    lag, known = late(named.lag_s or 0.0), {cause.code: fitted for cause, fitted in parts}
-    up, mounting = known.get("heading_offset", np.zeros(1)), known.get("body_mounting", np.zeros(3))
+    track = undone(track.thinned(most), [part for part in named.parts if part[0].maps and part[0].code not in BOTH])
+    lag = late(named.lag_s or 0.0)
+    known = {cause.code: fitted for cause, fitted in parts}
+    up = known.get("heading_offset", np.zeros(1))
+    mounting = known.get("body_mounting", np.zeros(3))
     body = BY_CODE["body_mounting"], mounting
-    tilted, level = [(BY_CODE["world_turned"], up * UP), body], [(BY_CODE["heading_offset"], up), body]
+    tilted = [(BY_CODE["world_turned"], up * UP), body]
+    level = [(BY_CODE["heading_offset"], up), body]
     for turned in (tilted, level, parts):
         if _separable(track, [*turned, lag]) or (named.lag_s is not None and turned is parts):
             fitted = fit([track], [*turned, lag])
@@ -98,34 +109,35 @@ def lag_of(track: Track, named: Explanation, longest_lag_s: float, period_s: flo
 
 
 def _unnamed(
-    track: Track, fitted: Sequence[Part], without: Sequence[Part], instead: Sequence[Part], period_s: float
+    track: Matched, fitted: Sequence[Part], without: Sequence[Part], instead: Sequence[Part], period_s: float
 ) -> Lag:
     """Lag that no explanation names: returned where it is sure, or surely small.
 
     A lag must leave no more error than ``instead``, a turn of the world and one of the body. The lead of a right filter
     may leave more.
     """
-    lag_s, error = float(fitted[-1][1][0]), standard_error(track, fitted)
+    lag_s = float(fitted[-1][1][0])
+    error = standard_error(track, fitted)
     left, before, other, raw = (
         float(np.median(undone(track, parts).error().total)) for parts in (fitted, without, instead, ())
     )
-    turn = rms(sizes(track.truth.states(track.stamps_ns)[1]))
-    if left > LARGEST_LEFT:  # what follows the truth so little tells no lag
+    turn = rms(norm(track.truth.states(track.stamps_ns)[1]))
+    if left > MAX_LEFT:  # what follows the truth so little tells no lag
         return Lag()
     clear = abs(lag_s) >= SURE * error or (abs(lag_s) >= SIGNIFICANT * error and before >= 2.0 * left)
     # each half of a run alone tells about the same lag; what drifts feign hardly does
-    halves = [track.part(half) for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
+    halves = [track[half] for half in np.array_split(np.arange(len(track.stamps_ns)), 2)]
     alone = (float(fit([half], fitted)[-1][1][0]) for half in halves)
     lead = -LEAD * period_s <= lag_s <= 0.0
     clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and (lead or left <= other)
     if clear and all(abs(of_half - lag_s) <= UNSTEADY * abs(lag_s) for of_half in alone):
-        return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, LEAST_LATE * period_s) and not lead)
+        return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, MIN_LATE * period_s) and not lead)
     error = max(standard_error(track, without), 1e-9)  # stamps are whole nanoseconds
     told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * turn <= max(before, NEGLIGIBLE)
     return Lag(lag_s, error) if told else Lag()
 
 
-def _separable(track: Track, parts: Sequence[Part]) -> bool:
+def _separable(track: Matched, parts: Sequence[Part]) -> bool:
     """Whether the motion tells the lag, the last constant, apart from the other constants, and the body turns at all.
 
     Fitting other constants beside the lag multiplies its variance by an inflation factor, which has a limit.
@@ -134,10 +146,10 @@ def _separable(track: Track, parts: Sequence[Part]) -> bool:
     normal = np.einsum("nia,nib->ab", J, J)
     alone = float(normal[-1, -1])
     shared = normal[-1, :-1] @ np.linalg.lstsq(normal[:-1, :-1], normal[:-1, -1], rcond=1e-10)[0]
-    return bool(alone > LEAST_BODY_RATE**2 * len(J) and alone <= LARGEST_INFLATION * (alone - shared))
+    return bool(alone > MIN_BODY_RATE**2 * len(J) and alone <= MAX_INFLATION * (alone - shared))
 
 
-def standard_error(track: Track, parts: Sequence[Part]) -> float:
+def standard_error(track: Matched, parts: Sequence[Part]) -> float:
     """Standard error of the lag, which is the last of the fitted constants, s.
 
     The fit gives the lag as a weighted sum of the errors, G · ψ. Errors that are shifted cyclically along the run have
@@ -147,46 +159,48 @@ def standard_error(track: Track, parts: Sequence[Part]) -> float:
     errors are a third case. The largest of the three values counts.
     """
     J, error, truth = derivative(track, parts)
-    weight = weights(sizes(error))[:, np.newaxis]
+    weight = weights(norm(error))[:, np.newaxis]
     normal = np.einsum("nia,nib->ab", J * weight[..., np.newaxis], J)
-    G, psi = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1], weight * error
+    G = J @ np.linalg.pinv(normal, rcond=1e-10)[:, -1]
+    psi = weight * error
     both = np.stack([(G, psi), (quaternion.rotate(truth, G), quaternion.rotate(truth, psi))])
     of_weights, of_errors = np.moveaxis(np.fft.rfft(both, axis=2), 1, 0)
     shifted = np.fft.irfft((np.conj(of_weights) * of_errors).sum(axis=2), n=len(G))
     return max(*map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))
 
 
-def other_rate(track: Track, most: int = 300) -> tuple[Part, Track] | None:
+def other_rate(track: Matched, most: int = 300) -> tuple[Part, Matched] | None:
     """Fit the rate of another clock, by which an estimate follows the truth from its first stamp on.
 
     Parameters
     ----------
-    track : Track
+    track : Matched
         All samples, also those outside of the truth's times.
     most : int
         Number of samples of the fit.
 
     Returns
     -------
-    tuple of Part and Track, or None
+    tuple of Part and Matched, or None
         The rate, and the samples that it puts within the truth's times. None if it leaves much error in a quarter of
         the run but the first: beside that by the given stamps, and beside the turn of the body. None as well where the
         body turns about one axis and the scale of a gyro may do the same.
     """
-    few = track.few(most)
+    few = track.thinned(most)
     cause = BY_CODE["clock_rate"]
     part = cause, fitted_in_time(cause, RATES, [few])
-    moved, own = undone(few, [part]).known(), few.known()
-    if len(moved.stamps_ns) < max(FEWEST, MIN_COVERED * len(few.stamps_ns)) or abs(part[1][0] - 1.0) < MIN_OFF:
+    moved = undone(few, [part]).known()
+    own = few.known()
+    if len(moved.stamps_ns) < max(MIN_SAMPLES, MIN_COVERED * len(few.stamps_ns)) or abs(part[1][0] - 1.0) < MIN_OFF:
         return None
     truth, rate = moved.truth.states(moved.stamps_ns)
-    before = quarters(own) if len(own.stamps_ns) >= FEWEST else np.ones(3)
-    most_left = min((0.5 * UNLIKE) ** 2 * still(truth), np.sin(0.5 * LEFT_BY_CLOCK) ** 2)
-    if np.any(quarters(moved) > counted(np.minimum(SHARE**2 * before, most_left))):
+    before = quarters(own) if len(own.stamps_ns) >= MIN_SAMPLES else np.ones(3)
+    most_left = min((0.5 * UNLIKE) ** 2 * constant_attitude_misfit(truth), np.sin(0.5 * MAX_LEFT_BY_RATE) ** 2)
+    if np.any(quarters(moved) > floored(np.minimum(SHARE**2 * before, most_left))):
         return None
-    if spins(rate):
+    if is_single_axis(rate):
         seconds = float(part[1][0])  # of the truth in a second of the stamps
         spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (track.truth.last_ns - track.truth.first_ns)
-        if max(seconds, 1.0 / seconds) < CLOCK_RATIO or spanned < MOSTLY_SPANNED:
+        if max(seconds, 1.0 / seconds) < CLOCK_RATIO or spanned < MIN_SPANNED:
             return None
     return part, undone(track, [part]).known()

@@ -29,7 +29,7 @@ BETTER: Final = 0.25
 """Largest ratio of the logarithm of the relative NEES about the other axes to that about the given ones, for the others
 to be named. The ratio is not 0, as errors are correlated in time."""
 
-SMALLEST_VARIANCE: Final = 1e-200
+MIN_VARIANCE: Final = 1e-200
 """Least variance, in the squared unit of the errors; a NEES by a smaller one overflows."""
 ASYMMETRY: Final = 1e-6
 """Largest difference between a covariance and its transpose, relative to the standard deviations, that counts as
@@ -254,7 +254,8 @@ def errors_and_covariances(errors: ArrayLike, covariance: ArrayLike, *axes: str)
     if e.ndim != len(axes):
         raise InputError(f"errors: shape {e.shape} is not {wanted}: give a row for each error")
     d = e.shape[-1]
-    e, P = numbers("errors", e, d), numbers("covariance", covariance, d, d)
+    e = numbers("errors", e, d)
+    P = numbers("covariance", covariance, d, d)
     if P.shape not in {(d, d), (*e.shape, d)}:
         raise InputError(f"covariance: shape {P.shape} is not {(d, d)} or {(*e.shape, d)}: give one, or one an error")
     return e, P
@@ -287,9 +288,9 @@ def factor_of(P: Array, name: str = "covariance") -> Array:
         If one is not symmetric and positive definite.
     """
     variances = np.diagonal(P, axis1=-2, axis2=-1)
-    if not np.all(variances >= SMALLEST_VARIANCE):
+    if not np.all(variances >= MIN_VARIANCE):
         raise InputError(
-            f"{name}: {variances.min():.3g} on its diagonal: give positive variances, {SMALLEST_VARIANCE:g} at least"
+            f"{name}: {variances.min():.3g} on its diagonal: give positive variances, {MIN_VARIANCE:g} at least"
         )
     scale = np.sqrt(variances)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no covariance, and refused

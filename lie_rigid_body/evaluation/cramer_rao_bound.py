@@ -30,7 +30,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import turns
+from lie_rigid_body.evaluation.attitudes import relative_rotations
 from lie_rigid_body.evaluation.consistency import factor_of
 from lie_rigid_body.evaluation.kalman import covariances
 from lie_rigid_body.foundation.arrays import Array, Integers
@@ -264,9 +264,9 @@ def _system(
     n = begins[-1]
     F = np.tile(np.eye(n), (count, 1, 1))
     Q = np.zeros((count, n, n))
-    H = np.zeros((count, len(vectors) + len(attitudes), 3, n))
+    H = np.zeros((count, max(1, len(vectors) + len(attitudes)), 3, n))  # without a sensor a reading of nothing
     deviations = [initial] * 3
-    turn = np.concatenate([np.zeros((1, 3)), turns(truth[:-1], truth[1:])])
+    turn = np.concatenate([np.zeros((1, 3)), relative_rotations(truth[:-1], truth[1:])])
     jacobian = so3.right_jacobian(turn)
     pushed = (np.diff(stamps, prepend=stamps[0]) / 1e9)[:, np.newaxis, np.newaxis] * jacobian
     walk = readings * gyro.bias.step**2
@@ -300,14 +300,13 @@ def _system(
         begin = max(sensor.bias.turn_on, 1e-6 * sensor.bias.step)
         deviations += [begin / float(norm(sensor.vector))] * 3
     first = np.array([*deviations, *[1.0] * (n - begins[0])])
-    kept = np.flatnonzero(first)
-    return (
-        F[:, kept[:, np.newaxis], kept],
-        Q[:, kept[:, np.newaxis], kept],
-        H.reshape(count, -1, n)[:, :, kept],
-        first[kept],
-        n - begins[0],
-    )
+    H = H.reshape(count, -1, n)
+    if not first.all():
+        kept = np.flatnonzero(first)
+        F = F[:, kept][..., kept]
+        Q = Q[:, kept][..., kept]
+        H = H[..., kept]
+    return F, Q, H, first[first > 0.0], n - begins[0]
 
 
 def _count(stamps: Integers, readings_ns: Integers) -> Array:

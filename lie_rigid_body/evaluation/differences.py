@@ -23,13 +23,13 @@ PROBABILITY: Final = 0.95
 """Probability of the intervals."""
 RESAMPLED: Final = 1000
 """Number of resamplings."""
-MOST_SAMPLES: Final = 20_000
+MAX_SAMPLES: Final = 20_000
 """Largest number of samples that are drawn again one by one; of more, means of neighbours are."""
-FEWEST_SAMPLES: Final = 10
+MIN_COMPARED: Final = 10
 """Least number of samples or runs whose difference has an interval."""
-FEWEST_BLOCKS: Final = 5
+MIN_BLOCKS: Final = 5
 """Least number of blocks of a run."""
-MOST_BLOCKS: Final = 500
+MAX_BLOCKS: Final = 500
 """Largest number of blocks of a run: more tell hardly more of the spread."""
 
 
@@ -79,7 +79,8 @@ class Difference:
 
 def _both(first: ArrayLike, second: ArrayLike) -> Array:
     """Read two rows of as many numbers, shape (2, N)."""
-    one, other = real_numbers("first", first, "(N,)"), real_numbers("second", second, "(N,)")
+    one = real_numbers("first", first, "(N,)")
+    other = real_numbers("second", second, "(N,)")
     if one.ndim != 1 or one.shape != other.shape:
         raise InputError(f"second: shape {other.shape} beside {one.shape}: give two flat lists that are as long")
     both = np.stack([one, other])
@@ -105,14 +106,17 @@ def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     InputError
         If they are not two flat lists of as many finite numbers, or the seed is no whole number from 0 on.
     """
-    both, seed = _both(first, second), whole_number("seed", seed, 0)
+    both = _both(first, second)
+    seed = whole_number("seed", seed, 0)
     errors = numbers("errors", both.T, 2).T if both.size else both
-    value, squares, given = rms(errors[0]) - rms(errors[1]), errors**2, errors.shape[1]
-    if given > MOST_SAMPLES:
-        group = -(-given // MOST_SAMPLES)
+    value = rms(errors[0]) - rms(errors[1])
+    squares = errors**2
+    given = errors.shape[1]
+    if given > MAX_SAMPLES:
+        group = -(-given // MAX_SAMPLES)
         squares = squares[:, : given // group * group].reshape(2, -1, group).mean(axis=2)
     count = squares.shape[1]
-    if count < FEWEST_SAMPLES:
+    if count < MIN_COMPARED:
         return Difference(value, -np.inf, np.inf, int(value < 0.0), 1)
     # the difference of the roots, linearised, is a mean, of which the blocks are to keep the variance
     slopes = 0.5 / np.maximum(np.sqrt(squares.mean(axis=1)), np.finfo(float).tiny)
@@ -120,7 +124,8 @@ def of_run(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     sums = np.concatenate(
         [np.zeros((2, 1)), np.cumsum(np.concatenate([squares, squares[:, :length]], axis=1), axis=1)], axis=1
     )
-    draws, blocks = np.random.default_rng(seed), max(1, round(count / length))
+    draws = np.random.default_rng(seed)
+    blocks = max(1, round(count / length))
     begins = draws.integers(0, count, size=(RESAMPLED, blocks))
     means = (sums[:, begins + length] - sums[:, begins]).sum(axis=2) / (blocks * length)
     resampled = value + wider * (np.sqrt(means[0]) - np.sqrt(means[1]) - value)
@@ -142,12 +147,15 @@ def of_runs(first: ArrayLike, second: ArrayLike, seed: int = 0) -> Difference:
     InputError
         If they are not two flat lists of as many numbers, or the seed is no whole number from 0 on.
     """
-    errors, seed = _both(first, second), whole_number("seed", seed, 0)
+    errors = _both(first, second)
+    seed = whole_number("seed", seed, 0)
     both = np.isfinite(errors).all(axis=0)
-    differences, left_out = (errors[0] - errors[1])[both], int(np.sum(~both))
-    runs, better = len(differences), int(np.sum(differences < 0.0))
+    differences = (errors[0] - errors[1])[both]
+    left_out = int(np.sum(~both))
+    runs = len(differences)
+    better = int(np.sum(differences < 0.0))
     value = float(differences.mean()) if runs else np.nan
-    if runs < FEWEST_SAMPLES:
+    if runs < MIN_COMPARED:
         return Difference(value, -np.inf, np.inf, better, runs, left_out)
     draws = np.random.default_rng(seed)
     resampled = np.concatenate(
@@ -163,7 +171,8 @@ def _with_interval(
 
     Means of n parts that are drawn again from n vary less by the factor n − 1 of n than those of new ones.
     """
-    tail, freedom = 0.5 * (1.0 - PROBABILITY), max(1, freedom)
+    tail = 0.5 * (1.0 - PROBABILITY)
+    freedom = max(1, freedom)
     wider = scipy.stats.t.isf(tail, freedom) / scipy.stats.norm.isf(tail) * np.sqrt((freedom + 1) / freedom)
     low, high = (np.quantile(resampled, [tail, 1.0 - tail]) - value) * wider
     return Difference(value, value + float(low), value + float(high), better, runs, left_out)
@@ -191,7 +200,7 @@ def blocks_of(values: Array) -> tuple[int, float]:
     if covariances[0] <= 0.0:
         return 1, 1.0
     quiet = max(5, int(np.ceil(np.sqrt(np.log10(n)))))
-    longest = n // FEWEST_BLOCKS + quiet
+    longest = n // MIN_BLOCKS + quiet
     loud = np.abs(covariances[1 : longest + 1] / covariances[0]) >= 2.0 * np.sqrt(np.log10(n) / n)
     # the last lag before so many quiet ones in a row
     runs = np.convolve(~loud, np.ones(quiet), mode="valid") == quiet
@@ -203,5 +212,5 @@ def blocks_of(values: Array) -> tuple[int, float]:
     if variance <= 0.0:
         return 1, 1.0
     length = (1.5 * (slope / variance) ** 2 * n) ** (1.0 / 3.0)
-    chosen = int(np.clip(np.ceil(length), max(1, n // MOST_BLOCKS), max(1, n // FEWEST_BLOCKS)))
+    chosen = int(np.clip(np.ceil(length), max(1, n // MAX_BLOCKS), max(1, n // MIN_BLOCKS)))
     return chosen, float(np.sqrt(1.0 / (1.0 - min(max(slope / (variance * chosen), 0.0), 0.5))))

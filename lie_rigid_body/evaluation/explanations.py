@@ -19,27 +19,36 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import angles, period_ns, sizes
+from lie_rigid_body.evaluation.attitudes import angles, period_ns
 from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, vector
-from lie_rigid_body.evaluation.track import NEGLIGIBLE, SAMPLES, Track, counted, products, spins, still
+from lie_rigid_body.evaluation.matched import (
+    NEGLIGIBLE,
+    SAMPLES,
+    Matched,
+    constant_attitude_misfit,
+    floored,
+    is_single_axis,
+    products,
+)
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 PRICES: Final = {"heading_offset": 1.25, "world_turned": 2.3, "body_mounting": 2.3, "lag": 1.25, "far": 1.0}
 """Prices of causes with constants, in halved errors; a cause without a constant costs 1.
 
 A far lag, in which the body turns by more than half a turn, has a further price, as there are many.
 """
-LARGEST_LEFT: Final = float(np.radians(20.0))
+MAX_LEFT: Final = float(np.radians(20.0))
 """Largest error that named causes may leave, rad; if one of them has a constant, divided by their number."""
-LEFT_BY_THREE: Final = float(np.radians(7.7))
+MAX_LEFT_BY_THREE: Final = float(np.radians(7.7))
 """Largest error that a cause with three constants may leave, rad, divided by the number of causes with constants."""
 SHARE: Final = 1.0 / 3.0
 """Largest ratio of the RMS error with a named cause to that without the cause, in each quarter of a run."""
 LAG_SHARE: Final = 0.5
 """Largest ratio of the RMS error with a named lag to that without. Slow errors hardly follow the body rate, unless the
 body turns about one axis."""
-LEAST_LATE: Final = 0.5
+MIN_LATE: Final = 0.5
 """Least lag, in samples, that is named as a cause where other errors are as large."""
 TIE: Final = 1.25
 """Ratio of two RMS errors up to which their explanations count as equally good."""
@@ -51,7 +60,7 @@ UNLIKE: Final = 0.5
 """Largest error that an explanation with constants may leave, as a share of what a constant attitude leaves.
 
 With a mounting it is half of that."""
-LEAST_TILT: Final = float(np.radians(10.0))
+MIN_TILT: Final = float(np.radians(10.0))
 """Least tilt of a turned world, rad, and least angle to a world upside down: tilts by sensor errors are smaller. A turn
 about the vertical is a heading offset, and a world upside down is NED with a heading offset."""
 LEAD: Final = 1.5
@@ -71,7 +80,8 @@ Turned = tuple[str, ...]
 """Turns of the world and of the body, in the order of undoing."""
 Form = tuple[tuple[str, int], ...]
 """A chain of causes without constants in the order of undoing, each with the number of its map."""
-_SHIFTED, _INVERTED = ("scalar_first", 0), ("inverted", 0)
+_SHIFTED = ("scalar_first", 0)
+_INVERTED = ("inverted", 0)
 FORMS: Final[tuple[Form, ...]] = tuple(
     (*written, *world)
     for written in ((), (_SHIFTED,), (_INVERTED,), (_SHIFTED, _INVERTED), (_INVERTED, _SHIFTED))
@@ -126,8 +136,8 @@ class Explanation:
         """Whether so little is left that the causes are what is wrong: many constants fit anything to some degrees."""
         constants = len(self.causes) - len(self.form)
         if {"world_turned", "body_mounting"} & {*self.turned}:
-            return self.error <= LEFT_BY_THREE / constants
-        return self.error <= LARGEST_LEFT / (len(self.causes) if constants else 1)
+            return self.error <= MAX_LEFT_BY_THREE / constants
+        return self.error <= MAX_LEFT / (len(self.causes) if constants else 1)
 
     @property
     def cost(self) -> float:
@@ -137,7 +147,7 @@ class Explanation:
         simple += 0.02 * (("ned_world", 1) in self.form)
         if "body_mounting" in self.turned and self.numbers.size:
             simple += 0.04 * float(np.linalg.norm(vector(self.numbers[-4:]))) / np.pi
-        return float(np.mean(0.5 * np.log2(counted(self.left)))) + simple
+        return float(np.mean(0.5 * np.log2(floored(self.left)))) + simple
 
     @property
     def parts(self) -> list[Part]:
@@ -172,7 +182,8 @@ def _best(forms: Array) -> Array:
 
 def _best_of_both(forms: Array, first: Array) -> Array:
     """Quaternion numbers of a turn about the vertical (2) and of the body (4), fitted alternately, (..., 6)."""
-    G, up = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4), first
+    G = forms.reshape(*forms.shape[:-2], 2, 4, 2, 4)
+    up = first
     for _ in range(8):
         body = _best(np.einsum("...i,...k,...ijkl->...jl", up, up, G))
         up = _best(np.einsum("...j,...l,...ijkl->...ik", body, body, G))
@@ -191,19 +202,22 @@ class Evidence:
 
     Parameters
     ----------
-    track : Track
+    track : Matched
         Samples whose true time, moved by the longest lag either way, is within the truth's times.
     longest_lag_s : float
     left_by_sensors : float
         Largest constant turn that the sensors' own errors leave to a right filter, rad.
     """
 
-    def __init__(self, track: Track, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
-        self.track, self.period_s = track.few(SAMPLES), period_ns(track.stamps_ns) / 1e9
-        self.longest_lag_s, self.left_by_sensors = longest_lag_s, left_by_sensors
+    def __init__(self, track: Matched, longest_lag_s: float, left_by_sensors: float = 0.0) -> None:
+        self.track = track.thinned(SAMPLES)
+        self.period_s = period_ns(track.stamps_ns) / 1e9
+        self.longest_lag_s = longest_lag_s
+        self.left_by_sensors = left_by_sensors
         truth, rate = self.track.truth.states(self.track.stamps_ns)
-        self.fastest = float(sizes(rate).max())
-        self.still, self.spins = still(truth), spins(rate)
+        self.fastest = float(norm(rate).max())
+        self.misfit_of_constant = constant_attitude_misfit(truth)
+        self.is_single_axis = is_single_axis(rate)
         # at the leads of a right filter: none, half a sample and one
         self._ahead = self.sums(np.array([0.0, -0.5, -1.0]) * min(self.period_s, longest_lag_s))
         # between neighbours the body turns by a quarter of a radian at most, unless they would be too many
@@ -215,7 +229,7 @@ class Evidence:
 
     def sums(self, lags_s: Array, most: int = SAMPLES) -> Array:
         """The matrices T of the quarters but the first, at each lag: shape (L, 3, 16, 16)."""
-        few = self.track.few(most)
+        few = self.track.thinned(most)
         P = products(few, few.stamps_ns - np.round(lags_s * 1e9).astype(np.int64)[:, np.newaxis])
         return np.stack([np.swapaxes(q, 1, 2) @ q / q.shape[1] for q in np.array_split(P, 4, axis=1)[1:]], axis=1)
 
@@ -231,7 +245,8 @@ class Evidence:
             best = starts[np.argmax(_value(starts, first)), :2]
             numbers, crossed = (_best_of_both(sums, best) for sums in (whole, others))
         else:
-            numbers, crossed = _best(whole), _best(others)
+            numbers = _best(whole)
+            crossed = _best(others)
         return 1.0 - _value(crossed, G), numbers
 
     def get(self, form: Form = (), turned: Turned = (), *, late: bool = False) -> Explanation:
@@ -257,14 +272,15 @@ class Evidence:
 
     def _with_lag(self, form: Form, turned: Turned) -> Explanation:
         """The explanation with the smallest of the lags that leave about the least error."""
-        lags, cost = self._lags, self._scanned[form, turned]
+        lags = self._lags
+        cost = self._scanned[form, turned]
         around = np.concatenate([[np.inf], cost, [np.inf]])
         lowest = np.flatnonzero((cost <= around[:-2]) & (cost <= around[2:]) & (cost <= cost.min() + self._slack))
         by_cost, by_size = (lowest[np.argsort(key, kind="stable")][:4] for key in (cost[lowest], np.abs(lags[lowest])))
         step = float(lags[1] - lags[0])
         found = [self._at_lag(form, turned, float(lags[k]), step) for k in np.union1d(by_cost, by_size)]
-        least = min(counted(e.left).mean() for e in found)
-        as_good = [e for e in found if counted(e.left).mean() <= TIE**2 * least]
+        least = min(floored(e.left).mean() for e in found)
+        as_good = [e for e in found if floored(e.left).mean() <= TIE**2 * least]
         return min(as_good, key=lambda e: abs(e.lag_s or 0.0))
 
     def _at_lag(self, form: Form, turned: Turned, lag_s: float, step: float) -> Explanation:
@@ -275,7 +291,8 @@ class Evidence:
             G = base @ self.sums(three) @ base.T
             whole = G.sum(axis=1)
             shift = _vertex(3.0 - np.linalg.eigvalsh(whole)[:, -1])
-            lag_s, step = float(np.clip(three[1] + shift * step, three[0], three[2])), step / 5.0
+            lag_s = float(np.clip(three[1] + shift * step, three[0], three[2]))
+            step = step / 5.0
         others = 2.0 - np.linalg.eigvalsh(whole[:, np.newaxis] - G)[..., -1]
         crossed = three[1] + 5.0 * step * np.array([_vertex(one) for one in others.T])
         T = self.sums(np.clip([lag_s, *crossed], -self.longest_lag_s, self.longest_lag_s))
@@ -311,7 +328,9 @@ class Evidence:
         bool
             Whether a lag at the limit of the search leaves least: the true one may be longer.
         """
-        plain, of_sensors, allowed = self.get(), False, {*BY_CODE, "lag"}
+        plain = self.get()
+        of_sensors = False
+        allowed = {*BY_CODE, "lag"}
         for e in self.tried[: self.tried.index(plain)]:
             if not allowed.issuperset(e.causes):
                 continue
@@ -334,24 +353,25 @@ class Evidence:
 
     def is_needed(self, explanation: Explanation) -> bool:
         """Whether an explanation leaves little beside the body's turn, and needs each cause in each quarter."""
-        left, lag_s = counted(explanation.left), explanation.lag_s
+        left = floored(explanation.left)
+        lag_s = explanation.lag_s
         unlike = UNLIKE * (0.5 if "body_mounting" in explanation.turned else 1.0)
         # a constant fits a body that hardly turns, and a chain without one by chance: one of all in 0.2 % of turns
-        least = NEGLIGIBLE if len(explanation.causes) > len(explanation.form) else LEFT_BY_THREE
-        if left.mean() > max(unlike**2 * self.still, np.sin(0.5 * least) ** 2) or not explanation.explains:
+        least = NEGLIGIBLE if len(explanation.causes) > len(explanation.form) else MAX_LEFT_BY_THREE
+        if left.mean() > max(unlike**2 * self.misfit_of_constant, np.sin(0.5 * least) ** 2) or not explanation.explains:
             return False
         is_lead = lag_s is not None and -LEAD * self.period_s <= lag_s <= 0.0
         is_level = any(
-            cause.code == "world_turned" and not LEAST_TILT < angles(quaternion.exp(c)).inclination < np.pi - LEAST_TILT
+            cause.code == "world_turned" and not MIN_TILT < angles(quaternion.exp(c)).inclination < np.pi - MIN_TILT
             for cause, c in explanation.parts
         )
         if is_lead or is_level or (explanation.far and left.max() > UNEVEN_QUARTERS**2 * left.min()):
             return False
         shares = dict.fromkeys(explanation.causes, SHARE)
-        if lag_s is not None and abs(lag_s) >= LEAST_LATE * self.period_s and not self.spins:
+        if lag_s is not None and abs(lag_s) >= MIN_LATE * self.period_s and not self.is_single_axis:
             shares["lag"] = LAG_SHARE
         return all(
-            np.all(left <= share**2 * counted(self.without(explanation, cause).left)) for cause, share in shares.items()
+            np.all(left <= share**2 * floored(self.without(explanation, cause).left)) for cause, share in shares.items()
         )
 
     def is_small(self, explanation: Explanation) -> bool:
@@ -371,7 +391,7 @@ class Evidence:
 
     def with_lag(self, named: Explanation, lag_s: float) -> Explanation:
         """The named explanation with a lag added, if its own fit of a lag gives about the same."""
-        if named.lag_s is not None or named.turned not in LATE or self.spins:
+        if named.lag_s is not None or named.turned not in LATE or self.is_single_axis:
             return named
         found = self.get(named.form, named.turned, late=True)
         same = found.lag_s is not None and abs(found.lag_s - lag_s) <= 0.25 * abs(lag_s)
@@ -379,7 +399,9 @@ class Evidence:
 
     def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
         """Causes that leave about as much error in the place of a named one."""
-        rest, without, left = {*named.causes} - {cause}, self.without(named, cause), max(named.error, NEGLIGIBLE)
+        rest = {*named.causes} - {cause}
+        without = self.without(named, cause)
+        left = max(named.error, NEGLIGIBLE)
         others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
         found: dict[str, None] = {}
         for other in others:

@@ -1,7 +1,7 @@
 """Covariances of the Kalman filter and of the Rauch–Tung–Striebel smoother of a linear system.
 
-The system is x_k = F_k x_(k−1) + w_k and y_k = H_k x_k + m_k, with covariances Q_k of w_k and 1 of m_k. Both updates
-have the form of P. D. Joseph, L P Lᵀ + …, which keeps a covariance positive where rounding is large beside it.
+The system is x_k = F_k x_(k−1) + w_k and y_k = H_k x_k + m_k, with covariances Q_k of w_k and 1 of m_k. The update by a
+reading has the form of P. D. Joseph, L P Lᵀ + K Kᵀ, which stays positive where rounding is large beside it.
 
 References
 ----------
@@ -12,6 +12,7 @@ H. E. Rauch, F. Tung, C. T. Striebel, "Maximum likelihood estimates of linear dy
 from __future__ import annotations
 
 import numpy as np
+import scipy  # whose parts are loaded where they are first called
 
 from lie_rigid_body.foundation.arrays import Array
 
@@ -34,24 +35,20 @@ def covariances(F: Array, Q: Array, H: Array, deviations: Array) -> tuple[Array,
     """
     predicted = np.empty_like(F)
     filtered = np.empty_like(F)
-    unit = np.eye(H.shape[1])
+    of_noise = np.eye(H.shape[1])
+    unit = np.eye(len(deviations))
     P = np.diag(deviations**2)
     for k, (F_k, Q_k, H_k) in enumerate(zip(F, Q, H, strict=True)):
         P = F_k @ P @ F_k.T + Q_k
         predicted[k] = P
         HP = H_k @ P
-        gain = np.linalg.solve(HP @ H_k.T + unit, HP).T
-        L = np.eye(len(P)) - gain @ H_k
+        _, _, found, _ = scipy.linalg.lapack.dgesv(HP @ H_k.T + of_noise, HP)
+        gain = found.T
+        L = unit - gain @ H_k
         P = L @ P @ L.T + gain @ gain.T
         filtered[k] = P
-    gains = _transposed(np.linalg.solve(predicted[1:], F[1:] @ filtered[:-1]))
-    L = np.eye(len(P)) - gains @ F[1:]
-    rest = L @ filtered[:-1] @ _transposed(L) + gains @ Q[1:] @ _transposed(gains)
+    gains = np.swapaxes(np.linalg.solve(predicted[1:], F[1:] @ filtered[:-1]), 1, 2)
     smoothed = filtered.copy()
-    for k in range(len(rest) - 1, -1, -1):
-        smoothed[k] = gains[k] @ smoothed[k + 1] @ gains[k].T + rest[k]
+    for k in range(len(gains) - 1, -1, -1):
+        smoothed[k] += gains[k] @ (smoothed[k + 1] - predicted[k + 1]) @ gains[k].T
     return predicted, filtered, smoothed
-
-
-def _transposed(matrices: Array) -> Array:
-    return np.swapaxes(matrices, -1, -2)

@@ -20,16 +20,16 @@ from lie_rigid_body.evaluation.attitudes import (
     angles_between,
     named,
     period_ns,
-    sizes,
+    relative_rotations,
     times,
-    turns,
 )
 from lie_rigid_body.evaluation.causes import FEIGNED
 from lie_rigid_body.evaluation.clock import CLOCK_RATIO
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT
-from lie_rigid_body.evaluation.track import FEWEST, SAMPLES, Track, spread
+from lie_rigid_body.evaluation.matched import MIN_SAMPLES, SAMPLES, Matched, spread
+from lie_rigid_body.evaluation.statistics import MIN_LIMIT
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, runs_of
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 GAP_OF_EVEN: Final = 1.5
 """Least distance of two stamps that is a gap, in median periods, where stamps are even: one missing sample stands
@@ -41,7 +41,7 @@ NOT_UNIT: Final = 0.002
 """Largest | |q|² − 1 | that counts as unit norm, as of a quaternion written with three decimals. tf2 takes 0.01."""
 ABSENT: Final = 0.05
 """Largest share of the truth's times by which a filter may begin late or end early without a remark."""
-LEAST_TURN: Final = 0.5
+MIN_TURN: Final = 0.5
 """Least turn of the body in the whole run, rad, at which turns are compared."""
 STUCK: Final = 0.01
 """Share of the body's turn below which an estimate counts as not turning."""
@@ -49,12 +49,12 @@ LONG: Final = 0.1
 """Least share of the run in which an estimate must be stuck for a finding, if it turns in other parts."""
 JUMP: Final = 3.0
 """Least ratio of a jump to the body's turn in the same step, and to the steps within each of two attitudes."""
-LEAST_MIXED: Final = 0.02
+MIN_MIXED: Final = 0.02
 """Least share of steps that are jumps from one of two attitudes to the other."""
-LARGEST_MISS: Final = 0.2
+MAX_MISS: Final = 0.2
 """Largest RMS difference, in median turns, between the turns of an estimate and those that a mistake predicts. Real
 mistakes leave less."""
-SMALLEST_MISS: Final = 1e-3
+MIN_MISS: Final = 1e-3
 """Floor of the RMS difference between turns and a prediction, in median turns."""
 CLEARLY: Final = 2.0
 """Ratio of the RMS differences of two predictions above which the larger one is not the mistake."""
@@ -82,14 +82,17 @@ def of_series(stamps: Integers, first: Booleans, given_xyzw: Array, truth: Truth
 
     Gaps are looked for in each smooth motion of the truth.
     """
-    begin, doubles, kept = int(stamps[0]), stamps[~first], stamps[first]
+    begin = int(stamps[0])
+    doubles = stamps[~first]
+    kept = stamps[first]
     if doubles.size:
         yield Remark(
             "gaps",
             f"{doubles.size} of {len(stamps)} samples are doubles, of a stamp that another sample had before, first at "
             f"{(doubles[0] - begin) / 1e9:g} s; only the first of a stamp counts: let one publisher write the topic.",
         )
-    steps, period = np.diff(kept), truth.periods_ns(kept)
+    steps = np.diff(kept)
+    period = truth.periods_ns(kept)
     uneven = np.count_nonzero(np.abs(steps - period) > UNEVEN * period)
     wide = np.flatnonzero(steps > (GAP_OF_EVEN if uneven <= UNEVEN * len(steps) else GAP_PERIODS) * period)
     if wide.size:
@@ -140,7 +143,7 @@ def of_span(stamps: Integers, known: Booleans, truth: Truth, due_ns: int | None)
 
 def of_truth(uncertainty_deg: float, rms_deg: float) -> Iterator[Remark]:
     """Remark that the truth between its samples is uncertain beside an error."""
-    if uncertainty_deg > max(0.25 * rms_deg, SMALLEST_LIMIT):
+    if uncertainty_deg > max(0.25 * rms_deg, MIN_LIMIT):
         yield Remark(
             "gaps",
             f"Samples of the truth are so far apart that it is uncertain by {uncertainty_deg:.2g}° between them, "
@@ -153,16 +156,21 @@ class Turns:
 
     Parameters
     ----------
-    track : Track
+    track : Matched
         Samples within the truth's times.
     """
 
-    def __init__(self, track: Track) -> None:
-        stamps, q = track.stamps_ns, track.attitude_xyzw
-        self.stamps_ns, self.estimate_xyzw = stamps, q
+    def __init__(self, track: Matched) -> None:
+        stamps = track.stamps_ns
+        q = track.attitude_xyzw
+        self.stamps_ns = stamps
+        self.estimate_xyzw = q
         self.first = np.flatnonzero(np.diff(stamps) <= GAP_PERIODS * period_ns(stamps))
-        self.ours, self.true = (turns(each[self.first], each[self.first + 1]) for each in (q, track.truth.at(stamps)))
-        self.ours_rad, self.true_rad = sizes(self.ours), sizes(self.true)
+        self.ours, self.true = (
+            relative_rotations(each[self.first], each[self.first + 1]) for each in (q, track.truth_xyzw)
+        )
+        self.ours_rad = norm(self.ours)
+        self.true_rad = norm(self.true)
 
     def stuck(self) -> Remark | None:
         """Finding that the estimate does not turn, in all or for long, while the body does."""
@@ -171,11 +179,13 @@ class Turns:
         if not len(begins):
             return None
         k = int(np.argmax(ends - begins))
-        every, t_s = slice(begins[k], ends[k] + 1), (self.stamps_ns - self.stamps_ns[0]) / 1e9
-        since, until = float(t_s[self.first[begins[k]]]), float(t_s[self.first[ends[k]] + 1])
+        every = slice(begins[k], ends[k] + 1)
+        t_s = (self.stamps_ns - self.stamps_ns[0]) / 1e9
+        since = float(t_s[self.first[begins[k]]])
+        until = float(t_s[self.first[ends[k]] + 1])
         turned, turn = (round(float(np.degrees(one[every].sum())), 6) for one in (self.ours_rad, self.true_rad))
         is_long = until - since >= LONG * t_s[-1] and until >= t_s[-1] / 4.0  # in a quarter of a run a filter may begin
-        if not is_long or len(self.first[every]) < FEWEST or turn < np.degrees(LEAST_TURN):
+        if not is_long or len(self.first[every]) < MIN_SAMPLES or turn < np.degrees(MIN_TURN):
             return None
         return Remark(
             "stuck",
@@ -188,8 +198,9 @@ class Turns:
 
         Each of `most` samples belongs to the nearer of the two attitudes that came last.
         """
-        q, jumps = self.estimate_xyzw, self.ours_rad > np.maximum(LEAST_TURN, JUMP * self.true_rad)
-        if np.count_nonzero(jumps) < max(FEWEST, LEAST_MIXED * len(jumps)):
+        q = self.estimate_xyzw
+        jumps = self.ours_rad > np.maximum(MIN_TURN, JUMP * self.true_rad)
+        if np.count_nonzero(jumps) < max(MIN_SAMPLES, MIN_MIXED * len(jumps)):
             return None
         first = int(self.first[np.argmax(jumps)])
         tracks = [first], [first + 1]
@@ -199,7 +210,7 @@ class Turns:
         switches = int(np.count_nonzero(np.diff(np.sort(tracks[0])) > 1))
         jump = float(np.median(self.ours_rad[jumps]))
         within = [angles_between(q[track[:-1]], q[track[1:]]) for track in tracks]
-        if min(switches, *map(len, tracks)) < FEWEST or max(np.percentile(a, 90) for a in within) * JUMP > jump:
+        if min(switches, *map(len, tracks)) < MIN_SAMPLES or max(np.percentile(a, 90) for a in within) * JUMP > jump:
             return None
         return Remark(
             "mixed",
@@ -210,16 +221,17 @@ class Turns:
     def other(self) -> Remark | None:
         """Finding that the estimate turns as the body would at another rate, or about other axes."""
         few = spread(len(self.first), SAMPLES)
-        ours, true = self.ours[few], self.true[few]
-        if len(self.first) < FEWEST or self.true_rad.sum() < LEAST_TURN:
+        ours = self.ours[few]
+        true = self.true[few]
+        if len(self.first) < MIN_SAMPLES or self.true_rad.sum() < MIN_TURN:
             return None
         missed = _missed(
             ours, np.stack([scale * np.einsum("aij,nj->ani", SIGNED_PERMUTATIONS, true) for scale in SCALES])
         )
-        most = CLEARLY * max(float(missed.min()), SMALLEST_MISS)
-        if missed.min() > LARGEST_MISS:  # about the axes of the body perhaps, at any other rate
+        most = CLEARLY * max(float(missed.min()), MIN_MISS)
+        if missed.min() > MAX_MISS:  # about the axes of the body perhaps, at any other rate
             scale = float(np.sum(ours * true) / np.sum(true**2))
-            is_rate = max(scale, 1.0 / max(scale, 1e-300)) > CLOCK_RATIO and _missed(ours, scale * true) <= LARGEST_MISS
+            is_rate = max(scale, 1.0 / max(scale, 1e-300)) > CLOCK_RATIO and _missed(ours, scale * true) <= MAX_MISS
             return _turn_rate(scale) if is_rate else None
         fitting = [(list(SCALES)[i], int(axes)) for i, axes in np.argwhere(missed <= most)]
         if len({scale for scale, _ in fitting}) != 1:
@@ -249,5 +261,5 @@ def _missed(ours: Array, predicted: Array) -> Array:
     An RMS, unlike a median, also counts axes about which the body turns for a short time only, as in a flip.
     """
     missed = angles_between(quaternion.exp(predicted), quaternion.exp(ours))
-    turned = max(float(np.median(sizes(ours))), 1e-300)
+    turned = max(float(np.median(norm(ours))), 1e-300)
     return np.asarray(np.sqrt(np.mean(np.minimum(missed / turned, 2.0) ** 2, axis=-1)))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-LARGEST_SETTLED_DEG: Final = 20.0
+MAX_SETTLED_DEG: Final = 20.0
 """Largest total error of an estimate that has converged, degrees, unless a larger limit is given."""
 
 
@@ -134,7 +134,7 @@ class Score(Shown):
         Time from the first sample until the total error stays below `converged_deg`, s; None if it never does.
     converged_deg : float
         Largest total error of a converged estimate, degrees: as given, or one and a half times the largest in the
-        second half of the run, at most `LARGEST_SETTLED_DEG`.
+        second half of the run, at most `MAX_SETTLED_DEG`.
     lag_s : float or None
         Lag of the estimate behind the truth, s; None if the motion does not tell it.
     lag_standard_error_s : float or None

@@ -22,9 +22,9 @@ from lie_rigid_body.evaluation.consistency import consistency_of
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
 from lie_rigid_body.evaluation.explanations import Evidence, Explanation
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BiasEstimate, BoundComparison, Finding, Score
+from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched
+from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, BoundComparison, Finding, Score
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
-from lie_rigid_body.evaluation.track import FEWEST, Track
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
@@ -184,13 +184,13 @@ def score_estimate(
     stamps: Integers = estimate.t_ns
     attitude = unit("estimate", estimate.attitude_xyzw)
     first = np.diff(stamps, prepend=stamps[0] - 1) > 0
-    whole = Track(stamps[first], attitude[first], truth)
+    whole = Matched(stamps[first], attitude[first], truth)
     known = truth.covers(whole.stamps_ns)
     if stamps[0] == stamps[-1] and len(stamps) > 1:
         raise InputError(f"estimate: all of its {len(stamps)} stamps are {stamps[0]} ns: fill in header.stamp")
     if not known.any():
         raise InputError(_apart(stamps, truth))
-    track = whole.part(known)
+    track = whole[known]
     error = track.error()
     total, heading, inclination = np.degrees(np.stack(error))
     t_s = (track.stamps_ns - track.stamps_ns[0]) / 1e9
@@ -200,8 +200,10 @@ def score_estimate(
     uncertainty = float(np.degrees(truth.uncertainty_at(track.stamps_ns)))
     limit = options.converged_deg
     if limit is None:
-        limit = min(settling_limit(t_s, total), LARGEST_SETTLED_DEG)
-    lag, causes, of_sensors = Lag(), tuple[Finding, ...](), False
+        limit = min(settling_limit(t_s, total), MAX_SETTLED_DEG)
+    lag = Lag()
+    causes = tuple[Finding, ...]()
+    of_sensors = False
     if options.diagnosed:
         lag, causes, of_sensors = diagnose(track, whole, options.longest_lag_s, sensors.left_rad)
     remarked = (
@@ -212,8 +214,7 @@ def score_estimate(
     consistency = None
     if estimate.covariance is not None:
         covariance = estimate.rotation_covariance()[first][known]
-        true = truth.at(track.stamps_ns)
-        consistency = consistency_of(track.attitude_xyzw, true, covariance, estimate.covariance_axes)
+        consistency = consistency_of(track.attitude_xyzw, track.truth_xyzw, covariance, estimate.covariance_axes)
     return Score(
         stamps_ns=track.stamps_ns,
         error=error,
@@ -248,15 +249,15 @@ def _apart(stamps: Integers, truth: Truth) -> str:
 
 
 def diagnose(
-    track: Track, whole: Track, longest_lag_s: float | None = None, left_by_sensors: float = 0.0
+    track: Matched, whole: Matched, longest_lag_s: float | None = None, left_by_sensors: float = 0.0
 ) -> tuple[Lag, tuple[Finding, ...], bool]:
     """Find the lag and the mistakes, and what is wrong about the turns where nothing else is.
 
     Parameters
     ----------
-    track : Track
+    track : Matched
         Samples within the truth's times.
-    whole : Track
+    whole : Matched
         All samples.
     longest_lag_s : float, optional
         As given to `evaluate`.
@@ -282,8 +283,8 @@ def diagnose(
         return Lag(), (Finding(*remark, rms(error)),), False
     longest_s = min(1.0 if longest_lag_s is None else longest_lag_s, float(stamps[-1] - stamps[0]) / 4e9)
     margin = round(longest_s * 1e9)
-    inner = track.part(truth.covers(stamps - margin) & truth.covers(stamps + margin))
-    evidence = Evidence(inner, longest_s, left_by_sensors) if len(inner.stamps_ns) >= FEWEST else None
+    inner = track[truth.covers(stamps - margin) & truth.covers(stamps + margin)]
+    evidence = Evidence(inner, longest_s, left_by_sensors) if len(inner.stamps_ns) >= MIN_SAMPLES else None
     named, of_sensors, at_limit = evidence.choice() if evidence else (None, False, False)
     lost = unlike and not (named and named.causes) and not (evidence and evidence.follows())
     other = other_rate(whole) if lost else None
@@ -302,15 +303,18 @@ def diagnose(
     return lag, (Finding(*instead, rms(error)),) if instead else told, of_sensors
 
 
-def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:
+def _in_words(track: Matched, evidence: Evidence, named: Explanation, most: int = 2000) -> tuple[Finding, ...]:
     """Put the causes that are named into words, in the order of their effect; those without constants come first.
 
     Their constants are fitted to `most` samples. Nothing is said if the errors of all samples grow when all causes are
     undone, as where most are of something else.
     """
-    parts, few = named.parts, track.share(0.25).few(most)
-    rest = fit([few.part(few.truth.covers(undone(few, parts).stamps_ns))], parts)
-    found, done, errors = list[Finding](), list[Part](), [_errors(track, [])]
+    parts = named.parts
+    few = track.fraction(0.25).thinned(most)
+    rest = fit([few[few.truth.covers(undone(few, parts).stamps_ns)]], parts)
+    found = list[Finding]()
+    done = list[Part]()
+    errors = [_errors(track, [])]
     while rest:
         # all constants are those of one fit: they hold together, and the last finding tells what they leave
         fixed = [part for part in rest if not part[0].price]
@@ -323,14 +327,15 @@ def _in_words(track: Track, evidence: Evidence, named: Explanation, most: int = 
     return tuple(found) if rms(errors[-1]) <= rms(errors[0]) else ()
 
 
-def _errors(track: Track, parts: Sequence[Part]) -> Array:
+def _errors(track: Matched, parts: Sequence[Part]) -> Array:
     """Errors without some causes where the truth is known, degrees."""
     return np.asarray(np.degrees(undone(track, parts).known().error().total))
 
 
-def _finding(part: Part, before: Array, after: Array, track: Track, instead: Sequence[str] = ()) -> Finding:
+def _finding(part: Part, before: Array, after: Array, track: Matched, instead: Sequence[str] = ()) -> Finding:
     """Put a cause into words, with the errors before and after it is undone, degrees, and causes that do as well."""
-    (cause, constants), others = part, [name.replace("_", " ") for name in instead]
+    (cause, constants) = part
+    others = [name.replace("_", " ") for name in instead]
     fact, _, deed = cause.fact(constants).partition(": ")
     if cause.code in {"lagging", "leading"}:
         fact += f", {abs(constants[0]) / (period_ns(track.stamps_ns) / 1e9):.3g} of its samples"

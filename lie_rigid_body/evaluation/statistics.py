@@ -21,14 +21,14 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.lie import vectors
 
-SMALLEST_LIMIT: Final = 1e-3
+MIN_LIMIT: Final = 1e-3
 """Least default limit of convergence, degrees."""
 UNITS: Final = {
     "an angle such as 1deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "mrad": 0.18 / np.pi},
     "a time such as 10s": {"ms": 1e-3, "s": 1.0, "min": 60.0},
 }
 """Units in which limits and times may be written, each in degrees or in seconds."""
-LEAST_SHARE: Final = 0.5
+MIN_SHARE: Final = 0.5
 """Least share that must be compared for a limit to be kept: of the given estimates, and of the time in which they are
 due."""
 
@@ -81,7 +81,8 @@ def bias_error(estimate: ArrayLike, truth: ArrayLike) -> Statistics:
     InputError
         If a shape is wrong or a number is not finite.
     """
-    given, true = numbers("estimate", estimate, 3), numbers("truth", truth, 3)
+    given = numbers("estimate", estimate, 3)
+    true = numbers("truth", truth, 3)
     if given.shape != true.shape:
         raise InputError(f"truth: shape {true.shape} is not {given.shape}: give the true bias of each estimate")
     return Statistics.of(vectors.norm(given - true).reshape(-1))
@@ -100,9 +101,9 @@ def settling_limit(t_s: Array, errors: Array) -> float:
     Returns
     -------
     float
-        Degrees, at least `SMALLEST_LIMIT`.
+        Degrees, at least `MIN_LIMIT`.
     """
-    return max(1.5 * float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max()), SMALLEST_LIMIT)
+    return max(1.5 * float(errors[t_s >= 0.5 * (t_s[0] + t_s[-1])].max()), MIN_LIMIT)
 
 
 def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float | None:
@@ -125,7 +126,8 @@ def time_to_converge(t_s: ArrayLike, errors: ArrayLike, limit: float) -> float |
     InputError
         If there is not an error for each time, times decrease, or the limit is no finite number from 0 on.
     """
-    times, sizes = real_numbers("t_s", t_s, "(N,)"), real_numbers("errors", errors, "(N,)")
+    times = real_numbers("t_s", t_s, "(N,)")
+    sizes = real_numbers("errors", errors, "(N,)")
     if times.ndim != 1 or times.shape != sizes.shape or not (np.diff(times) >= 0.0).all():
         raise InputError(
             f"errors: shape {sizes.shape} for times of shape {times.shape}: give rising times, an error for each"
@@ -194,7 +196,8 @@ def _after(text: str) -> tuple[float, float]:
 def _read(text: str, wanted: str) -> float:
     """Read a number with one of the units of what is wanted."""
     number = r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*"
-    match, units = re.fullmatch(number, text, re.ASCII) if isinstance(text, str) else None, UNITS[wanted]
+    match = re.fullmatch(number, text, re.ASCII) if isinstance(text, str) else None
+    units = UNITS[wanted]
     if not match or match[2] not in units or np.isinf(float(match[1])):
         raise InputError(f"{shown(text)} is not {wanted}: give a number and one of {', '.join(units)}")
     return float(match[1]) * units[match[2]]
@@ -215,8 +218,10 @@ class Tally:
     """
 
     def __init__(self, limits: Limits) -> None:
-        self.limits, self.count = limits, 0
-        self._squares, self.largest_deg = np.zeros(3), np.zeros(3)
+        self.limits = limits
+        self.count = 0
+        self._squares = np.zeros(3)
+        self.largest_deg = np.zeros(3)
         self._first_ns = self._last_ns = 0
         self._worst = [(0.0, -np.inf) for _ in limits.max_after]
 
@@ -257,7 +262,9 @@ class Tally:
         due_ns : int, optional
             The stamp until which they are due.
         """
-        rms_deg, most_deg, span_s = self.rms_deg[0], self.limits.max_rms_deg, self.span_s
+        rms_deg = self.rms_deg[0]
+        most_deg = self.limits.max_rms_deg
+        span_s = self.span_s
         if most_deg is not None and rms_deg > most_deg:
             yield f"the error is {rms_deg:.4g}° rms, above the limit of {most_deg:g}°"
         for (start, limit), (at_s, worst_deg) in zip(self.limits.max_after, self._worst, strict=True):
@@ -266,8 +273,9 @@ class Tally:
             elif worst_deg > limit:
                 yield f"the error is {worst_deg:.4g}° at {at_s:g} s, above the limit of {limit:g}° after {start:g} s"
         due_s = 0.0 if due_ns is None else (due_ns - self._first_ns) / 1e9
-        enough, is_limited = "were compared: limits hold for at least half of them", self.limits != Limits()
-        if is_limited and self.count < LEAST_SHARE * given:
+        enough = "were compared: limits hold for at least half of them"
+        is_limited = self.limits != Limits()
+        if is_limited and self.count < MIN_SHARE * given:
             yield f"only {self.count} of {given} estimates {enough}"
-        if is_limited and span_s < LEAST_SHARE * due_s:
+        if is_limited and span_s < MIN_SHARE * due_s:
             yield f"only {span_s:.4g} of {due_s:.4g} s since the first estimate {enough}"

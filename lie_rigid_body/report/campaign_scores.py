@@ -11,7 +11,7 @@ import numpy as np
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.comparison import Comparison, EstimatorSummary
-from lie_rigid_body.evaluation.honesty import FEWEST_RUNS
+from lie_rigid_body.evaluation.ensemble_consistency import MIN_RUNS
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.report import answer
@@ -131,7 +131,7 @@ def _sentences(comparison: Comparison) -> Iterator[str]:
             remedy = "vary what a filter counts as unknown"
             yield f"The verdicts on covariances hold for these very sensors: {what}; {remedy}."
     elif comparison.has_covariances:
-        yield f"Nothing is said of the covariances: {FEWEST_RUNS} runs that have one are needed, outside of grids."
+        yield f"Nothing is said of the covariances: {MIN_RUNS} runs that have one are needed, outside of grids."
 
 
 def _at_the_edge(one: EstimatorSummary) -> Iterator[str]:

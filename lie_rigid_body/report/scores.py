@@ -14,8 +14,8 @@ from lie_rigid_body.estimates.recorded_estimate import RecordedEstimate
 from lie_rigid_body.evaluation.attitudes import GAP_PERIODS
 from lie_rigid_body.evaluation.consistency import Consistency
 from lie_rigid_body.evaluation.differences import Difference, of_run
-from lie_rigid_body.evaluation.score import LARGEST_SETTLED_DEG, BiasEstimate, Score
-from lie_rigid_body.evaluation.statistics import SMALLEST_LIMIT, Limits, Statistics
+from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, Score
+from lie_rigid_body.evaluation.statistics import MIN_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.wording import counted, printable, shortened
 from lie_rigid_body.report import answer, html_page
@@ -115,7 +115,7 @@ def _verdict(score: Score, name: str = "") -> Conclusion:
 
 def _findings(score: Score, heading: str = "Findings") -> Sentences:
     """Findings under their codes; if there is none, a sentence that says so, with a warning of large errors."""
-    large = score.total_deg.median > LARGEST_SETTLED_DEG
+    large = score.total_deg.median > MAX_SETTLED_DEG
     hint = ": no known mistake in it explains errors as large: diagnose looks for those in what a filter reads"
     found = [f"{finding.code}: {finding.message}" for finding in score.findings]
     return Sentences(found, heading, f"No findings{hint * large}.")
@@ -166,7 +166,7 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
     if score.gyro_at_limit:
         share = f"{100.0 * score.gyro_at_limit:.3g} %"
         yield "gyro", f"at the limit of its range in {share} of the readings: the body turns faster"
-    if score.truth_uncertainty_deg > SMALLEST_LIMIT:
+    if score.truth_uncertainty_deg > MIN_LIMIT:
         yield "truth", f"uncertain by up to {score.truth_uncertainty_deg:.2g}° between its samples"
     if score.consistency:
         yield "NEES", score.consistency.sentence

@@ -139,7 +139,8 @@ def _of_score(topic: str, score: Score, frame: str) -> Iterator[tuple[Messages, 
     error_deg = np.degrees(np.stack(score.error, axis=-1))
     yield _messages(f"{topic}/error_deg", VECTOR3_STAMPED, frame, score.stamps_ns, {"vector": error_deg})
     if score.consistency is not None:
-        nees, bounds = score.consistency.nees, score.consistency.bounds
+        nees = score.consistency.nees
+        bounds = score.consistency.bounds
         rows = np.column_stack([nees, np.broadcast_to(bounds, (len(nees), 2))])
         yield _messages(f"{topic}/nees", VECTOR3_STAMPED, frame, score.stamps_ns, {"vector": rows})
     if bias := score.gyro_bias:

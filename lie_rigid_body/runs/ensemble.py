@@ -116,7 +116,8 @@ def simulate(
         path = shown(parameters["record_path"])
         raise InputError(f"record_path {path} is for the node: call to_bag({path}) of the run")
     parameters = {**_start(start), **parameters}
-    given, chosen = {**_parameters(scenario), **parameters}, list[dict[str, object]]([{}])
+    given = {**_parameters(scenario), **parameters}
+    chosen = list[dict[str, object]]([{}])
     if seeds is not None:
         if "sensor_seed" in parameters:
             raise InputError(f"sensor_seed {parameters['sensor_seed']!r} is given beside seeds: give one of them")

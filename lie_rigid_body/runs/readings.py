@@ -128,7 +128,8 @@ class SensorArrays:
             if isinstance(messages := recording.readings.get(topic.name), TopicMessages)
         }
         models = [s.scenario.sensors.on[sensor.name] for s in segments if sensor.name in s.scenario.sensors.on]
-        name, message_type = sensor.topics[0].name, sensor.topics[0].message_type
+        name = sensor.topics[0].name
+        message_type = sensor.topics[0].message_type
         if name not in found and not models:
             return None
         first = found.setdefault(name, TopicMessages.none_of(message_type))
@@ -150,7 +151,8 @@ class SensorArrays:
         InputError
             If something that is told on a topic of its own, as biases are, is not known.
         """
-        arrays, count = self.arrays, len(self.t_ns)
+        arrays = self.arrays
+        count = len(self.t_ns)
         for topic in sensor.topics[1:]:
             told = [arrays[field.array] for field in topic.fields]
             known = np.hstack([np.full((count, 1), np.nan) if array is None else array for array in told])
@@ -185,5 +187,7 @@ def _array(
 
 def linear(stamps_ns: Integers, known_ns: Integers, values: Array) -> Array:
     """Vectors at stamps, ns, shape (K, 3), linear between those at known ones, (N, 3), which do not fall."""
-    since, known = stamps_ns - known_ns[0], known_ns - known_ns[0]  # as doubles hold no time of day to the nanosecond
+    # as doubles hold no time of day to the nanosecond
+    since = stamps_ns - known_ns[0]
+    known = known_ns - known_ns[0]
     return np.stack([np.interp(since, known, axis) for axis in values.T], axis=-1)

@@ -195,7 +195,8 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             readings of an IMU without their biases, as some bags have one, or of a sensor that its scenario has
             not.
         """
-        given, scored = {} if estimates is None else estimates, {} if scores is None else scores
+        given = {} if estimates is None else estimates
+        scored = {} if scores is None else scores
         beside = messages_beside(given, scored, self.scenario, self.stamped)
         write_bag(path, self.segments, self._recording, self._within, beside, overwrite=overwrite)
 
@@ -313,7 +314,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
     def cramer_rao_bound(self) -> CramerRaoBound | None:
         """Bound that the declared noise of the sensors sets to the error of any estimator that knows no dynamics.
 
-        It is computed at each reading of the IMU; of more than 20 000 at all at first, and then ever fewer. Noise and
+        It is computed at each reading of the IMU; of more than 20 000 at as many, denser toward both ends. Noise and
         biases are as declared. Scale, mounting and soft iron are constants that no estimator knows, as many as a sensor
         declares. Of the hard iron there is a bound, and faults are left out. Readings that are missing or late count as
         well.
@@ -347,11 +348,15 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         if imu is None or not told.size:
             raise InputError("the run does not tell the bias of a gyro: give it an IMU, and its bag the topic imu/bias")
         told = told[np.argsort(imu.t_ns[told], kind="stable")]
-        stamps, known_ns, known = integer_stamps("t_ns", t_ns), imu.t_ns[told], bias[told]
-        found, starts = linear(stamps, known_ns, known), [segment.start_ns for segment in self.segments[1:]]
+        stamps = integer_stamps("t_ns", t_ns)
+        known_ns = imu.t_ns[told]
+        known = bias[told]
+        found = linear(stamps, known_ns, known)
+        starts = [segment.start_ns for segment in self.segments[1:]]
         of_known, of_stamps = (np.searchsorted(starts, each, side="right") for each in (known_ns, stamps))
         for i in np.unique(of_known):
-            own, at = of_known == i, of_stamps == i
+            own = of_known == i
+            at = of_stamps == i
             found[at] = linear(stamps[at], known_ns[own], known[own])
         return found
 

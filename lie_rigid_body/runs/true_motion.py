@@ -55,7 +55,8 @@ class TrueMotion:
     def notes_on(self, track: AttitudeTrack) -> Iterator[str]:
         """What a reader of the score of some attitudes should know, one sentence each."""
         if self.poses is None:
-            start, first = self.segments[0].start_ns, int(track.stamps_ns[0])
+            start = self.segments[0].start_ns
+            first = int(track.stamps_ns[0])
             yield (
                 f"The truth is that of the scenario alone, from {start / 1e9:.13g} s on; the estimate begins "
                 f"{(first - start) / 1e9:.9g} s after that."

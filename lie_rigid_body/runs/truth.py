@@ -50,7 +50,8 @@ class ScenarioTruth(Truth):
     ) -> None:
         if last_ns < first_ns:
             raise InputError(f"truth: it ends at {last_ns} ns, before its begin at {first_ns} ns")
-        self.first_ns, self.last_ns = int(first_ns), int(last_ns)
+        self.first_ns = int(first_ns)
+        self.last_ns = int(last_ns)
         self._starts = np.array([segment.start_ns for segment in segments], dtype=np.int64)
         self._motions = [segment.scenario.exact_motion() for segment in segments]
         self._corrections: dict[int, _Correction] = {}
@@ -116,9 +117,11 @@ class _Correction(SampledTruth):
     """
 
     def __init__(self, start_ns: int, stamps: Integers, miss: Array) -> None:
-        self._begin_ns, self._unsampled = int(stamps[0]), float(np.linalg.norm(quaternion.log(miss[0])))
+        self._begin_ns = int(stamps[0])
+        self._unsampled = float(np.linalg.norm(quaternion.log(miss[0])))
         if start_ns < stamps[0]:
-            stamps, miss = np.insert(stamps, 0, start_ns), np.insert(miss, 0, [0.0, 0.0, 0.0, 1.0], axis=0)
+            stamps = np.insert(stamps, 0, start_ns)
+            miss = np.insert(miss, 0, [0.0, 0.0, 0.0, 1.0], axis=0)
         super().__init__(stamps, miss, longest_gap_ns=int(stamps[-1] - stamps[0]))
         self._bounds = stamps[0], 2 * stamps[-1] - stamps[-2:][0]
 

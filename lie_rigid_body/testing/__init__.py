@@ -126,7 +126,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         _fail(f"{once[0]}= can be read once: give a list, as several tests read it")
     if {"grades", "sensor_grade"} <= chosen.keys():
         _fail("sensor_grade= is given beside grades=: give one of them")
-    scenarios, grades = _names(chosen, "scenarios", scenario_files()), _names(chosen, "grades", GRADES)
+    scenarios = _names(chosen, "scenarios", scenario_files())
+    grades = _names(chosen, "grades", GRADES)
     pairs = [(scenario, grade) for scenario in scenarios for grade in grades]
     if marker is not None:
         for scenario, grade in {(scenarios[0], grade) for grade in grades} | {(name, grades[0]) for name in scenarios}:

@@ -36,9 +36,12 @@ def attitudes() -> SearchStrategy[np.ndarray]:
 @st.composite
 def bodies(draw: st.DrawFn) -> RigidBody:
     """Bodies of any shape, symmetric and spherical tops among them, in any position on the body's axes."""
-    x, y, z = draw(_SECOND_MOMENT), draw(_SECOND_MOMENT), draw(_SECOND_MOMENT)
+    x = draw(_SECOND_MOMENT)
+    y = draw(_SECOND_MOMENT)
+    z = draw(_SECOND_MOMENT)
     shape = draw(st.sampled_from(["any", "symmetric", "spherical"]))
-    y, z = (x if shape != "any" else y), (x if shape == "spherical" else z)
+    y = x if shape != "any" else y
+    z = x if shape == "spherical" else z
     moments = np.array([y + z, z + x, x + y])
     if draw(st.booleans()):
         return RigidBody(moments)
@@ -81,7 +84,8 @@ def scenarios(
         isinstance(grades, list | tuple) and grades and all(map(GRADES.__contains__, grades))
     ):
         raise InputError(f"grades: {shown(grades)}: give some of {listed(GRADES)}, in a list")
-    start, inertia = draw(starts(max_rate)), draw(bodies()).inertia
+    start = draw(starts(max_rate))
+    inertia = draw(bodies()).inertia
     return Scenario.from_parameters(
         {
             "inertia": inertia[np.triu_indices(3)].tolist(),

@@ -259,7 +259,7 @@ def test_without_another_seed_in_each_run_nothing_is_said_of_covariances(folder:
 
 
 def test_constants_that_no_run_draws_anew_are_told(comparison: Comparison, folder: Path, said: list[str]) -> None:
-    """Honesty over runs is that of a filter which counts them as unknown only where they are drawn."""
+    """EnsembleConsistency over runs is that of a filter which counts them as unknown only where they are drawn."""
     names = ("gyro_scale_factor", "gyro_misalignment", "accelerometer_misalignment", "magnetometer_hard_iron")
     assert set(comparison.fixed_constants) == set(names)
     told = " ".join(" ".join(said).split())

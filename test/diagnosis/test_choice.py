@@ -24,7 +24,7 @@ from lie_rigid_body.diagnosis.repairs import (
 from lie_rigid_body.diagnosis.search import Trial, choose
 from lie_rigid_body.evaluation.attitudes import angles_between
 from lie_rigid_body.evaluation.causes import BY_CODE, CAUSES
-from lie_rigid_body.evaluation.track import Track
+from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.lie import quaternion
 
 FLOOR = 0.001
@@ -179,16 +179,16 @@ def test_cause_that_was_put_in_is_fitted(code: str, constants: list[float]) -> N
         ),
     }[code]()
     (cause,) = (each for each in CAUSES if each.code == code)
-    fitted, left = cause.fitted([Track(stamps, put, truth)])
+    fitted, left = cause.fitted([Matched(stamps, put, truth)])
     assert left < 1e-7
     assert fitted == pytest.approx(constants, abs=1e-7)
 
 
 def test_clock_of_another_rate_is_undone_where_only_later_samples_are_compared() -> None:
     truth, stamps = courses_of({})[0], np.arange(1300) * 10_000_000
-    whole = Track(np.round(1.03 * stamps).astype(np.int64), truth.at(stamps), truth)
+    whole = Matched(np.round(1.03 * stamps).astype(np.int64), truth.at(stamps), truth)
     (clock,) = (cause for cause in CAUSES if cause.code == "clock_rate")
-    constants, left = clock.fitted([whole.share()])
+    constants, left = clock.fitted([whole.fraction()])
     assert left < 1e-7
     assert constants == pytest.approx([1.0 / 1.03], abs=1e-7)
     assert clock.undo(whole, constants).error().total.max() < 1e-7

@@ -13,7 +13,7 @@ from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
 from lie_rigid_body.evaluation.causes import undone
 from lie_rigid_body.evaluation.explanations import FORMS, Explanation, matrix
-from lie_rigid_body.evaluation.track import Track
+from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.lie import quaternion
 from said import numbers
 
@@ -157,7 +157,7 @@ def test_what_is_undone_is_the_truth_again(form):
     for code, number in reversed(form):
         written = FAULTS[code](quaternion.multiply(written, FRD) if number else written)
     parts = Explanation(form, (), np.zeros(3), np.zeros(0)).parts
-    one_by_one = undone(Track(STAMPS, written, truth_of("dzhanibekov")), parts).attitude_xyzw
+    one_by_one = undone(Matched(STAMPS, written, truth_of("dzhanibekov")), parts).attitude_xyzw
     for back in (one_by_one, written @ matrix(form).T):
         np.testing.assert_allclose(np.abs(np.sum(back * q, axis=-1)), 1.0, atol=1e-15)
 

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.signal import lfilter
 
-from lie_rigid_body.evaluation.differences import MOST_SAMPLES, blocks_of, of_run, of_runs
+from lie_rigid_body.evaluation.differences import MAX_SAMPLES, blocks_of, of_run, of_runs
 from lie_rigid_body.foundation.errors import InputError
 from said import numbers
 from sampled import sampled
@@ -40,7 +40,7 @@ def test_intervals_know_that_errors_are_correlated():
 
 def test_a_difference_is_found_with_its_size():
     draws = np.random.default_rng(5)
-    found = of_run(1.2 * correlated(draws, 2 * MOST_SAMPLES, 0.9), correlated(draws, 2 * MOST_SAMPLES, 0.9))
+    found = of_run(1.2 * correlated(draws, 2 * MAX_SAMPLES, 0.9), correlated(draws, 2 * MAX_SAMPLES, 0.9))
     assert found.is_sure
     assert 0.0 < found.low < 0.2 * np.sqrt(3.0) < found.high
 

@@ -13,8 +13,8 @@ from lie_rigid_body import ClosedForm, RigidBody, State, simulate
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.evaluation.clock import other_rate
+from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.evaluation.score import Finding
-from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 
 TEN = np.arange(201) * 50_000_000
@@ -68,7 +68,7 @@ def test_a_truth_is_asked_within_its_times_only():
         return sampled.at(t_ns)
 
     truth = ExactTruth(attitude, sampled.first_ns, sampled.last_ns)
-    assert other_rate(Track(2 * TEN, estimate, truth)) is not None
+    assert other_rate(Matched(2 * TEN, estimate, truth)) is not None
     assert truth.first_ns <= min(asked) <= max(asked) <= truth.last_ns
 
 

@@ -12,7 +12,7 @@ from lie_rigid_body import simulate
 from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
 from lie_rigid_body.evaluation.causes import BY_CODE, fit
 from lie_rigid_body.evaluation.clock import standard_error
-from lie_rigid_body.evaluation.track import Track
+from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.lie import quaternion
 from said import numbers
 
@@ -64,7 +64,7 @@ def test_the_standard_error_of_the_lag_is_its_spread(memory):
     off, claimed = [], []
     for seed in range(24):
         estimate = quaternion.multiply(true, correlated(seed, memory))
-        track = Track(STAMPS[inner], estimate[inner], truth_of(MOTION))
+        track = Matched(STAMPS[inner], estimate[inner], truth_of(MOTION))
         fitted = fit([track], [(cause, np.zeros(cause.price)) for cause in causes])
         off.append(fitted[-1][1][0] - 0.03)
         claimed.append(standard_error(track, fitted))

@@ -12,8 +12,8 @@ from motions import MOTIONS, STAMPS, attitude, truth_of, turns
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import SampledTruth, evaluate
 from lie_rigid_body.evaluation.attitudes import SIGNED_PERMUTATIONS, places
+from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.evaluation.remarks import DEGREE, Remark, Turns
-from lie_rigid_body.evaluation.track import Track
 from lie_rigid_body.lie import quaternion
 from said import numbers
 
@@ -24,7 +24,7 @@ UNCHANGED = np.eye(3)
 
 
 def turns_of(stamps: np.ndarray, estimate: np.ndarray, q: np.ndarray) -> Turns:
-    return Turns(Track(stamps, estimate, SampledTruth(stamps, q)))
+    return Turns(Matched(stamps, estimate, SampledTruth(stamps, q)))
 
 
 def integrated(q: np.ndarray, matrix: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
 from lie_rigid_body.evaluation.cramer_rao_bound import AttitudeReadings, VectorReadings, cramer_rao_bound
 from lie_rigid_body.evaluation.differences import Difference, of_run, of_runs
-from lie_rigid_body.evaluation.honesty import honesty
+from lie_rigid_body.evaluation.ensemble_consistency import ensemble_consistency
 from lie_rigid_body.evaluation.remarks import DEGREE
 from lie_rigid_body.evaluation.statistics import Tally
 from lie_rigid_body.foundation.errors import InputError
@@ -105,7 +105,7 @@ def seeded(seed):
     for draw in (partial(of_run, FORTY, FORTY), partial(of_runs, FORTY, FORTY)):
         with pytest.raises(InputError):
             draw(seed)
-    honesty(np.arange(5.0), np.ones((12, 5, 3)), np.eye(3), seed=seed)
+    ensemble_consistency(np.arange(5.0), np.ones((12, 5, 3)), np.eye(3), seed=seed)
 
 
 REFUSED = {

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.evaluation.attitudes import AttitudeError, Truth, angles, angles_between, sizes, turns
+from lie_rigid_body.evaluation.attitudes import AttitudeError, Truth, angles, angles_between, relative_rotations
 from lie_rigid_body.evaluation.statistics import rms
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 
 SPIN: Final = 0.9
 """Squared length of the mean axis of rotation above which a body turns about one axis."""
-FEWEST: Final = 20
+MIN_SAMPLES: Final = 20
 """Least number of samples whose quarters tell anything."""
 SAMPLES: Final = 400
 """Largest number of samples by which errors are explained."""
@@ -25,7 +27,7 @@ NEGLIGIBLE: Final = float(np.radians(1e-3))
 
 
 @short_dataclass(frozen=True, eq=False)
-class Track:
+class Matched:
     """Attitudes that were estimated, beside the truth.
 
     Attributes
@@ -55,29 +57,35 @@ class Track:
         """Times since the origin, s, shape (N,)."""
         return np.asarray((self.stamps_ns - self.origin) / 1e9)
 
-    def part(self, chosen: slice | Integers | Booleans) -> Track:
+    def __getitem__(self, chosen: slice | Integers | Booleans) -> Matched:
         """Some of the samples."""
-        stamps, attitude = self.stamps_ns[chosen], self.attitude_xyzw[chosen]
+        stamps = self.stamps_ns[chosen]
+        attitude = self.attitude_xyzw[chosen]
         return replace(self, stamps_ns=stamps, attitude_xyzw=attitude, origin_ns=self.origin)
 
-    def share(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> Track:
+    def fraction(self, begin: float = 1.0 / 3.0, end: float = 1.0) -> Matched:
         """The samples from one share of their number to another; by default those after which a filter has settled."""
         count = len(self.stamps_ns)
-        return self.part(slice(int(count * begin), int(count * end)))
+        return self[slice(int(count * begin), int(count * end))]
 
-    def few(self, most: int = 40) -> Track:
+    def thinned(self, most: int = 40) -> Matched:
         """At most so many of the samples, evenly spread over all."""
-        return self.part(spread(len(self.stamps_ns), most))
+        return self[spread(len(self.stamps_ns), most)]
 
-    def known(self) -> Track:
+    def known(self) -> Matched:
         """The samples at whose stamps the truth is known."""
-        return self.part(self.truth.covers(self.stamps_ns))
+        return self[self.truth.covers(self.stamps_ns)]
+
+    @cached_property
+    def truth_xyzw(self) -> Array:
+        """True attitudes at the stamps, shape (N, 4)."""
+        return self.truth.at(self.stamps_ns)
 
     def error(self) -> AttitudeError:
         """Error angles of each sample, shape (N,) each, rad."""
-        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(self.truth.at(self.stamps_ns))))
+        return angles(quaternion.multiply(self.attitude_xyzw, quaternion.conjugate(self.truth_xyzw)))
 
-    def apart(self, other: Track) -> float:
+    def max_difference(self, other: Matched) -> float:
         """Largest difference from other attitudes, sample by sample while both go on, rad."""
         both = min(len(self.stamps_ns), len(other.stamps_ns))
         return float(np.max(angles_between(self.attitude_xyzw[:both], other.attitude_xyzw[:both])))
@@ -86,12 +94,12 @@ class Track:
         """RMS of the error of the vertical, and of that of the turns over a tenth of the samples, rad."""
         step = max(1, len(self.stamps_ns) // 10)
         wrong, right = (
-            quaternion.exp(turns(q[:-step], q[step:])) for q in (self.attitude_xyzw, self.truth.at(self.stamps_ns))
+            quaternion.exp(relative_rotations(q[:-step], q[step:])) for q in (self.attitude_xyzw, self.truth_xyzw)
         )
         return rms(self.error().inclination), rms(angles_between(wrong, right))
 
 
-Tracks = Sequence[Track]
+MatchedRuns = Sequence[Matched]
 
 
 def spread(count: int, most: int) -> Integers:
@@ -99,33 +107,34 @@ def spread(count: int, most: int) -> Integers:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
-def error_of(tracks: Tracks) -> float:
+def error_of(tracks: MatchedRuns) -> float:
     """RMS of the total error over all samples of tracks, rad."""
     return rms(np.concatenate([track.error().total for track in tracks]))
 
 
-def products(track: Track, stamps_ns: Integers) -> Array:
+def products(track: Matched, stamps_ns: Integers) -> Array:
     """Products q_i p_j of all components of the true quaternion q, at some stamps, and the estimate p, (..., N, 16)."""
-    q, p = track.truth.at(stamps_ns), track.attitude_xyzw
+    q = track.truth.at(stamps_ns)
+    p = track.attitude_xyzw
     return (q[..., :, np.newaxis] * p[:, np.newaxis, :]).reshape(*q.shape[:-1], 16)
 
 
-def quarters(track: Track) -> Array:
+def quarters(track: Matched) -> Array:
     """Mean of sin² of half of the error in each quarter but the first, shape (3,)."""
     return np.array([np.mean(np.sin(0.5 * errors) ** 2) for errors in np.array_split(track.error().total, 4)[1:]])
 
 
-def counted(left: Array) -> Array:
+def floored(left: Array) -> Array:
     """Mean sin² of half of the error left in each quarter, raised to that of `NEGLIGIBLE` where it is less."""
     return np.asarray(np.maximum(left, np.sin(0.5 * NEGLIGIBLE) ** 2))
 
 
-def still(truth_xyzw: Array) -> float:
+def constant_attitude_misfit(truth_xyzw: Array) -> float:
     """Mean of sin² of half of the error of a constant attitude."""
     return 1.0 - float(np.linalg.eigvalsh(truth_xyzw.T @ truth_xyzw)[-1]) / len(truth_xyzw)
 
 
-def spins(rate: Array, least: float = SPIN) -> bool:
+def is_single_axis(rate: Array, least: float = SPIN) -> bool:
     """Whether a body with some rates, (N, 3), turns about one axis: so do errors of a gyro."""
-    axes = rate / np.maximum(sizes(rate), 1e-300)[:, np.newaxis]
+    axes = rate / np.maximum(norm(rate), 1e-300)[:, np.newaxis]
     return bool(np.sum(np.mean(axes, axis=0) ** 2) > least)

@@ -31,7 +31,7 @@ LEVEL: Final = 0.05
 """Probability that an honest covariance is called something else."""
 _HALF: Final = LEVEL / 2.0
 """Level of each of the two tests, of the mean and of the band."""
-FEWEST_RUNS: Final = 10
+MIN_RUNS: Final = 10
 """Least number of runs whose spread is known well enough."""
 COVERAGES: Final = (0.68, 0.95, 0.997)
 
@@ -54,7 +54,7 @@ class Interval:
 
 
 @short_dataclass(frozen=True)
-class Honesty:
+class EnsembleConsistency:
     """Verdict about a covariance over many runs.
 
     Attributes
@@ -138,14 +138,14 @@ said.
 """
 
 
-def honesty(
+def ensemble_consistency(
     t_s: ArrayLike,
     errors: ArrayLike,
     covariance: ArrayLike,
     attitude_xyzw: ArrayLike | None = None,
     axes: str = "world",
     seed: int = 0,
-) -> Honesty:
+) -> EnsembleConsistency:
     """Judge the covariance of an estimate over many independent runs.
 
     Parameters
@@ -173,8 +173,8 @@ def honesty(
     seed = whole_number("seed", seed, 0)
     e, P = errors_and_covariances(errors, covariance, "R", "T", "d")
     runs, count, dimension = e.shape
-    if runs < FEWEST_RUNS:
-        raise InputError(f"the covariances of {runs} runs: their spread tells too little: give {FEWEST_RUNS} or more")
+    if runs < MIN_RUNS:
+        raise InputError(f"the covariances of {runs} runs: their spread tells too little: give {MIN_RUNS} or more")
     times = numbers("t_s", t_s, count, whole=True)
     R = np.eye(dimension)
     if attitude_xyzw is not None:
@@ -185,7 +185,7 @@ def honesty(
     low, high = mean_bounds(means, LEVEL)
     factor = float(means.mean()) / dimension
     verdict, outside = _verdict(times, values, dimension, seed)
-    return Honesty(
+    return EnsembleConsistency(
         runs,
         dimension,
         float(means.mean()),
@@ -207,7 +207,8 @@ def _nees_and_score(errors: Array, covariance: Array) -> tuple[Array, Array]:
 
 def _likelihood(values: Array, mean: float) -> float:
     """Twice the largest log-likelihood of gamma variates of a given mean, over all shapes k: ln k − ψ(k) = excess."""
-    logarithm, ratio = float(np.log(values).mean()), float(values.mean()) / mean
+    logarithm = float(np.log(values).mean())
+    ratio = float(values.mean()) / mean
     excess = max(np.log(mean) - logarithm + ratio - 1.0, 1e-12)
     # 1 / 2k < ln k − ψ(k) < 1 / k
     k = scipy.optimize.brentq(
@@ -228,7 +229,8 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
     level : float
         Probability that the mean lies outside.
     """
-    mean, most = float(values.mean()), float(scipy.stats.f.isf(level, 1, len(values) - 1))
+    mean = float(values.mean())
+    most = float(scipy.stats.f.isf(level, 1, len(values) - 1))
     best = _likelihood(values, mean)
 
     low, high = (
@@ -240,7 +242,8 @@ def mean_bounds(values: Array, level: float) -> tuple[float, float]:
 
 def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str, tuple[Interval, ...]]:
     """Verdict by the mean of all runs and times and, where that is right, by times that are outside of the band."""
-    (low, high), outside = mean_bounds(values.mean(axis=1), _HALF), _outside(t_s, values, dimension, seed)
+    (low, high) = mean_bounds(values.mean(axis=1), _HALF)
+    outside = _outside(t_s, values, dimension, seed)
     if low <= dimension <= high:
         return ("changing" if outside else "honest"), outside
     return ("overconfident" if low > dimension else "conservative"), outside
@@ -248,14 +251,17 @@ def _verdict(t_s: Array, values: Array, dimension: int, seed: int) -> tuple[str,
 
 def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: int = 2000) -> tuple[Interval, ...]:
     """Times in which the mean over runs is outside of its band, neighbours joined."""
-    runs, draws = len(values), np.random.default_rng(seed)
-    mean, error = values.mean(axis=0), values.std(axis=0, ddof=1) / np.sqrt(runs)
+    runs = len(values)
+    draws = np.random.default_rng(seed)
+    mean = values.mean(axis=0)
+    error = values.std(axis=0, ddof=1) / np.sqrt(runs)
     # each resampling counts how often every run is drawn
     weights = draws.multinomial(runs, np.full(runs, 1.0 / runs), size=resampled) / runs
     means = weights @ values
     variance = (weights @ values**2 - means**2) * runs / (runs - 1)
     deviation = (means - mean) / np.sqrt(np.maximum(variance / runs, 1e-300))
-    least, most = np.quantile(deviation.min(axis=1), _HALF / 2.0), np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
+    least = np.quantile(deviation.min(axis=1), _HALF / 2.0)
+    most = np.quantile(deviation.max(axis=1), 1.0 - _HALF / 2.0)
     sides = np.where(mean - most * error > dimension, 1, np.where(mean - least * error < dimension, -1, 0))
     return tuple(
         Interval(float(t_s[part[0]]), float(t_s[part[-1]]), "overconfident" if sides[part[0]] > 0 else "conservative")
@@ -267,7 +273,8 @@ def _outside(t_s: Array, values: Array, dimension: int, seed: int, resampled: in
 @np.errstate(over="ignore")  # what is repaired may leave double precision, and is then no cause
 def _cause(t_s: Array, errors: Array, covariance: Array, scores: Array, R: Array, factor: float, seed: int) -> str:
     """Cause whose repair makes errors likelier and the covariance honest: the likeliest, a factor if no other."""
-    runs, dimension = len(errors), errors.shape[-1]
+    runs = len(errors)
+    dimension = errors.shape[-1]
     found: dict[str, tuple[bool, float]] = {}
     for code, (repair, _) in _REPAIRS.items():
         try:

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 import covariances
-from lie_rigid_body.evaluation.honesty import COVERAGES, honesty, mean_bounds
+from lie_rigid_body.evaluation.ensemble_consistency import COVERAGES, ensemble_consistency, mean_bounds
 from lie_rigid_body.foundation.errors import InputError
 
 
@@ -48,7 +48,7 @@ def test_the_interval_of_a_mean_has_its_probability():
 
 def test_coverage_is_that_of_chi_square():
     errors, covariance = covariances.drawn("stationary", np.random.default_rng(3))
-    found = honesty(covariances.TIMES, errors, covariance)
+    found = ensemble_consistency(covariances.TIMES, errors, covariance)
     for share in COVERAGES:
         assert found.coverage[share] == pytest.approx(share, abs=0.04)
     assert found.passed is (found.verdict == "honest")
@@ -57,8 +57,8 @@ def test_coverage_is_that_of_chi_square():
 def test_one_dimension_is_judged_as_well():
     draws = np.random.default_rng(8)
     errors = draws.normal(size=(50, 20, 1))
-    assert honesty(np.arange(20.0), errors, np.full((50, 20, 1, 1), 1.0)).passed
-    found = honesty(np.arange(20.0), errors, np.full((50, 20, 1, 1), 4.0))
+    assert ensemble_consistency(np.arange(20.0), errors, np.full((50, 20, 1, 1), 1.0)).passed
+    found = ensemble_consistency(np.arange(20.0), errors, np.full((50, 20, 1, 1), 4.0))
     assert (found.verdict, found.cause) == ("conservative", "factor")
     assert found.factor_bounds[0] < 0.25 < found.factor_bounds[1]
 
@@ -66,11 +66,11 @@ def test_one_dimension_is_judged_as_well():
 def test_what_cannot_be_judged_is_refused():
     errors, covariance = covariances.drawn("constant", np.random.default_rng(1))
     with pytest.raises(InputError):
-        honesty(covariances.TIMES, errors[:9], covariance[:9])
+        ensemble_consistency(covariances.TIMES, errors[:9], covariance[:9])
     with pytest.raises(InputError):
-        honesty(covariances.TIMES, errors, -covariance)
+        ensemble_consistency(covariances.TIMES, errors, -covariance)
     with pytest.raises(InputError):
-        honesty(covariances.TIMES, errors, covariance, axes="earth")
+        ensemble_consistency(covariances.TIMES, errors, covariance, axes="earth")
 
 
 @pytest.mark.filterwarnings("error")
@@ -81,7 +81,7 @@ def test_what_has_no_number_or_another_shape_is_refused():
         wrong = errors.copy()
         wrong[3, 5, 1] = value
         with pytest.raises(InputError, match=r"^errors: "):
-            honesty(times, wrong, covariance)
+            ensemble_consistency(times, wrong, covariance)
     for name, t_s, e, P, q in (
         ("errors", times, errors[0], covariance, attitude),
         ("covariance", times, errors, covariance[0], attitude),
@@ -90,11 +90,11 @@ def test_what_has_no_number_or_another_shape_is_refused():
         ("attitude_xyzw", times, errors, covariance, attitude[0]),
     ):
         with pytest.raises(InputError, match=f"^{name}: "):
-            honesty(t_s, e, P, q)
+            ensemble_consistency(t_s, e, P, q)
 
 
 def test_lists_and_one_covariance_of_all_are_read():
     errors, covariance = covariances.drawn("stationary", np.random.default_rng(1))
-    assert honesty(covariances.TIMES.tolist(), errors.tolist(), covariance[0, 0].tolist()) == honesty(
-        covariances.TIMES, errors, covariance
-    )
+    assert ensemble_consistency(
+        covariances.TIMES.tolist(), errors.tolist(), covariance[0, 0].tolist()
+    ) == ensemble_consistency(covariances.TIMES, errors, covariance)
