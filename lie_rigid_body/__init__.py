@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # for type checkers and editors, in the form that exports a n
     from lie_rigid_body.mechanics import State as State
     from lie_rigid_body.motion import ClosedForm as ClosedForm
     from lie_rigid_body.motion import MovingChart as MovingChart
+    from lie_rigid_body.motion import describe as describe
     from lie_rigid_body.runs import Estimate as Estimate
     from lie_rigid_body.runs import Run as Run
     from lie_rigid_body.runs import simulate as simulate
@@ -37,7 +38,7 @@ _NAMES = {
     "evaluation": "ExactTruth Limits SampledTruth attitude_error evaluate",
     "foundation.errors": "BagError InputError LieRigidBodyError ParameterError",
     "mechanics": "RigidBody State",
-    "motion": "ClosedForm MovingChart",
+    "motion": "ClosedForm MovingChart describe",
     "runs": "Estimate Run simulate",
     "scenario": "Scenario",
 }

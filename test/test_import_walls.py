@@ -31,7 +31,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "simulation": SCENARIO,
     "messages": SCENARIO | {"simulation"},
     "recording": SCENARIO | {"simulation", "messages"},
-    "proof": set(),
+    "proof": {"mechanics"},
     "certificate": BAG | {"proof"},
     "evaluation": {"lie"},
     "runs": BAG | {"certificate", "evaluation"},

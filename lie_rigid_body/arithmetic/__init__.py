@@ -2,8 +2,8 @@
 
 Modules:
 
-- `numbers`: types and elementary operations on floats, on arrays and compiled;
+- `numbers`: types and elementary operations on floats and on arrays;
 - `double_double`: sums, products, quotients and roots to 32 digits;
-- `elementary`: sine, cosine, exponential and arctangent of one set of bits on floats, on arrays and compiled;
+- `elementary`: sine, cosine and exponential of one set of bits on floats and on arrays;
 - `decimals`: decimal arithmetic of many digits and unlimited range, and the axes of a symmetric 3×3 matrix in it.
 """

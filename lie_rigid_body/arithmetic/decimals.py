@@ -25,6 +25,12 @@ from typing import Final, TypeAlias
 
 Vector: TypeAlias = tuple[Decimal, Decimal, Decimal]
 
+Tensor: TypeAlias = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+"""A symmetric tensor: 3 rows of 3."""
+
+PrincipalAxes: TypeAlias = tuple[Vector, tuple[Vector, Vector, Vector]]
+"""Eigenvalues of a tensor and their unit axes."""
+
 PI: Final = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534212")
 
 NANOSECOND: Final = Decimal("1e-9")
@@ -58,8 +64,9 @@ def dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
     return sum((x * y for x, y in zip(a, b, strict=True)), Decimal(0))
 
 
-def diagonalised(matrix: Sequence[Sequence[float]]) -> tuple[list[Decimal], list[Vector]]:
-    """Eigenvalues and unit axes, in the order of the diagonal entries that they came from.
+@lru_cache(maxsize=64)
+def diagonalised(matrix: Tensor, digits: int) -> PrincipalAxes:
+    """Eigenvalues and unit axes, in the order of the diagonal entries that they came from; kept for the next call.
 
     Plane rotations of at most 45°, each of which makes the largest off-diagonal entry vanish (C. G. J. Jacobi; G. H.
     Golub, C. F. Van Loan, Matrix Computations, 4th ed., sec. 8.5). A rotation changes only the entries it concerns,
@@ -69,43 +76,49 @@ def diagonalised(matrix: Sequence[Sequence[float]]) -> tuple[list[Decimal], list
     ----------
     matrix : 3 rows of 3
         Symmetric positive definite.
+    digits : int
+        Decimal digits of the arithmetic.
 
     Returns
     -------
-    eigenvalues : list of 3 Decimal
-    axes : list of 3 vectors
+    eigenvalues : tuple of 3 Decimal
+    axes : tuple of 3 vectors
         Of unit length and, in this order, right-handed.
     """
-    values = [Decimal(matrix[i][i]) for i in range(3)]
-    # the r-th off-diagonal entry couples the two axes other than the r-th
-    couplings = [Decimal(matrix[1][2]), Decimal(matrix[2][0]), Decimal(matrix[0][1])]
-    one, zero = Decimal(1), Decimal(0)
-    axes: list[Vector] = [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
-    negligible = Decimal(1).scaleb(-2 * getcontext().prec)
-    while True:
-        # squares of the couplings, each relative to the diagonal entries of its two axes
-        sizes = [couplings[r] ** 2 / (values[r - 2] * values[r - 1]) for r in range(3)]
-        r = max(range(3), key=sizes.__getitem__)
-        if sizes[r] <= negligible:
-            return values, axes
-        _decouple(values, couplings, axes, r)
+    with working_precision(digits):
+        values = [Decimal(matrix[i][i]) for i in range(3)]
+        # the r-th off-diagonal entry couples the two axes other than the r-th
+        couplings = [Decimal(matrix[1][2]), Decimal(matrix[2][0]), Decimal(matrix[0][1])]
+        one = Decimal(1)
+        zero = Decimal(0)
+        axes: list[Vector] = [(one, zero, zero), (zero, one, zero), (zero, zero, one)]
+        negligible = one.scaleb(-2 * digits)
+        while True:
+            # squares of the couplings, each relative to the diagonal entries of its two axes
+            sizes = [couplings[r] ** 2 / (values[r - 2] * values[r - 1]) for r in range(3)]
+            r = max(range(3), key=sizes.__getitem__)
+            if sizes[r] <= negligible:
+                return (values[0], values[1], values[2]), (axes[0], axes[1], axes[2])
+            _decouple(values, couplings, axes, r)
 
 
 def _decouple(values: list[Decimal], couplings: list[Decimal], axes: list[Vector], r: int) -> None:
     """Turn the two axes other than the r-th so that they are not coupled any more."""
-    p, q = (r + 1) % 3, (r + 2) % 3
-    double, difference = 2 * couplings[r], values[q] - values[p]
+    p = (r + 1) % 3
+    q = (r + 2) % 3
+    double = 2 * couplings[r]
+    difference = values[q] - values[p]
     size = root(double * double + difference * difference)
     tangent = double / (difference + size.copy_sign(difference)) if difference else Decimal(1).copy_sign(double)
     cosine = 1 / root(1 + tangent * tangent)
     sine = tangent * cosine
-    change = tangent * couplings[r]
-    values[p], values[q] = values[p] - change, values[q] + change
+    values[p] -= tangent * couplings[r]
+    values[q] += tangent * couplings[r]
     couplings[r] = Decimal(0)
-    couplings[q], couplings[p] = (
-        cosine * couplings[q] - sine * couplings[p],
-        sine * couplings[q] + cosine * couplings[p],
-    )
-    (a, b, c), (d, e, f) = axes[p], axes[q]
-    axes[p] = cosine * a - sine * d, cosine * b - sine * e, cosine * c - sine * f
-    axes[q] = sine * a + cosine * d, sine * b + cosine * e, sine * c + cosine * f
+    coupling = couplings[q]
+    couplings[q] = cosine * coupling - sine * couplings[p]
+    couplings[p] = sine * coupling + cosine * couplings[p]
+    rotated = [(cosine * x - sine * y, sine * x + cosine * y) for x, y in zip(axes[p], axes[q], strict=True)]
+    (a, d), (b, e), (c, f) = rotated
+    axes[p] = (a, b, c)
+    axes[q] = (d, e, f)

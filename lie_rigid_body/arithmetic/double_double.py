@@ -1,6 +1,6 @@
 """Double-double arithmetic: a pair (hi, lo) stands for hi + lo, with hi the double nearest to it, about 32 digits.
 
-The parts are floats, or arrays of one shape with an element for each of many motions. On floats, on arrays and compiled
+The parts are floats, or arrays of one shape with an element for each of many times. On floats, on arrays and compiled
 the operations are the same in the same order, and so are the bits. This needs rounding to nearest, no contraction of
 a·b + c into one operation, and numbers of ordinary size: no part of a product may overflow or underflow.
 
@@ -15,17 +15,17 @@ D. E. Knuth, The Art of Computer Programming, vol. 2, 3rd ed., sec. 4.2.2.
 
 from __future__ import annotations
 
+import math
 from decimal import Decimal
-from typing import Any, Final, TypeAlias, TypeVar, cast
+from typing import Final, TypeAlias
 
 import numpy as np
 
-from lie_rigid_body.arithmetic.numbers import Number, nearest, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, nearest
 from lie_rigid_body.compilation import kernel
 from lie_rigid_body.foundation.arrays import Integers
 
 DoubleDouble: TypeAlias = tuple[Number, Number]
-Numbers = TypeVar("Numbers", bound=tuple[Number, ...])
 
 ZERO: Final[DoubleDouble] = (0.0, 0.0)
 ONE: Final[DoubleDouble] = (1.0, 0.0)
@@ -152,7 +152,7 @@ def divide(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
 def square_root(a: DoubleDouble) -> DoubleDouble:
     """The root √a of a number that is not negative, to 2⁻¹⁰⁰ of itself: one Newton step on the root of a double."""
     a1, a2 = a
-    first = sqrt(a1)
+    first = math.sqrt(a1)
     # a − first² over 2·first, with first² exactly
     scaled = _SPLITTER * first
     ah = scaled - (scaled - first)
@@ -171,16 +171,8 @@ def scaled(a: DoubleDouble, factor: Number) -> DoubleDouble:
     return hi * factor, lo * factor
 
 
-@kernel
 def remainder(a: DoubleDouble) -> DoubleDouble:
     """The number a, of at most 2⁶³, minus its nearest integer: in [−½, ½], but for round-off."""
     # what is beyond 2⁵¹ goes first
     hi, lo = two_sum(a[0] - ((a[0] + _COARSE) - _COARSE), a[1])
     return fast_two_sum(hi - nearest(hi), lo)
-
-
-def choose(condition: Any, a: Numbers, b: Numbers) -> Numbers:
-    """The first where the condition is true, else the second; number by number where the condition is an array."""
-    if isinstance(condition, np.ndarray):
-        return cast(Numbers, tuple(np.where(condition, p, q) for p, q in zip(a, b, strict=True)))
-    return a if condition else b

@@ -1,32 +1,17 @@
-"""Sine, cosine, exponential and arctangent by sums, products and quotients alone.
+"""Sine, cosine and exponential by sums and products alone.
 
-Libraries of mathematics differ in the last bit. These have the same bits for floats, for arrays and, but for the
-arctangent, which is never compiled, in compiled code.
+Libraries of mathematics differ in the last bit. These have the same bits for floats and for arrays.
 """
 
 from __future__ import annotations
 
 import math
 from decimal import Decimal
-from functools import lru_cache
 from typing import Final
 
-import numpy as np
-
 from lie_rigid_body.arithmetic.decimals import PI, working_precision
-from lie_rigid_body.arithmetic.double_double import (
-    ONE,
-    DoubleDouble,
-    add,
-    divide,
-    fast_two_sum,
-    from_decimal,
-    multiply,
-    split,
-    subtract,
-)
+from lie_rigid_body.arithmetic.double_double import DoubleDouble, fast_two_sum, split
 from lie_rigid_body.arithmetic.numbers import Number, at_most, magnitude, nearest, power_of_two
-from lie_rigid_body.compilation import kernel
 
 # 2π, its first 26 bits, and the rest
 with working_precision(40):  # whatever is in force where the module is imported
@@ -44,18 +29,14 @@ _LN2_HI: Final = 0.693359375
 with working_precision(40):
     _LN2_LO: Final = float(Decimal(2).ln() - Decimal(_LN2_HI))
 
-_FARTHEST: Final = 800.0
+_MAX_EXPONENT: Final = 800.0
 """Largest x of exp(−x) that is used: exp(−800) is 0 in doubles."""
 
 # Taylor's coefficients of the exponential: on ½ ln 2 the next term is below 5e-18
 _E: Final = tuple(1.0 / math.factorial(k) for k in range(14))
 _E2, _E3, _E4, _E5, _E6, _E7, _E8, _E9, _E10, _E11, _E12, _E13 = _E[2:]
 
-_PARTS: Final = 32
-"""Number of parts into which the table of arctangents divides [0, 1]."""
 
-
-@kernel
 def sine_cosine(turns: DoubleDouble) -> tuple[Number, Number]:
     """The sine and the cosine of an angle of at most ½ turn, each to less than one unit in the last place.
 
@@ -68,11 +49,11 @@ def sine_cosine(turns: DoubleDouble) -> tuple[Number, Number]:
     s, c = sine_cosine_of_small(angle[0], angle[1])
     # the cosine and sine of the quarters: 0, 1 or −1
     size = magnitude(quarters)
-    cosine, sine = 1.0 - size, quarters * (2.0 - size)
+    cosine = 1.0 - size
+    sine = quarters * (2.0 - size)
     return s * cosine + c * sine, c * cosine - s * sine
 
 
-@kernel
 def radians(hi: Number, lo: Number) -> DoubleDouble:
     """An angle hi + lo of turns in radians, to some 75 bits."""
     first, second = split(hi)
@@ -80,7 +61,6 @@ def radians(hi: Number, lo: Number) -> DoubleDouble:
     return fast_two_sum(first * _RADIANS_HI, second * _RADIANS_HI + (hi * _RADIANS_LO + lo * _RADIANS))
 
 
-@kernel
 def sine_cosine_of_small(x: Number, rest: Number) -> tuple[Number, Number]:
     """The sine and cosine of an angle x + rest, rad, of at most ¼π."""
     z = x * x
@@ -93,7 +73,6 @@ def sine_cosine_of_small(x: Number, rest: Number) -> tuple[Number, Number]:
     return x + (x * z * odd + rest * upper), upper + (((1.0 - upper) - half) + (w * even - x * rest))
 
 
-@kernel
 def exponential(size: Number) -> tuple[Number, Number]:
     """The exponential exp(−x), and exp(−x) − 1, for x ≥ 0, each to a unit in the last place; 0 and −1 beyond 750.
 
@@ -102,7 +81,7 @@ def exponential(size: Number) -> tuple[Number, Number]:
     size : number
         x.
     """
-    x = -at_most(size, _FARTHEST)
+    x = -at_most(size, _MAX_EXPONENT)
     # exp(x) = 2ᵏ exp(r) with |r| ≤ ½ ln 2
     count = nearest(x * (1.0 / _LN2))
     r = (x - count * _LN2_HI) - count * _LN2_LO
@@ -115,38 +94,3 @@ def exponential(size: Number) -> tuple[Number, Number]:
     first = nearest(0.5 * count)
     power = power_of_two(first) * power_of_two(count - first)
     return power + power * growth, (power - 1.0) + power * growth
-
-
-def arctangent(tangent: DoubleDouble) -> DoubleDouble:
-    """The arctangent of a number in [0, 1], to 1e-21: the nearest of a table, and the rest by a power series."""
-    nearest_tangent, entry = _nearest_entry(tangent[0])
-    known = (nearest_tangent, 0.0)
-    # tan(x − y) = (tan x − tan y)/(1 + tan x tan y)
-    rest = divide(subtract(tangent, known), add(ONE, multiply(tangent, known)))
-    square = rest[0] * rest[0]
-    cubic = rest[0] * square * (-1 / 3 + square * (1 / 5 + square * (-1 / 7 + square / 9)))
-    return add(entry, (rest[0], rest[1] + cubic))
-
-
-def _nearest_entry(tangent: Number) -> tuple[Number, DoubleDouble]:
-    """The number k/32 nearest to a tangent, and its arctangent."""
-    if isinstance(tangent, float):
-        k = round(_PARTS * tangent)
-        return k / _PARTS, _arctangents()[k]
-    places = np.rint(_PARTS * tangent).astype(np.intp)
-    hi, lo = np.array(_arctangents())[places].T
-    return places / _PARTS, (hi, lo)
-
-
-@lru_cache(maxsize=1)
-def _arctangents() -> list[tuple[float, float]]:
-    """The arctangents of k/32: from one to the next they grow by atan(32/(1024 + k(k + 1)))."""
-    with working_precision(40):
-        angles = [Decimal(0)]
-        for k in range(_PARTS):
-            angles.append(angles[-1] + _series(Decimal(_PARTS) / (_PARTS * _PARTS + k * (k + 1))))
-        return [from_decimal(angle) for angle in angles]
-
-
-def _series(x: Decimal) -> Decimal:
-    return sum(((-1) ** n * x ** (2 * n + 1) / (2 * n + 1) for n in range(14)), Decimal(0))

@@ -14,7 +14,7 @@ from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.parameters import Value, Vector
 
 if TYPE_CHECKING:
-    from lie_rigid_body.motion.description import Description
+    from lie_rigid_body.motion import Description
     from lie_rigid_body.report.answer import Part
     from lie_rigid_body.scenario import Scenario
 
@@ -116,7 +116,7 @@ _WHY: Final = {
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    from lie_rigid_body.motion.description import describe
+    from lie_rigid_body.motion import describe
     from lie_rigid_body.report.answer import as_text
     from lie_rigid_body.report.outputs import emit
     from lie_rigid_body.scenario.parameter_file import scenario_files

@@ -1,120 +1,94 @@
-"""The functions that compiled code may call, and the compiler: another process, which fills the cache."""
+"""The functions that compiled code may call, and the compiler, whose cache is named by the source of its code."""
 
 from __future__ import annotations
 
-import atexit
+import hashlib
 import importlib
-import subprocess
+import os
 import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from lie_rigid_body.compilation.cache import cache_folder, is_kept, mark
-from lie_rigid_body.system.portable import lock
+import numpy as np
+
+from lie_rigid_body.system.portable import is_private
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+_ROOMS: Final = ("arithmetic", "compilation", "lie", "motion")
+"""Rooms of the package whose source goes into compiled code."""
+_HOMES: Final = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "LOCALAPPDATA")
+"""Variables of the environment that may name the folder of caches."""
 _LOCK: Final = threading.RLock()
 """Held while numba's configuration is changed, which is one for the whole process."""
-_FILL: Final = "import sys; sys.path[:] = sys.argv[4:]; from {} import fill; fill(*sys.argv[1:4])"
-_WAITING: Final[list[tuple[Callable[..., Any], Callable[..., Any]]]] = []
-"""Marked functions that numba does not know yet, each with what tells numba the function to compile in its place."""
+_UNREGISTERED: Final[list[Callable[..., Any]]] = []
+"""Marked functions that numba does not know yet."""
 
 
 def kernel(function: Function) -> Function:
     """Let compiled code call a function of numbers. The function itself is not changed."""
-    return kernel_of(function)(function)
+    _UNREGISTERED.append(function)
+    return function
 
 
-def kernel_of(compiled: Callable[..., Any]) -> Callable[[Function], Function]:
-    """Let compiled code call another function, which gives the same bits, in place of the decorated one."""
+def compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Callable[..., Any] | None:
+    """A function compiled for the types of some arguments, or loaded from the cache; None without numba.
 
-    def mark(function: Function) -> Function:
-        _WAITING.append((function, lambda *_, **__: compiled))
-        return function
-
-    return mark
-
-
-def register_kernels(extending: Any) -> None:
-    """Tell numba of the marked functions that it does not know yet; ``extending`` is its module of that name."""
-    while _WAITING:
-        function, told = _WAITING.pop(0)
-        extending.overload(function, jit_options={"forceinline": True, "error_model": "numpy"}, strict=False)(told)
-
-
-def started(function: Callable[..., None], signature: str) -> subprocess.Popen[bytes] | None:
-    """Another process that compiles a function into the cache, and ends with this one; None where there is no need.
-
-    It has a session of its own, as the signals of a terminal are for the work, which ends it.
-
-    Parameters
-    ----------
-    function : callable
-        A function of a module.
-    signature : str
-        Its types as numba writes them.
+    Another thread does it, which handles no signals: an exception of a signal handler would be lost in LLVM's calls
+    back into Python. This one waits in short turns, and so hears Ctrl-C.
     """
-    if is_kept(function) or not (find_spec("numba") and sys.executable and cache_folder(function)):
-        return None
-    quiet = subprocess.DEVNULL
-    what = [function.__module__, function.__name__, signature]
-    process = subprocess.Popen(
-        [sys.executable, "-c", _FILL.format(__name__), *what, *sys.path],
-        stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True,
-    )  # fmt: skip
-    atexit.register(_end, process)
-    return process
+    found: list[Callable[..., Any]] = []
+    thread = threading.Thread(target=lambda: found.extend(_compiled(function, arguments)), daemon=True)
+    thread.start()
+    while thread.is_alive():
+        thread.join(0.05)
+    return found[0] if found else None
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    process.wait()
-
-
-def fill(module: str, name: str, signature: str) -> None:
-    """Compile a function into the cache; the other process runs this. Of runs side by side one compiles."""
-    function: Callable[..., None] = getattr(importlib.import_module(module), name)
-    folder = cache_folder(function)
-    if folder is None:
-        raise SystemExit(1)
-    with (folder / "lock").open("w") as file, lock(file, wait=True):
-        if not mark(folder, function).exists():
-            if _compiled(function, signature) is None:
-                raise SystemExit(1)
-            mark(folder, function).touch()
-
-
-def loaded(function: Callable[..., None], signature: str) -> Callable[..., None] | None:
-    """The compiled function from the cache, or compiled now; None without numba, or without room for a cache.
-
-    A thread of its own, which handles no signals, loads it: LLVM calls back into Python, and an exception that a signal
-    handler raises in there is lost.
-    """
-    with ThreadPoolExecutor(1) as thread:
-        return thread.submit(_compiled, function, signature).result()
-
-
-def _compiled(function: Callable[..., None], signature: str) -> Callable[..., None] | None:
-    folder = cache_folder(function)
+def _compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[Callable[..., Any]]:
     try:
         numba: Any = importlib.import_module("numba")
         extending: Any = importlib.import_module("numba.extending")
     except ImportError:  # it refuses a NumPy that is newer than itself
-        return None
+        return []
     with _LOCK:
-        register_kernels(extending)
+        options = {"forceinline": True, "error_model": "numpy"}
+        while _UNREGISTERED:
+            one = _UNREGISTERED.pop()
+            extending.overload(one, jit_options=options, strict=False)(_giving(one))
+        folder = cache_folder(numba.__version__)
         previous = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(folder) if folder else previous
+        numba.config.CACHE_DIR = str(folder or previous)
         try:
-            made: Callable[..., None] = numba.njit(
-                signature, cache=folder is not None, error_model="numpy", nogil=True
-            )(function)
-        except (OSError, RuntimeError):  # no room for a cache, whose mark is of another place, or a numba set up oddly
-            return None
+            made = numba.njit(cache=folder is not None, error_model="numpy", nogil=True)(function)
+            made.compile(tuple(map(numba.typeof, arguments)))
+        except (OSError, RuntimeError):  # no room for a cache, or a numba set up oddly
+            return []
         finally:
             numba.config.CACHE_DIR = previous
-    return made
+    return [made]
+
+
+def _giving(function: Callable[..., Any]) -> Callable[..., Any]:
+    """What tells numba the function to compile, whatever the types of its arguments."""
+    return lambda *_, **__: function
+
+
+def cache_folder(numba_version: str) -> Path | None:
+    """Folder of compiled code, made if need be; None where it cannot be made, or others may write to it.
+
+    Numba itself notices only a change of a function's own file, while its code holds kernels and constants of others.
+    """
+    digest = hashlib.sha256(repr([sys.version, numba_version, np.__version__]).encode())
+    package = Path(__file__).parent.parent
+    for file in sorted(file for room in _ROOMS for file in (package / room).rglob("*.py")):
+        digest.update(file.read_bytes())
+    home = next(filter(None, map(os.environ.get, _HOMES)), os.path.expanduser("~/.cache"))
+    folder = Path(home, "lie_rigid_body", digest.hexdigest()[:16])
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if is_private(folder) else None

@@ -22,8 +22,8 @@ from lie_rigid_body.groups.exponential import phi_inverse
 from lie_rigid_body.groups.lagrangian import Lagrangian
 from lie_rigid_body.groups.matrix_lie_group import MatrixLieGroup
 from lie_rigid_body.motion.motion import nanoseconds
-from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, require_stepper
-from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+from lie_rigid_body.motion.moving_chart import DEFAULT_STEP, require_stepper
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, ChainTableau
 from lie_rigid_body.motion.time_steps import require_order, steps_through
 
 GROUP_METHODS: Final = {tableau.name: tableau for tableau in (EULER, MIDPOINT, CLASSICAL)}
@@ -82,14 +82,14 @@ class GroupMovingChart:
     method : str, optional
         Stepper: ``rkmk1``, ``rkmk2`` or ``rkmk4`` (default).
     max_step : float, optional
-        Largest step, s. Between two requested times the steps are equal and no longer than this.
+        Largest step, s. Between two requested times the steps are equal and no longer than this. 0: 1 ms.
 
     Raises
     ------
     InputError
         If the start is not on the group, or of other shapes.
     ParameterError
-        If the method is unknown or the step not positive and finite.
+        If the method is unknown, or the step negative or not finite.
     """
 
     def __init__(
@@ -98,14 +98,14 @@ class GroupMovingChart:
         start: GroupState,
         *,
         method: str = CLASSICAL.name,
-        max_step: float = DEFAULT_MAX_STEP,
+        max_step: float = DEFAULT_STEP,
     ) -> None:
         require_stepper(method, max_step, GROUP_METHODS)
         element, rate = _require_start(of_kind(lagrangian, Lagrangian).group, start)
         self._reached = _Reached(0, 0, element, lagrangian.momenta(rate))
         self._lagrangian = lagrangian
         self._tableau = GROUP_METHODS[method]
-        self._max_step = float(max_step)
+        self._max_step = float(max_step) or DEFAULT_STEP
 
     def __repr__(self) -> str:
         stepper = {"method": self._tableau.name, "max_step": self._max_step}
@@ -168,12 +168,12 @@ class GroupMovingChart:
         return end
 
 
-def runge_kutta_step(tableau: Tableau, field: Callable[[Array], Array], start: Array, h: float) -> Array:
+def runge_kutta_step(tableau: ChainTableau, field: Callable[[Array], Array], start: Array, h: float) -> Array:
     """The point after one explicit Runge–Kutta step along a vector field.
 
     Parameters
     ----------
-    tableau : Tableau
+    tableau : ChainTableau
     field : callable, (m,) ↦ (m,)
         Rate of change of a point.
     start : ndarray, shape (m,)

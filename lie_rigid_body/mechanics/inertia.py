@@ -25,13 +25,13 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
 
     Parameters
     ----------
-    inertia : array_like, shape (3,), (6,) or (..., 3, 3)
+    inertia : array_like, shape (3,), (6,) or (3, 3)
         Principal moments along the body axes; or ``ixx ixy ixz iyy iyz izz`` (the off-diagonal entries of the tensor
-        itself, as in URDF); or the symmetric tensor, or a batch of them. kg m², body frame.
+        itself, as in URDF); or the symmetric tensor. kg m², body frame.
 
     Returns
     -------
-    ndarray, shape (..., 3, 3)
+    ndarray, shape (3, 3)
 
     Raises
     ------
@@ -45,43 +45,21 @@ def inertia_matrix(inertia: ArrayLike) -> Array:
     if array.shape == (6,):
         xx, xy, xz, yy, yz, zz = array
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if array.shape[-2:] != (3, 3) or array.size == 0:
+    if array.shape != (3, 3):
         raise ParameterError(
             _NAME,
-            f"{array.size} numbers of shape {array.shape}: give 3 principal moments or ixx ixy ixz iyy iyz izz, and "
-            "many bodies as tensors (..., 3, 3) or by from_principal_moments",
+            f"{array.size} numbers of shape {array.shape}: give 3 principal moments, ixx ixy ixz iyy iyz izz, or a "
+            "tensor of shape (3, 3)",
         )
-    transposed = array.swapaxes(-1, -2)
-    gap = np.abs(array - transposed).max(axis=(-2, -1))
-    allowed = SYMMETRY_ULPS * np.spacing(np.abs(array).max(axis=(-2, -1)))
-    if (gap > allowed).any():
-        worst = np.argmax(gap / allowed)
+    gap = float(np.abs(array - array.T).max())
+    allowed = SYMMETRY_ULPS * float(np.spacing(np.abs(array).max()))
+    if gap > allowed:
         raise ParameterError(
             _NAME,
-            f"entries across the diagonal differ by up to {gap.flat[worst]:.3g}, more than round-off "
-            f"({allowed.flat[worst]:.3g}): give a symmetric tensor, as (I + I.T) / 2",
+            f"entries across the diagonal differ by up to {gap:.3g}, more than round-off ({allowed:.3g}): give a "
+            "symmetric tensor, as (I + I.T) / 2",
         )
-    return np.asarray(0.5 * array + 0.5 * transposed)
-
-
-def diagonal_matrix(moments: ArrayLike) -> Array:
-    """The inertia tensors of principal moments along the body axes.
-
-    Parameters
-    ----------
-    moments : array_like, shape (..., 3)
-        kg m².
-
-    Returns
-    -------
-    ndarray, shape (..., 3, 3)
-
-    Raises
-    ------
-    ParameterError
-        If the shape is another or a number is not finite.
-    """
-    return np.asarray(real_array(_NAME, moments, (..., 3))[..., np.newaxis] * np.eye(3))
+    return np.asarray(0.5 * array + 0.5 * array.T)
 
 
 def principal_decomposition(matrix: Array) -> tuple[Array, Array]:
@@ -89,24 +67,25 @@ def principal_decomposition(matrix: Array) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    matrix : ndarray, shape (..., 3, 3)
+    matrix : ndarray, shape (3, 3)
         Symmetric inertia tensor, kg m².
 
     Returns
     -------
-    moments : ndarray, shape (..., 3)
+    moments : ndarray, shape (3,)
         Ascending, kg m². Exactly the diagonal, if the matrix is diagonal.
-    axes : ndarray, shape (..., 3, 3)
+    axes : ndarray, shape (3, 3)
         Columns are the principal axes in the body frame, right-handed.
     """
-    moments, axes = np.linalg.eigh(matrix)
-    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
-    order = np.argsort(diagonal, axis=-1, kind="stable")
-    plain = (matrix == diagonal[..., np.newaxis] * np.eye(3)).all(axis=(-2, -1))[..., np.newaxis]
-    moments = np.where(plain, np.take_along_axis(diagonal, order, axis=-1), moments)
-    axes = np.where(plain[..., np.newaxis], np.eye(3)[order].swapaxes(-1, -2), axes)
-    mirrored = np.linalg.det(axes) < 0.0
-    axes[..., 2] = np.where(mirrored[..., np.newaxis], -axes[..., 2], axes[..., 2])
+    diagonal = np.diagonal(matrix)
+    if (matrix == np.diag(diagonal)).all():
+        order = np.argsort(diagonal, kind="stable")
+        moments = diagonal[order]
+        axes = np.eye(3)[:, order]
+    else:
+        moments, axes = np.linalg.eigh(matrix)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 2] = -axes[:, 2]
     return moments, axes
 
 
@@ -115,7 +94,7 @@ def require_physical(moments: Array) -> None:
 
     Parameters
     ----------
-    moments : ndarray, shape (..., 3)
+    moments : ndarray, shape (3,)
         Ascending, kg m².
 
     Raises
@@ -123,16 +102,10 @@ def require_physical(moments: Array) -> None:
     ParameterError
         If the smallest is not positive, or the largest exceeds the sum of the others by more than round-off.
     """
-    rows = moments.reshape(-1, 3)
-    lacking = ~(rows[:, 0] > 0.0)
-    if lacking.any():
-        raise ParameterError(
-            _NAME,
-            f"smallest principal moment {float(rows[lacking][0, 0])!r} is not positive: give moments above 0 kg m²",
-        )
-    excess = rows[:, 2] - rows[:, 1] > rows[:, 0] + MOMENT_ROUND_OFF * rows[:, 2]
-    if excess.any():
-        small, middle, large = rows[excess][0].tolist()
+    small, middle, large = moments.tolist()
+    if not small > 0.0:
+        raise ParameterError(_NAME, f"smallest principal moment {small!r} is not positive: give moments above 0 kg m²")
+    if large - middle > small + MOMENT_ROUND_OFF * large:
         gap = large - middle - small
         # rounding to d digits changes moments by up to half of 10**(1 - d) of themselves
         digits = math.floor(1.0 - math.log10(gap / large))

@@ -12,10 +12,9 @@ from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.wording import MAX_LINE, shown
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics.array_input import ArraysOnly
+from lie_rigid_body.mechanics.array_input import Immutable
 from lie_rigid_body.mechanics.inertia import (
     apply_tensor,
-    diagonal_matrix,
     inertia_matrix,
     principal_decomposition,
     require_physical,
@@ -24,24 +23,23 @@ from lie_rigid_body.mechanics.second_moment import inertia_from_second_moment, s
 from lie_rigid_body.mechanics.state import State
 
 
-class RigidBody(ArraysOnly):
-    """A free rigid body, given by its inertia about its centre of mass, eq. (28), or a batch of bodies.
+class RigidBody(Immutable):
+    """A free rigid body, given by its inertia about its centre of mass, eq. (28).
 
     Parameters
     ----------
-    inertia : array_like, shape (3,), (6,) or (..., 3, 3)
-        Principal moments along the body axes, or ``ixx ixy ixz iyy iyz izz``, or the symmetric tensor; kg m². Tensors
-        with leading axes make a batch of bodies.
+    inertia : array_like, shape (3,), (6,) or (3, 3)
+        Principal moments along the body axes, or ``ixx ixy ixz iyy iyz izz``, or the symmetric tensor; kg m².
 
     Attributes
     ----------
-    inertia : ndarray, shape (..., 3, 3)
+    inertia : ndarray, shape (3, 3)
         Tensor in the body frame, kg m².
-    inverse_inertia : ndarray, shape (..., 3, 3)
+    inverse_inertia : ndarray, shape (3, 3)
         Its inverse, 1/(kg m²).
-    principal_moments : ndarray, shape (..., 3)
+    principal_moments : ndarray, shape (3,)
         Ascending, kg m².
-    principal_axes : ndarray, shape (..., 3, 3)
+    principal_axes : ndarray, shape (3, 3)
         Columns are the principal axes in the body frame, right-handed, in the order of the moments.
 
     Raises
@@ -59,26 +57,6 @@ class RigidBody(ArraysOnly):
         self.inverse_inertia: Array = np.linalg.inv(self.inertia)
         for array in (self.inertia, self.inverse_inertia, self.principal_moments, self.principal_axes):
             array.setflags(write=False)
-
-    @classmethod
-    def from_principal_moments(cls, moments: ArrayLike) -> RigidBody:
-        """The body, or the batch of bodies, with these principal moments along the body axes, as in eq. (29).
-
-        Parameters
-        ----------
-        moments : array_like, shape (..., 3)
-            kg m².
-
-        Returns
-        -------
-        RigidBody
-
-        Raises
-        ------
-        ParameterError
-            See the class.
-        """
-        return cls(diagonal_matrix(moments))
 
     @classmethod
     def from_second_moment(cls, second_moment: ArrayLike) -> RigidBody:
@@ -102,17 +80,14 @@ class RigidBody(ArraysOnly):
 
     @property
     def second_moment(self) -> Array:
-        """The second moment ½ tr(M) 1 − M, eq. (10), about the centre of mass, body frame, shape (..., 3, 3), kg m²."""
-        tensors = self.inertia.reshape(-1, 3, 3)
-        return np.array([second_moment_from_inertia(tensor) for tensor in tensors]).reshape(self.inertia.shape)
+        """The second moment ½ tr(M) 1 − M, eq. (10), about the centre of mass, body frame, shape (3, 3), kg m²."""
+        return second_moment_from_inertia(self.inertia)
 
-    @property
-    def batch_shape(self) -> tuple[int, ...]:
-        """The leading axes: () for one body."""
-        return self.inertia.shape[:-2]
+    def __reduce__(self) -> tuple[type[RigidBody], tuple[Array]]:
+        return RigidBody, (self.inertia,)
 
     def __repr__(self) -> str:
-        return f"RigidBody({shown(self.inertia if self.batch_shape else self.inertia.tolist(), MAX_LINE - 12)})"
+        return f"RigidBody({shown(self.inertia.tolist(), MAX_LINE - 12)})"
 
     def body_momentum(self, states: State) -> Array:
         """Angular momentum in the body frame, π = Mω, eq. (19).
@@ -120,7 +95,6 @@ class RigidBody(ArraysOnly):
         Parameters
         ----------
         states : State
-            States of a batch of bodies have the axes of the batch first, as `ClosedForm` and `MovingChart` return them.
 
         Returns
         -------
@@ -132,7 +106,9 @@ class RigidBody(ArraysOnly):
         ParameterError
             If the argument is no state, as are rates alone; so do the methods below.
         """
-        return apply_tensor(self._inertia_for(states), states.body_rate)
+        if not isinstance(states, State):
+            raise ParameterError("states", f"{shown(states)} is no State: give State(attitude_xyzw, body_rate)")
+        return apply_tensor(self.inertia, states.body_rate)
 
     def angular_acceleration(self, states: State) -> Array:
         """Angular acceleration ω̇ in the body frame, by Euler's equations M ω̇ = (M ω) × ω, eq. (29).
@@ -147,7 +123,7 @@ class RigidBody(ArraysOnly):
             rad/s².
         """
         torque = np.cross(self.body_momentum(states), states.body_rate)
-        return np.asarray(np.linalg.solve(self._inertia_for(states), torque[..., np.newaxis])[..., 0])
+        return np.asarray(np.linalg.solve(self.inertia, torque[..., np.newaxis])[..., 0])
 
     def angular_momentum(self, states: State) -> Array:
         """Angular momentum in the world frame, L = A M ω: every component is conserved, by the symmetry
@@ -179,10 +155,3 @@ class RigidBody(ArraysOnly):
         """
         p, w = self.body_momentum(states), states.body_rate
         return np.asarray(0.5 * (w[..., 0] * p[..., 0] + w[..., 1] * p[..., 1] + w[..., 2] * p[..., 2]))
-
-    def _inertia_for(self, states: State) -> Array:
-        """The inertia with axes of length 1 where the states of a batch have more than the batch, for broadcasting."""
-        if not isinstance(states, State):
-            raise ParameterError("states", f"{shown(states)} is no State: give State(attitude_xyzw, body_rate)")
-        extra = (1,) * (states.body_rate.ndim - 1 - len(self.batch_shape)) if self.batch_shape else ()
-        return self.inertia.reshape(*self.batch_shape, *extra, 3, 3)

@@ -1,7 +1,8 @@
-"""Motions of a free rigid body: the moving chart with its steppers, and the closed-form solution used as reference."""
+"""Motions of a free rigid body: the moving chart with its steppers, the closed form, and what does not need a time."""
 
 from lie_rigid_body.motion.closed_form import ClosedForm
+from lie_rigid_body.motion.description import Description, describe
 from lie_rigid_body.motion.motion import Motion
 from lie_rigid_body.motion.moving_chart import METHODS, Method, MovingChart
 
-__all__ = ["METHODS", "ClosedForm", "Method", "Motion", "MovingChart"]
+__all__ = ["METHODS", "ClosedForm", "Description", "Method", "Motion", "MovingChart", "describe"]

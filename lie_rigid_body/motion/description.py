@@ -25,8 +25,9 @@ from lie_rigid_body.mechanics.top import (
     is_flat,
     kind_of_top,
 )
-from lie_rigid_body.motion.closed_form.decimal_constants import Periods, Polhode, frame_and_polhode, precession_rate
-from lie_rigid_body.motion.closed_form.decimal_frames import PrincipalFrame, digits_for, is_steady, principal_axes
+from lie_rigid_body.motion.closed_form.constants import Periods, Polhode, frame_and_polhode, precession_rate
+from lie_rigid_body.motion.closed_form.frame import PrincipalFrame, digits_for, is_steady
+from lie_rigid_body.motion.motion import exact_inertia, require_one
 
 Vector: TypeAlias = tuple[float, float, float]
 Regime: TypeAlias = Literal["rest", "steady", "about_largest", "about_smallest", "separatrix"]
@@ -107,11 +108,12 @@ class MotionConstants:
     @classmethod
     def of(cls, body: RigidBody, start: State) -> MotionConstants:
         """The constants of the motion of a body from a start of one instant, each rounded once."""
-        inertia, rate = body.inertia.tolist(), start.body_rate.tolist()
+        inertia = exact_inertia(body)
+        rate = start.body_rate.tolist()
         with working_precision(digits_for(inertia)):
             if is_steady(inertia, rate):
                 return cls("steady" if any(rate) else "rest", None)
-            frame, polhode = frame_and_polhode(principal_axes(inertia), inertia, rate)
+            frame, polhode = frame_and_polhode(inertia, rate)
             return cls(_regime(frame, polhode), _circulation(frame, polhode))
 
 
@@ -123,7 +125,7 @@ def _regime(frame: PrincipalFrame, polhode: Polhode) -> Regime:
 
 def _circulation(frame: PrincipalFrame, polhode: Polhode) -> Circulation:
     periods = Periods.of(polhode)
-    period = 4 * periods.real / polhode.speed
+    period = 4 * periods.real / polhode.argument_rate
     precession = precession_rate(frame, polhode)
     n1, n2, n3 = (j * a for j, a in zip(frame.moments, polhode.amplitudes, strict=True))
     # u = 0 and u = K
@@ -146,8 +148,8 @@ def _flips(polhode: Polhode, periods: Periods, nearest_angle: float) -> Flips:
     start, interval = polhode.start, 2 * periods.real
     first = -start if start < 0 else interval - start
     return Flips(
-        interval_s=float(interval / polhode.speed),
-        first_s=float(first / polhode.speed),
+        interval_s=float(interval / polhode.argument_rate),
+        first_s=float(first / polhode.argument_rate),
         nearest_angle_rad=nearest_angle,
         sudden=nearest_angle < SUDDEN_RAD and float(polhode.m1) < LINGERING,
     )
@@ -239,10 +241,40 @@ class Description:
     symmetric_top: SymmetricTop | None
     conserved_body_momenta: tuple[BodyMomentum, ...]
 
+    @property
+    def period(self) -> float | None:
+        """Period of the body rate, s; infinite on the separatrix, None where the rate is constant."""
+        return self.circulation.period_s if self.circulation else None
+
+    @property
+    def precession_rate(self) -> float | None:
+        """Mean rate, rad/s, at which the axis that the momentum circles goes round the momentum; None without one."""
+        return self.circulation.precession_rate_rad_s if self.circulation else None
+
+    @property
+    def flip_interval(self) -> float | None:
+        """Time between two flips of the intermediate axis, s; infinite on the separatrix, None where it never flips."""
+        if self.circulation is None or self.circulation.flips is None:
+            return None
+        return self.circulation.flips.interval_s
+
 
 def describe(body: RigidBody, start: State) -> Description:
-    """The description of the motion of a body from a start of one instant: shapes (4,) and (3,)."""
-    kind, constants = kind_of_top(body), MotionConstants.of(body, start)
+    """The description of the motion of a body from a start of one instant.
+
+    Parameters
+    ----------
+    body : RigidBody
+    start : State
+
+    Raises
+    ------
+    InputError
+        If one is no such, or the start of many instants.
+    """
+    require_one(body, start)
+    kind = kind_of_top(body)
+    constants = MotionConstants.of(body, start)
     circulation = constants.circulation
     if circulation is not None and kind != "asymmetric":
         circulation = replace(circulation, flips=None)

@@ -17,9 +17,9 @@ follows from the momenta before and after the step (`moser_veselov`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection
 from functools import partial
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,52 +29,55 @@ from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.mechanics import RigidBody, State
-from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, moser_veselov_integrators
-from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, InitialConditions, WorkingMemory, states_at
-from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, munthe_kaas_integrators
-from lie_rigid_body.motion.time_steps import require_order, steps_through, steps_to
+from lie_rigid_body.motion.moser_veselov import MAX_TURN, MoserVeselovIntegrator
+from lie_rigid_body.motion.motion import require_one, states_at
+from lie_rigid_body.motion.munthe_kaas import CLASSICAL, EULER, MIDPOINT, MuntheKaasIntegrator
+from lie_rigid_body.motion.time_steps import require_order, steps_to
 
 
 class Integrator(Protocol):
-    """The motion of one body in steps. The caller keeps its state, a list of floats that only the method can read."""
+    """The motion of one body in steps. The caller keeps its state, which only the method can read."""
 
     @property
-    def start(self) -> list[float]:
+    def start(self) -> Any:
         """The state at time 0."""
 
     @property
-    def largest_step(self) -> float:
-        """The length that no step exceeds, s."""
+    def fastest(self) -> float:
+        """A body rate of the motion, rad/s, for methods that limit the turn of a step the largest."""
 
-    def require_short_steps(self, state: list[float], span_ns: int) -> None:
-        """Refuse to go from sample to sample, up to so many nanoseconds, in steps too long for the method and a state.
+    def compile(self) -> bool:
+        """Compile the steps, or load them from the cache; whether numba is there to do it."""
+
+    def require_short_steps(self, state: Any, step: float) -> None:
+        """Refuse steps, up to so many seconds, that are too long for the method and a state.
 
         Raises
         ------
         InputError
         """
 
-    def advance(self, state: list[float], spans: Integers, counts: Integers, work: int) -> tuple[Array, Array]:
-        """Move a state, in place, through N samples.
+    def advance(self, state: Any, spans: Integers, counts: Integers) -> tuple[Any, Array, Array]:
+        """Move a state through N samples.
 
         Parameters
         ----------
-        state : list of float
+        state : Any
         spans, counts : ndarray of int64, shape (N,)
             Time since the sample before, ns, and the number of steps that divide it.
-        work : int
-            The steps that this call counts as when it is judged whether compiling pays; see `compilation.Loop`.
 
         Returns
         -------
+        state : Any
+            At the last sample.
         attitude_xyzw : ndarray, shape (N, 4)
+            NaN where the steps lead to infinity.
         body_rate : ndarray, shape (N, 3)
-
-        Raises
-        ------
-        InputError
-            If the steps lead to infinity.
         """
+
+
+DEFAULT_STEP: Final = 0.001
+"""Largest step, s, of methods that do not limit the turn of a step, where none is asked for."""
 
 
 @short_dataclass(frozen=True)
@@ -87,44 +90,62 @@ class Method:
         Its public name.
     order : int
         Order of accuracy p: the error of one step falls with its length to the power p + 1.
-    integrators : callable
-        Takes the initial conditions of B bodies and the largest step, s, and returns B integrators.
-    largest_turn : float
+    integrator : callable
+        Takes a body and its start, and returns an `Integrator`.
+    max_turn : float
         rad: the steps are no longer than the time of this turn, whatever the largest step.
+    default_step : float
+        Largest step where none is asked for, s.
     """
 
     name: str
     order: int
-    integrators: Callable[[InitialConditions, float], Sequence[Integrator]]
-    largest_turn: float = math.inf
+    integrator: Callable[[RigidBody, State], Integrator]
+    max_turn: float = math.inf
+    default_step: float = DEFAULT_STEP
+
+    def longest_step(self, max_step: float, rate_bound: float) -> float:
+        """The longest step that the method takes.
+
+        Parameters
+        ----------
+        max_step : float
+            Largest step that is asked for, s; 0: as long as the method allows.
+        rate_bound : float
+            Bound of the body rate, rad/s.
+
+        Returns
+        -------
+        float
+            s; infinite where the step is the interval between samples.
+        """
+        if not rate_bound:
+            return max_step or math.inf
+        return min(max_step or self.default_step, self.max_turn / rate_bound)
 
 
 METHODS: Final = {
     method.name: method
     for method in (
         *(
-            Method(tableau.name, tableau.order, partial(munthe_kaas_integrators, tableau=tableau))
+            Method(tableau.name, tableau.order, partial(MuntheKaasIntegrator, tableau=tableau))
             for tableau in (EULER, MIDPOINT, CLASSICAL)
         ),
         *(
-            Method(f"dmv{order}", order, partial(moser_veselov_integrators, order=order), LARGEST_TURN)
-            for order in (2, 4, 6, 8, 10, 20)
+            Method(f"dmv{order}", order, partial(MoserVeselovIntegrator, order=order), MAX_TURN, default_step)
+            for order, default_step in (*((order, DEFAULT_STEP) for order in (2, 4, 6, 8, 10)), (20, math.inf))
         ),
     )
 }
 """The steppers by their public names."""
 
 DEFAULT_METHOD: Final = "dmv20"
-DEFAULT_MAX_STEP: Final = 0.001
-"""Default of the largest step, s."""
-
-_NEEDS: Final = WorkingMemory(body=1536, time=8, sample=320)
-"""Working memory, bytes. Measured are 1400 for each body, whose new state is kept beside the old one, and 250 for each
-sample."""
+DEFAULT_MAX_STEP: Final = 0.0
+"""Default of the largest step: as long as the method allows."""
 
 
 class MovingChart:
-    """The motion of a free body, or of an ensemble of bodies, integrated from the start.
+    """The motion of a free body, integrated from the start.
 
     The ``dmv`` methods are the discrete Moser–Veselov algorithm with preprocessed inertia, which keeps the energy and
     the spatial momentum vector. ``dmv20`` is exact to round-off at every step it takes, and its state is carried in
@@ -135,121 +156,89 @@ class MovingChart:
     ``rkmk1``, ``rkmk2`` and ``rkmk4`` are Runge–Kutta–Munthe-Kaas methods: their energy drifts, and the attitude with
     it.
 
-    Where numba is installed long integrations run compiled, with the same bits. Whether one is long depends on the
-    steps of all bodies together. A body has the same bits in a batch as alone.
+    Where numba is installed long integrations run compiled, with the same bits.
 
     Parameters
     ----------
     body : RigidBody
-        One, or a batch.
     start : State
-        State at time 0, or one for each body. The batches broadcast; a single one goes with every other.
+        State at time 0, of one instant.
     method : str, optional
         Stepper: ``rkmk1``, ``rkmk2``, ``rkmk4``, ``dmv2``, ``dmv4``, ``dmv6``, ``dmv8``, ``dmv10`` or ``dmv20``
         (default). The number is the order.
     max_step : float, optional
         Largest step, s. Between two requested times the steps are equal and no longer than this. With ``dmv`` methods
-        they are no longer than the time in which the body turns by ¼ rad, each at its own rate.
+        they are no longer than the time in which the body turns by ¼ rad. By default, 0, they are as long as the
+        method allows: that time with ``dmv20``, 1 ms with the others, and the whole interval for a body at rest.
 
     Raises
     ------
     InputError
-        If the body is no RigidBody, the start no State, or their batches do not go together.
+        If the body is no RigidBody, or the start no State of one instant.
     ParameterError
-        If the method is unknown or the step not positive and finite.
+        If the method is unknown, or the step negative or not finite.
     """
 
     def __init__(
         self, body: RigidBody, start: State, *, method: str = DEFAULT_METHOD, max_step: float = DEFAULT_MAX_STEP
     ) -> None:
         require_stepper(method, max_step, METHODS)
-        self._starts = InitialConditions.of(body, start)
-        self._method, self._max_step = method, float(max_step)
-        self._integrators = METHODS[method].integrators(self._starts, self._max_step)
+        require_one(body, start)
+        self._start = start
+        self._method = METHODS[method]
+        self._max_step = float(max_step)
+        self._integrator = self._method.integrator(body, start)
         # replaced as a whole, never changed: a copy of the motion goes on by itself, and a signal finds both or none
-        self._reached = [integrator.start for integrator in self._integrators], 0
+        self._reached = self._integrator.start, 0
 
     def __repr__(self) -> str:
-        shape = {"bodies": self._starts.batch} if self._starts.batch else {}
-        stepper = {"method": self._method, "max_step": self._max_step}
-        return call_repr(self, {**shape, **stepper, "reached_ns": self._reached[1]})
+        shown_values = {"method": self._method.name, "max_step": self._max_step, "reached_ns": self._reached[1]}
+        return call_repr(self, shown_values)
 
-    def at(self, t_ns: ArrayLike, *, memory_limit: int = DEFAULT_MEMORY_LIMIT) -> State:
+    def compile(self) -> bool:
+        """Compile the steps of this method now, for what is to be timed; whether numba is there to do it."""
+        return self._integrator.compile()
+
+    def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times.
 
-        Where an error is raised no body has moved, and other times may be asked for.
+        Where an error is raised the body has not moved, and other times may be asked for.
 
         Parameters
         ----------
         t_ns : int or array_like of int, shape (N,)
             Nanoseconds since the start; may not decrease, within a call or from call to call.
-        memory_limit : int, optional
-            Bytes that the states and everything made on the way may take; 4 GiB unless given. The states take 56 of
-            them for each body and time.
 
         Returns
         -------
         State
-            Shapes (..., 4) and (..., 3) for one time, (..., N, 4) and (..., N, 3) for an array, after the axes of
-            the batch.
+            Shapes (4,) and (3,) for one time, (N, 4) and (N, 3) for an array.
 
         Raises
         ------
         InputError
-            If a time is not an integer or lies before one already reached, or the states would take more memory than
-            allowed. It is raised as well if the steps of a body, which is named, are too many, too long for its rate,
-            or lead to infinity.
+            If a time is not an integer or lies before one already reached. It is raised as well if the steps are too
+            many, too long for the body's rate, or lead to infinity.
         """
-        return states_at(self._starts, t_ns, memory_limit, _NEEDS, self._fill)
+        return states_at(self._start, t_ns, self._samples)
 
-    def _fill(self, attitude_xyzw: Array, body_rate: Array, t_ns: Integers, block: int) -> None:
-        """Write the states of B bodies at N times, shapes (B, N, 4) and (B, N, 3), so many samples at once.
-
-        Raises
-        ------
-        InputError
-            If a time lies before one already reached, or a body cannot follow. Then no body has moved.
-        """
-        if len(t_ns) == 0:
-            return
-        states, reached_ns = self._reached
+    def _samples(self, t_ns: Integers) -> tuple[Array, Array]:
+        """Attitudes and body rates at N times, shapes (N, 4) and (N, 3); the body moves on to the last."""
+        state, reached_ns = self._reached
         require_order(t_ns, reached_ns)
-        longest_ns = int((t_ns[1:] - t_ns[:-1]).max(initial=t_ns[0] - reached_ns))
-        work = sum(self._steps_through(k, t_ns, longest_ns) for k in range(len(states)))
-        moved = [list(state) for state in states]
-        for k, state in enumerate(moved):
-            for some, attitudes, rates in self._samples(k, state, t_ns, block, work):
-                attitude_xyzw[k, some], body_rate[k, some] = attitudes, rates
-                work = 0
-        self._reached = moved, int(t_ns[-1])
-
-    def _steps_through(self, k: int, t_ns: Integers, longest_ns: int) -> int:
-        """The number of steps that a body has to take, approximately; refuses what it cannot follow."""
-        integrator, (states, reached_ns) = self._integrators[k], self._reached
-        try:
-            integrator.require_short_steps(states[k], longest_ns)
-            return max(steps_through(int(t_ns[-1]), reached_ns, integrator.largest_step), len(t_ns))
-        except InputError as error:
-            raise self._starts.named(k, error) from None
-
-    def _samples(
-        self, k: int, state: list[float], t_ns: Integers, block: int, work: int
-    ) -> Iterator[tuple[slice, Array, Array]]:
-        """Attitudes and rates of one body, block by block; its state moves on in place."""
-        _, reached_ns = self._reached
-        for begin in range(0, len(t_ns), block):
-            some = slice(begin, begin + block)
-            spans, counts = steps_to(t_ns[some], reached_ns, self._integrators[k].largest_step)
-            try:
-                attitudes, rates = self._integrators[k].advance(state, spans, counts, work)
-            except InputError as error:
-                raise self._starts.named(k, error) from None
-            yield some, attitudes, rates
-            reached_ns, work = int(t_ns[some][-1]), 0
+        longest = self._method.longest_step(self._max_step, self._integrator.fastest)
+        spans, counts = steps_to(t_ns, reached_ns, longest)
+        step = min(longest, 1e-9 * int(spans.max(initial=0)))
+        self._integrator.require_short_steps(state, step)
+        state, attitude, rate = self._integrator.advance(state, spans, counts)
+        if np.isnan(attitude[-1:]).any():
+            raise InputError(f"a step of {step:g} s leads to infinity: lower max_step")
+        self._reached = state, int(t_ns[-1]) if len(t_ns) else reached_ns
+        return attitude, rate
 
 
 def require_stepper(method: object, max_step: object, methods: Collection[str]) -> None:
-    """Refuse a stepper that does not exist, or a step that is no positive finite time.
+    """Refuse a stepper that does not exist, or a step that is negative or no finite time.
 
     Raises
     ------
@@ -258,5 +247,7 @@ def require_stepper(method: object, max_step: object, methods: Collection[str]) 
     """
     if not isinstance(method, str) or method not in methods:
         raise ParameterError("method", f"{shown(method)} is unknown: choose one of {', '.join(methods)}")
-    if not 0.0 < as_double(max_step) < np.inf:
-        raise ParameterError("max_step", f"{shown(max_step)} s is not a positive finite time: give for example 0.001")
+    if not 0.0 <= as_double(max_step) < np.inf:
+        raise ParameterError(
+            "max_step", f"{shown(max_step)} s is negative or not finite: give for example 0.001, or 0 for the longest"
+        )

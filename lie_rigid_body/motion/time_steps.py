@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
 
-MOST_STEPS: Final = 1e15
+MAX_STEPS: Final = 1e15
 """Largest number of steps in one call: a year's work."""
 
 _SLACK: Final = 1e-9
@@ -20,28 +20,8 @@ _SLACK: Final = 1e-9
 _SHRUNK: Final = 1.0 - 1e-15
 """Relative slack of a number of steps: a factor 1e-15 below 1."""
 
-_MOST_PER_NS: Final = 1e280
+_MAX_PER_NS: Final = 1e280
 """Cap on the number of steps in a nanosecond: larger numbers would overflow, and are refused anyway."""
-
-
-def longest_step(max_step: float, largest_turn: float, rate_bound: float) -> float:
-    """The longest step that a stepper takes.
-
-    Parameters
-    ----------
-    max_step : float
-        Largest step that the caller allows, s.
-    largest_turn : float
-        Largest rotation angle that the stepper allows in one step, rad.
-    rate_bound : float
-        Bound of the body rate, rad/s.
-
-    Returns
-    -------
-    float
-        s
-    """
-    return min(max_step, largest_turn / rate_bound) if rate_bound else max_step
 
 
 def steps_between(period_s: float, max_step: float) -> int:
@@ -60,7 +40,7 @@ def steps_between(period_s: float, max_step: float) -> int:
 
 
 def _steps_per_ns(max_step: float) -> float:
-    return min(1e-9 / max_step, _MOST_PER_NS)
+    return min(1e-9 / max_step, _MAX_PER_NS)
 
 
 def _whole(steps: NDArray[np.floating[Any]] | float) -> Array:
@@ -107,7 +87,7 @@ def steps_through(last_ns: int, reached_ns: int, max_step: float) -> int:
     """
     per_ns = _steps_per_ns(max_step)
     steps = (last_ns - reached_ns) * per_ns
-    if steps > MOST_STEPS:
+    if steps > MAX_STEPS:
         raise InputError(
             f"{last_ns} ns lie too many steps of {1e-9 / per_ns:.3g} s ahead: ask for an earlier time, "
             "take longer steps if it is max_step that limits them, or use ClosedForm"

@@ -2,11 +2,11 @@
 
 A motion is known exactly by its inertia, initial attitude and initial body rate, each a double and so a rational
 number. `enclose` holds its state at any later nanosecond, by the exact solution evaluated in balls (`exact_solution`).
-`enclose_by_taylor` does the same by the equations of motion themselves, through Taylor series with a proved remainder
-(`taylor`). The two share nothing but the arithmetic and the start. The argument is told by
-``docs/explanation/proofs.md``.
+Tests hold it against the equations of motion themselves, by Taylor series with a proved remainder. The argument is told
+by ``docs/explanation/proofs.md``.
 
-The room needs python-flint, and shares no code with the motions that it judges.
+The room needs python-flint. It reads an inertia as `mechanics` does, and shares no formula with the motions that it
+judges.
 """
 
 import importlib
@@ -25,6 +25,6 @@ except ImportError:
         "a proof needs python-flint, which is not installed: pip install 'python-flint>=0.9'"
     ) from None
 
-from lie_rigid_body.proof.enclosure import Enclosure, enclose, enclose_by_taylor  # noqa: E402
+from lie_rigid_body.proof.enclosure import Enclosure, enclose  # noqa: E402
 
-__all__ = ["Enclosure", "FlintMissingError", "enclose", "enclose_by_taylor"]
+__all__ = ["Enclosure", "FlintMissingError", "enclose"]

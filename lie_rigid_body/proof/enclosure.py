@@ -29,13 +29,12 @@ from lie_rigid_body.proof.balls import (
 )
 from lie_rigid_body.proof.exact_solution import exact_state
 from lie_rigid_body.proof.start import Start
-from lie_rigid_body.proof.taylor import taylor_state
 
 WIDTH: Final = 2.0**-80
 """Default of the largest width of an `Enclosure`, 8e-25."""
 
-_FIRST_BITS: Final = 128
-_MOST_BITS: Final = 1 << 16
+_MIN_BITS: Final = 128
+_MAX_BITS: Final = 1 << 16
 
 
 @short_dataclass(frozen=True)
@@ -147,40 +146,18 @@ def enclose(
     LieRigidBodyError
         If 65 536 bits are too few.
     """
-    return _thin(lambda start, t, bits: exact_state(start, t), inertia, attitude_xyzw, body_rate, t_ns, width)
-
-
-def enclose_by_taylor(
-    inertia: ArrayLike, attitude_xyzw: ArrayLike, body_rate: ArrayLike, t_ns: int, *, width: float = WIDTH
-) -> Enclosure:
-    """The true state at a time, by the equations of motion, with the arguments of `enclose`.
-
-    It takes some 30 ms for each radian of p t/I₁, with p the norm of the momentum and I₁ the smallest moment.
-    """
-    return _thin(taylor_state, inertia, attitude_xyzw, body_rate, t_ns, width)
-
-
-def _thin(
-    state: Callable[[Start, int, int], tuple[Balls, Balls]],
-    inertia: ArrayLike,
-    attitude_xyzw: ArrayLike,
-    body_rate: ArrayLike,
-    t_ns: int,
-    width: float,
-) -> Enclosure:
-    """The first enclosure that is thin enough, by ``state(start, t_ns, bits)``, with twice the bits each time."""
     start = Start.of(inertia, attitude_xyzw, body_rate)
     t_ns = whole_number("t_ns", t_ns, -(2**63), 2**63 - 1)
     if not 0.0 < as_double(width) < 1.0:
         raise InputError(f"width: {shown(width)} is not between 0 and 1: give for example 1e-20")
-    bits = _FIRST_BITS
-    while bits <= _MOST_BITS:
-        with ctx.workprec(bits), suppress(UndecidedError):
-            found = Enclosure(*state(start, t_ns, bits), bits)
+    bits = _MIN_BITS
+    while bits <= _MAX_BITS:
+        with suppress(UndecidedError):
+            found = Enclosure(*exact_state(start, t_ns, bits), bits)
             if found.width <= width:
                 return found
         bits *= 2
-    raise LieRigidBodyError(f"{_MOST_BITS} bits are too few to enclose this motion: ask for a shorter time")
+    raise LieRigidBodyError(f"{_MAX_BITS} bits are too few to enclose this motion: ask for a shorter time")
 
 
 def _balls(name: str, values: ArrayLike, size: int) -> Balls:

@@ -47,7 +47,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flint import acb, arb, fmpq, fmpq_poly
+from flint import acb, arb, ctx, fmpq, fmpq_poly
 
 from lie_rigid_body.proof.balls import (
     Balls,
@@ -66,33 +66,46 @@ from lie_rigid_body.proof.balls import (
 from lie_rigid_body.proof.start import Kind, Start
 
 
-def exact_state(start: Start, t_ns: int) -> tuple[Balls, Balls]:
-    """Attitude and body rate at a time, in balls of the present precision.
+def exact_state(start: Start, t_ns: int, bits: int) -> tuple[Balls, Balls]:
+    """Attitude and body rate at a time, in balls of a precision.
 
     Parameters
     ----------
     start : Start
     t_ns : int
         Nanoseconds since the start.
+    bits : int
 
     Returns
     -------
     attitude_xyzw, rate : tuple of 4, tuple of 3 arb
         World from body, continuous from the start; rad/s in the body frame. Not finite where the precision is too low.
+
+    Raises
+    ------
+    UndecidedError
+        If the precision is too low to decide a sign.
     """
-    t = arb(fmpq(t_ns, 10**9))
-    kind = start.kind
-    given = exact(start.attitude_xyzw)
-    attitude = scaled(1 / norm(given), given)
-    rate = exact(start.rate)
-    if kind is Kind.STEADY:
-        return product(attitude, rotation(scaled(t, rate))), rate
-    if kind is Kind.SYMMETRIC:
-        return _symmetric_top(start, attitude, t)
-    polhode = _EnclosedPolhode.of(start, kind)
-    turn, momentum = _separatrix_at(polhode, t) if kind is Kind.SEPARATRIX else _EnclosedCirculation.of(polhode).at(t)
-    turned = (*polhode.to_body(turn[:3]), turn[3])
-    return product(attitude, turned), polhode.to_body(tuple(e * p for e, p in zip(polhode.e, momentum, strict=True)))
+    with ctx.workprec(bits):
+        t = arb(fmpq(t_ns, 10**9))
+        kind = start.kind
+        given = exact(start.attitude_xyzw)
+        attitude = scaled(1 / norm(given), given)
+        rate = exact(start.rate)
+        if kind is Kind.STEADY:
+            return product(attitude, rotation(scaled(t, rate))), rate
+        if kind is Kind.SYMMETRIC:
+            return _symmetric_top(start, attitude, t)
+        polhode = _EnclosedPolhode.of(start, kind)
+        motion = _separatrix_at if kind is Kind.SEPARATRIX else _circulation_at
+        turn, momentum = motion(polhode, t)
+        turned = (*polhode.to_body(turn[:3]), turn[3])
+        rates = tuple(e * p for e, p in zip(polhode.e, momentum, strict=True))
+        return product(attitude, turned), polhode.to_body(rates)
+
+
+def _circulation_at(polhode: _EnclosedPolhode, t: arb) -> tuple[Balls, Balls]:
+    return _EnclosedCirculation.of(polhode).at(t)
 
 
 def _symmetric_top(start: Start, attitude: Balls, t: arb) -> tuple[Balls, Balls]:

@@ -23,8 +23,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import ArrayLike
 
-from lie_rigid_body.foundation.arrays import as_numbers
+from lie_rigid_body.foundation.arrays import Array, as_numbers
 from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.mechanics import RigidBody
 
 Rationals = tuple[fmpq, ...]
 
@@ -72,8 +73,7 @@ class Start:
         Raises
         ------
         InputError
-            If a shape is another, a number is not finite, the tensor is not symmetric and positive definite, or the
-            quaternion is zero.
+            If a shape is another, a number is not finite, no body has the inertia, or the quaternion is zero.
         """
         attitude = _rationals("attitude_xyzw", attitude_xyzw, (4,))
         if not any(attitude):
@@ -135,25 +135,17 @@ def _dot(a: Rationals, b: Rationals) -> fmpq:
 
 
 def _tensor(inertia: ArrayLike) -> fmpq_mat:
-    entries = _rationals("inertia", inertia, (3,), (6,), (3, 3))
-    if len(entries) == 3:
-        xx, yy, zz = entries
-        entries = (xx, fmpq(0), fmpq(0), fmpq(0), yy, fmpq(0), fmpq(0), fmpq(0), zz)
-    elif len(entries) == 6:
-        xx, xy, xz, yy, yz, zz = entries
-        entries = (xx, xy, xz, xy, yy, yz, xz, yz, zz)
-    tensor = fmpq_mat(3, 3, list(entries))
-    if tensor != tensor.transpose():
-        raise InputError("inertia: the tensor is not symmetric: give equal entries across the diagonal")
-    plane = tensor[0, 0] * tensor[1, 1] - tensor[0, 1] ** 2
-    if not (tensor[0, 0] > 0 and plane > 0 and tensor.det() > 0):
-        raise InputError("inertia: the tensor is not positive definite: every principal moment must be above 0 kg m²")
-    return tensor
+    """The inertia of a body, exactly."""
+    return fmpq_mat(3, 3, list(_exact(RigidBody(inertia).inertia)))
 
 
-def _rationals(name: str, value: ArrayLike, *shapes: tuple[int, ...]) -> Rationals:
+def _rationals(name: str, value: ArrayLike, shape: tuple[int]) -> Rationals:
     array = as_numbers(name, value)
-    is_real = array.shape in shapes and not np.iscomplexobj(array)
+    is_real = array.shape == shape and not np.iscomplexobj(array)
     if not (is_real and np.isfinite(array := array.astype(np.float64)).all()):
         raise InputError(f"{name}: {array.tolist()!s:.80} is not finite numbers of the right shape")
+    return _exact(array)
+
+
+def _exact(array: Array) -> Rationals:
     return tuple(fmpq(*number.as_integer_ratio()) for number in array.ravel().tolist())

@@ -130,7 +130,7 @@ def _table(laws: Iterable[tuple[LawResult, float | None]], heading: str = "") ->
 def _facts(number: int, count: int, certificate: SegmentCertificate) -> str:
     """Sentence about a segment: its number of so many, samples, inertia, start and motion."""
     scenario = certificate.segment.scenario
-    steps = f"moving_chart {scenario.method}, steps of at most {scenario.max_step:g} s"
+    steps = f"moving_chart {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
     return (
         f"Segment {number} of {count}: {counted(certificate.samples, 'sample')} at {scenario.rate:g} Hz "
         f"from {certificate.segment.start_ns} ns, inertia [{numerals(scenario.inertia)}] kg m², initial body rate "

@@ -167,7 +167,7 @@ def _label_axes(axes: Axes3D, radii: Array) -> None:
 def _title(pieces: Sequence[RecordedSegment], whose: str) -> str:
     scenario = pieces[0].segment.scenario
     count = len(pieces) - 1
-    stepper = f"moving chart {scenario.method}, step at most {scenario.max_step:g} s"
+    stepper = f"moving chart {scenario.method}, step at most {scenario.longest_step:.3g} s"
     motion = stepper if scenario.motion == "moving_chart" else scenario.motion.replace("_", " ")
     marks = "dashed" if count <= MAX_RESETS else "marks above"
     resets = f", {counted(count, 'reset')} ({marks})" if count else ""

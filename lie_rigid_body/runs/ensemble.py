@@ -20,7 +20,6 @@ from lie_rigid_body.foundation.parameters import Value, exact_duration
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.messages import numbers_of
-from lie_rigid_body.motion.motion import DEFAULT_MEMORY_LIMIT, require_memory
 from lie_rigid_body.runs.readings import SensorArrays
 from lie_rigid_body.runs.run import Run
 from lie_rigid_body.scenario import Scenario
@@ -29,6 +28,8 @@ from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment, Simulation, motions_of
 from lie_rigid_body.simulation.loop import LastCall
 
+DEFAULT_MEMORY_LIMIT: Final = 4 * 1024**3
+"""Memory that one call may take by default, bytes (4 GiB)."""
 _TRUTH_BYTES: Final = 300
 """Largest memory for a sample of the truth while it is computed, bytes."""
 _NUMBER_BYTES: Final = 44
@@ -176,13 +177,18 @@ def _require_memory(scenario: Scenario, duration: Fraction, runs: int, memory_li
     largest = max((max(_TRUTH_BYTES, _NUMBER_BYTES * numbers[name]) * readings[name] for name in readings), default=0)
     kept = (runs + 1) * _KEPT_BYTES * sum(readings.values()) + runs * _RUN_BYTES
     samples = truth + runs * sum(readings.values())
-    require_memory(truth * _TRUTH_BYTES + largest + kept, memory_limit, f"{samples} samples in {runs} runs")
+    least = truth * _TRUTH_BYTES + largest + kept
+    if type(plain(memory_limit)) is not int:
+        raise InputError(f"memory_limit {shown(memory_limit)} is not a number of bytes: give an integer")
+    if memory_limit < least:
+        raise InputError(
+            f"memory_limit {memory_limit} bytes is too little for {samples} samples in {runs} runs, which take "
+            f"{least}: ask for fewer at once, or give a larger memory_limit"
+        )
 
 
 def _parameters(scenario: str | Path | Scenario | RigidBody | None) -> dict[str, object]:
     if isinstance(scenario, RigidBody):
-        if scenario.batch_shape:
-            raise InputError(f"{scenario!r} is of many bodies: give one, as bodies[0]")
         return {"inertia": scenario.inertia[np.triu_indices(3)].tolist()}
     if isinstance(scenario, Scenario):
         return dict(scenario.parameters())

@@ -19,13 +19,16 @@ from lie_rigid_body.foundation.wording import call_repr, numerals, shown, sugges
 from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.motion import METHODS, ClosedForm, Motion, MovingChart
-from lie_rigid_body.motion.time_steps import MOST_STEPS, longest_step, steps_between
+from lie_rigid_body.motion.time_steps import MAX_STEPS, steps_between
 from lie_rigid_body.scenario.parameter_table import BY_NAME, OWN, read_parameters
 from lie_rigid_body.sensors import GRADE, SENSORS, Sensors, frame_parameters, without_effect
 
 MAX_ROTATION_PER_STEP: Final = 1.0
 """Largest rotation angle of a Runge–Kutta step, rad: the Taylor expansion of a larger step means nothing. The
 Moser–Veselov steppers limit their steps themselves."""
+
+MIN_STEP: Final = 1e-9
+"""Smallest step that a refusal advises, s."""
 
 _OF_THE_MOTION: Final = tuple(parameter.name for parameter in OWN if parameter.scope == "scenario")
 
@@ -213,7 +216,7 @@ class Scenario:
         rate = self.rate if rate is None else _read("rate", rate)
         if self.motion == "closed_form":
             return 1
-        return steps_between(1.0 / rate, self._longest_step(self.rate_bound()))
+        return steps_between(1.0 / rate, self.longest_step)
 
     def batch_size(self, at_most: int, steps: int, rate: float | None = None) -> int:
         """Number of samples to compute at once, at least 1.
@@ -230,8 +233,10 @@ class Scenario:
         at_most, steps = whole_number("at_most", at_most, 1), whole_number("steps", steps, 1)
         return max(1, min(at_most, steps // self.steps_per_sample(max(self.rates) if rate is None else rate)))
 
-    def _longest_step(self, fastest: float) -> float:
-        return longest_step(self.max_step, METHODS[self.method].largest_turn, fastest)
+    @property
+    def longest_step(self) -> float:
+        """Longest step of the moving chart, s; infinite for a body at rest, whose step is the interval."""
+        return METHODS[self.method].longest_step(self.max_step, self.rate_bound())
 
     def _validate(self) -> None:
         for name in ("world_frame", "body_frame"):
@@ -263,19 +268,19 @@ class Scenario:
     def _require_possible_steps(self, fastest: float) -> None:
         """Refuse steps of the moving chart that are too large for its method, or too many between two samples."""
         slowest = min(self.rates)
-        step = min(self._longest_step(fastest), 1.0 / slowest)
+        step = min(self.longest_step, 1.0 / slowest)
         if fastest * step > MAX_ROTATION_PER_STEP:
             raise ParameterError(
                 "max_step",
-                f"{self.max_step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
+                f"{step:g} s lets the body turn by up to {fastest * step:.3g} rad in one step, more than "
                 f"{MAX_ROTATION_PER_STEP:g}: {_shorter(MAX_ROTATION_PER_STEP / fastest)}use closed_form",
             )
         steps = self.steps_per_sample(slowest)
-        if steps > MOST_STEPS:
+        if steps > MAX_STEPS:
             raise ParameterError(
-                "initial_body_rate",
-                f"at up to {fastest:.3g} rad/s {self.method} takes {steps:.3g} steps between samples, more than "
-                f"{MOST_STEPS:g}: give a lower body rate, or use closed_form",
+                "max_step" if self.longest_step == self.max_step else "initial_body_rate",
+                f"at up to {fastest:.3g} rad/s {self.method} takes {steps:.3g} steps of {step:.3g} s between samples, "
+                f"more than {MAX_STEPS:g}: give longer steps, a lower body rate, or use closed_form",
             )
 
 
@@ -286,7 +291,7 @@ def _read(name: str, value: object) -> Any:
 def _shorter(longest: float) -> str:
     """The remedy for too long a step, if there is one: rounded down, so that it is not refused itself."""
     step = float(Context(prec=3, rounding=ROUND_FLOOR).create_decimal_from_float(longest))
-    return f"give at most {step:g} s, or " if step >= BY_NAME["max_step"].minimum else ""
+    return f"give at most {step:g} s, or " if step >= MIN_STEP else ""
 
 
 def _require_normal(body: RigidBody, start: State) -> None:

@@ -1,39 +1,46 @@
-"""Compiled and plain code give the same bits, and numba is left alone until it pays."""
+"""Compiled and plain code give the same bits, changed kernels are compiled anew, and numba waits until it pays."""
 
 from __future__ import annotations
 
+import ctypes
 import os
+import shutil
+import signal
 import subprocess
 import sys
 from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import lie_rigid_body
 from lie_rigid_body import MovingChart, RigidBody, State
-from lie_rigid_body.compilation import Loop, work
-from lie_rigid_body.compilation import work as loops
-from lie_rigid_body.compilation.cache import cache_folder, mark
-from lie_rigid_body.compilation.compiler import started
-from lie_rigid_body.compilation.work import LONG_CALL, SIGNATURE, STEPS_FOR_COMPILING, STEPS_FOR_LOADING
+from lie_rigid_body.compilation import StepLoop, compiler, step_loop
+from lie_rigid_body.compilation.step_loop import MIN_STEPS_TO_COMPILE, MIN_STEPS_TO_COUNT
 from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.moser_veselov import loop as moser_veselov_loop
-from lie_rigid_body.motion.munthe_kaas import loop as munthe_kaas_loop
-from lie_rigid_body.system.portable import lock
+from lie_rigid_body.motion.moser_veselov.loop import LOOP
+from lie_rigid_body.motion.munthe_kaas.integrator import LOOPS
 
-MODULES = (moser_veselov_loop, munthe_kaas_loop)
 BODIES = {
     "principal": RigidBody([0.6, 0.8, 1.0]),
     "products": RigidBody([1.0, 0.1, -0.05, 1.4, 0.2, 1.9]),
     "symmetric": RigidBody([1.0, 1.0, 2.0]),
 }
+START = State([0.5, -0.5, 0.5, 0.5], [3.0, 0.5, -0.9])
 needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
 
 
 def states(body: RigidBody, method: str, times: np.ndarray, max_step: float) -> np.ndarray:
-    start = State([0.5, -0.5, 0.5, 0.5], [3.0, 0.5, -0.9])
-    found = MovingChart(body, start, method=method, max_step=max_step).at(times)
+    found = MovingChart(body, START, method=method, max_step=max_step).at(times)
     return np.concatenate([found.attitude_xyzw, found.body_rate], axis=1)
+
+
+def compiled_loop(method: str) -> StepLoop:
+    """The loop of a method, compiled."""
+    assert MovingChart(BODIES["principal"], START, method=method).compile()
+    return LOOPS.get(method, LOOP)
 
 
 @needs_numba
@@ -42,129 +49,131 @@ def states(body: RigidBody, method: str, times: np.ndarray, max_step: float) -> 
 def test_compiled_code_gives_the_bits_of_plain_python(method, max_step, monkeypatch):
     count = 60 if max_step < 0.1 else 4  # or the low orders run away
     times = np.cumsum(np.random.default_rng(3).integers(0, int(3e9 * max_step), size=count))
+    loop = compiled_loop(method)
     for body in BODIES.values():
+        found = states(body, method, times, max_step)
         with monkeypatch.context() as patch:
-            for module in MODULES:
-                patch.setattr(module.LOOP, "_compiled", None)
-                patch.setattr(module.LOOP, "_may_compile", False)
-            plain = states(body, method, times, max_step)
-        assert all(module.LOOP.compile() for module in MODULES)
-        np.testing.assert_array_equal(states(body, method, times, max_step), plain)
+            patch.setattr(loop, "_compiled", None)
+            patch.setattr(loop, "_may_compile", False)
+            np.testing.assert_array_equal(states(body, method, times, max_step), found)
 
 
 @needs_numba
 def test_short_pieces_are_the_whole(monkeypatch):
     """Compiled code comes back now and then to look at signals, also in the middle of a sample."""
     times = 10_000_000 * np.array([3, 3, 500, 501, 1700, 1701, 2300])
-    assert all(module.LOOP.compile() for module in MODULES)
     for method in ("dmv20", "rkmk4"):
+        compiled_loop(method)
         whole = states(BODIES["products"], method, times, 0.01)
         with monkeypatch.context() as patch:
-            patch.setattr(loops, "STEPS_PER_CALL", 100)
+            patch.setattr(step_loop, "MAX_STEPS_AT_ONCE", 100)
             np.testing.assert_array_equal(states(BODIES["products"], method, times, 0.01), whole)
 
 
-def test_without_numba_everything_runs_in_python(monkeypatch):
-    monkeypatch.setitem(sys.modules, "numba", None)
-    loop = Loop(moser_veselov_loop.advance)
-    assert not loop.compile()
+CHANGED_KERNEL = """
+import numpy as np
+from lie_rigid_body import MovingChart, RigidBody, State
+chart = MovingChart(RigidBody([1, 2, 3]), State([0, 0, 0, 1], [0.1, 1, 0.1]), method="rkmk4")
+assert chart.compile()
+print(chart.at(10**9).attitude_xyzw.tolist())
+"""
 
 
-def test_numba_that_does_not_load_is_done_without(monkeypatch, tmp_path):
-    """As when its NumPy is too new."""
-    (tmp_path / "numba.py").write_text("raise ImportError('Numba needs NumPy 2.0 or less')")
+@needs_numba
+def test_a_kernel_that_changes_is_compiled_anew_and_one_that_does_not_is_loaded(tmp_path: Path):
+    """Numba's own cache would run yesterday's code, as the file that changes is not that of the loop."""
+    source = Path(lie_rigid_body.__file__).parent
+    shutil.copytree(source, tmp_path / "lie_rigid_body", ignore=shutil.ignore_patterns("config", "__pycache__"))
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+
+    def run() -> tuple[str, dict[Path, int]]:
+        command = [sys.executable, "-c", CHANGED_KERNEL]
+        printed = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True)
+        return printed.stdout, {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nbc")}
+
+    before, kept = run()
+    assert kept
+    assert run() == (before, kept)
+    series = tmp_path / "lie_rigid_body" / "lie" / "series.py"
+    changed = series.read_text(encoding="utf-8").replace("float(abs(b) /", "float(2 * abs(b) /")
+    series.write_text(changed, encoding="utf-8")
+    after, _ = run()
+    assert after != before
+
+
+@pytest.mark.parametrize("numba", [None, "raise ImportError('Numba needs NumPy 2.0 or less')"])
+def test_without_a_numba_that_loads_everything_runs_in_python(numba, monkeypatch, tmp_path):
     for name in [name for name in sys.modules if name.partition(".")[0] == "numba"]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.syspath_prepend(tmp_path)
-    assert not Loop(moser_veselov_loop.advance).compile()
+    if numba is None:
+        monkeypatch.setitem(sys.modules, "numba", None)
+    else:
+        (tmp_path / "numba.py").write_text(numba)
+        monkeypatch.syspath_prepend(tmp_path)
+    assert not StepLoop(nothing).compile((0.0,), (0.0,))
 
 
-STATE = [0.5, -0.5, 0.5, 0.5, 0.0, 0.0, 1.0]
+def nothing(state, constants, spans, counts, takes, out):
+    """A loop that does nothing."""
+    return state
 
 
-def done(loop: Loop, steps: int) -> np.ndarray:
-    state, constants = list(STATE), [1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0]
-    out = np.empty((1, 7))
-    loop.run(state, constants, np.array([1000]), np.array([steps]), out)
-    return out
+def test_only_much_work_in_long_calls_asks_for_the_compiler(monkeypatch):
+    loop, asked = StepLoop(nothing), []
+    monkeypatch.setattr(step_loop, "compiled", lambda *_: asked.append(_))
 
+    def work(steps: int) -> None:
+        loop.run((0.0,), (0.0,), np.array([1000]), np.array([steps]), np.empty((1, 7)))
 
-def test_only_much_work_in_long_calls_starts_the_compiler(monkeypatch):
-    loop, asked = Loop(munthe_kaas_loop.advance), []
-    monkeypatch.setattr(work, "is_kept", lambda plain: False)
-    monkeypatch.setattr(work, "started", lambda *function: asked.append(function))
-    monkeypatch.setattr(work, "loaded", lambda *function: None)
-    monkeypatch.setattr(loop, "_plain", lambda *_: None)
-    for _ in range(2 * STEPS_FOR_COMPILING // LONG_CALL):
-        done(loop, LONG_CALL - 1)
+    for _ in range(2 * MIN_STEPS_TO_COMPILE // MIN_STEPS_TO_COUNT):
+        work(MIN_STEPS_TO_COUNT - 1)
     assert not asked  # a live node never waits for it
-    done(loop, STEPS_FOR_COMPILING - 1)
+    work(MIN_STEPS_TO_COMPILE - 1)
     assert not asked
-    done(loop, LONG_CALL)
-    assert asked
+    work(MIN_STEPS_TO_COUNT)
+    work(MIN_STEPS_TO_COUNT)
+    assert len(asked) == 1
 
 
-def test_what_is_kept_is_loaded_after_little_work(monkeypatch):
-    loop = Loop(munthe_kaas_loop.advance)
-    monkeypatch.setattr(work, "is_kept", lambda plain: True)
-    monkeypatch.setattr(work, "started", lambda *function: None)
-    kept = {(munthe_kaas_loop.advance, SIGNATURE): print}
-    monkeypatch.setattr(work, "loaded", lambda *function: kept[function])
-    assert loop.compiled_for(STEPS_FOR_LOADING - 1) is None
-    assert loop.compiled_for(LONG_CALL) is print
+def test_a_signal_while_code_is_compiled_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It comes amid a call back from C, as LLVM makes them, where an exception is printed and forgotten."""
+
+    def load(*_: object) -> list[Any]:
+        ctypes.CFUNCTYPE(None)(lambda: os.kill(os.getpid(), signal.SIGINT))()
+        return []
+
+    monkeypatch.setattr(compiler, "_compiled", load)
+    former = signal.signal(signal.SIGINT, signal.default_int_handler)  # another test may have left its own
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            compiler.compiled(nothing, ())
+    finally:
+        signal.signal(signal.SIGINT, former)
 
 
 @needs_numba
-def test_work_goes_on_in_python_until_another_process_has_compiled(monkeypatch, tmp_path):
-    """From one piece of a sample to the next, and the result is that of Python alone."""
+def test_a_cache_without_room_or_a_numba_that_is_set_up_oddly_leaves_the_plain_function(monkeypatch, tmp_path) -> None:
+    """Else what records a bag would end in an error that names no file, as if of the bag."""
+    resource = pytest.importorskip("resource")
+    numba = pytest.importorskip("numba")
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    plain, steps = Loop(munthe_kaas_loop.advance), 30_000
-    monkeypatch.setattr(loops, "STEPS_IN_PYTHON", 100)
-    expected = done(plain, steps)
-    monkeypatch.setattr(loops, "STEPS_FOR_COMPILING", 1)
-    loop = Loop(munthe_kaas_loop.advance)
-    np.testing.assert_array_equal(done(loop, steps), expected)
-    assert loop.compiled_for(0) is None
-    assert loop._compiler is not None
-    assert loop._compiler.wait(60) == 0
-    np.testing.assert_array_equal(done(loop, steps), expected)
-    assert loop.compiled_for(0) is not None
-    another = Loop(munthe_kaas_loop.advance)
-    np.testing.assert_array_equal(done(another, steps), expected)
-    assert another.compiled_for(0) is not None  # at once, from the cache
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+    try:
+        assert not StepLoop(nothing).compile((0.0,), (0.0,))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    monkeypatch.setattr(numba.config, "CACHE_LOCATOR_CLASSES", "none_of_that.Name", raising=False)
+    assert not StepLoop(nothing).compile((0.0,), (0.0,))
 
 
-@needs_numba
-def test_the_compiling_process_ends_with_the_work(tmp_path):
-    code = (
-        "from lie_rigid_body.motion.munthe_kaas.loop import advance; "
-        "from lie_rigid_body.compilation.compiler import started; "
-        f"print(started(advance, {SIGNATURE!r}).pid)"
-    )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    with pytest.raises(ProcessLookupError):
-        os.kill(int(found.stdout), 0)
-
-
-@needs_numba
-def test_of_runs_side_by_side_one_compiles(monkeypatch, tmp_path):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    folder = cache_folder(munthe_kaas_loop.advance)
-    assert folder is not None
-    with (folder / "lock").open("w") as file, lock(file):
-        process = started(munthe_kaas_loop.advance, SIGNATURE)
-        assert process is not None
-        mark(folder, munthe_kaas_loop.advance).touch()  # as another process does at its end
-    assert process.wait(60) == 0
-    assert list(folder.rglob("*.nb?")) == []
-
-
-@needs_numba
-def test_a_compiler_that_fails_leaves_the_work_to_python(monkeypatch, tmp_path):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    loop = Loop(munthe_kaas_loop.advance)
-    assert loop.compiled_for(STEPS_FOR_COMPILING) is None
-    assert loop._compiler is not None
-    loop._compiler.kill()
-    assert not loop.compile()
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="a folder has no mode here")
+@pytest.mark.parametrize("mode", [0o700, 0o777, 0o702])
+def test_code_is_kept_where_this_user_alone_may_write(mode: int, monkeypatch, tmp_path: Path) -> None:
+    (tmp_path / "home").mkdir(mode=0o700)
+    (tmp_path / "home").chmod(mode)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "home"))
+    folder = compiler.cache_folder("1.0")
+    assert (folder is not None) == (mode == 0o700)
+    assert folder is None or folder.is_relative_to(tmp_path / "home")
+    assert compiler.cache_folder("1.1") != folder or folder is None

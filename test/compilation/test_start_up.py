@@ -5,9 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from importlib.util import find_spec
-
-import pytest
 
 LOADED = "import json, sys; json.dump(sorted({name.partition('.')[0] for name in sys.modules}), sys.stderr)"
 EVERY_MODULE = """
@@ -51,20 +48,3 @@ for method in ('dmv20', 'rkmk4'):
     MovingChart(body, start, method=method).at(10**9)
 """
     assert not loaded(code) & {"numba", "llvmlite"}
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed")
-def test_what_was_compiled_is_loaded_by_the_next_process(tmp_path, monkeypatch):
-    """Compiling takes seconds; loading from the cache changes no file of it."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    code = """
-from lie_rigid_body.motion.moser_veselov.loop import LOOP as moser_veselov
-from lie_rigid_body.motion.munthe_kaas.loop import LOOP as munthe_kaas
-assert moser_veselov.compile() and munthe_kaas.compile()
-"""
-    assert "numba" in loaded(code)
-    files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")}
-    assert len(files) >= 4
-    loaded(code)
-    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")} == files

@@ -51,17 +51,6 @@ def test_angular_acceleration_obeys_eulers_equations():
     np.testing.assert_allclose(RigidBody([1.0, 2.0, 3.0]).angular_acceleration(states), expected, rtol=1e-15)
 
 
-def test_angular_acceleration_of_a_batch_is_that_of_each_body():
-    tensors = np.array([[[2.0, 0.1, 0.0], [0.1, 3.0, 0.2], [0.0, 0.2, 4.0]], np.diag([1.0, 1.5, 2.0])])
-    rate = np.linspace(-1.0, 2.0, 18).reshape(2, 3, 3)
-    attitude = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (2, 3, 4))
-    together = RigidBody(tensors).angular_acceleration(State(attitude, rate))
-    for i, tensor in enumerate(tensors):
-        for k in range(3):
-            alone = RigidBody(tensor).angular_acceleration(State(attitude[i, k], rate[i, k]))
-            np.testing.assert_array_equal(together[i, k], alone)
-
-
 def test_diagonal_moments_are_kept_exactly_in_any_order():
     for order in ([0.3, 0.1, 0.25], [3.0, 1.0, 2.5], [2.0, 2.0, 1.0]):
         body = RigidBody(order)
@@ -153,49 +142,6 @@ def test_energy_and_momentum_are_what_the_definitions_say(axes, turn, rate):
     np.testing.assert_allclose(body.angular_momentum(state), momentum, rtol=0, atol=1e-15 * scale)
     energy = 0.5 * np.array(rate) @ body.inertia @ np.array(rate)
     np.testing.assert_allclose(body.kinetic_energy(state), energy, rtol=1e-14, atol=1e-300)
-
-
-def batch(count):
-    random = np.random.default_rng(1)
-    axes = np.linalg.qr(random.normal(size=(count, 3, 3)))[0]
-    moments = np.array([ellipsoid_moments(row) for row in random.uniform(0.1, 3.0, size=(count, 3))])
-    tensors = axes @ (moments[..., np.newaxis] * axes.swapaxes(-1, -2))
-    tensors[1] = np.diag([3.0, 1.0, 2.5])
-    return 0.5 * (tensors + tensors.swapaxes(-1, -2))
-
-
-def test_a_batch_of_bodies_is_each_of_them():
-    tensors = batch(12)
-    bodies = RigidBody(tensors.reshape(3, 4, 3, 3))
-    assert (bodies.batch_shape, len(bodies), bodies[1].batch_shape) == ((3, 4), 3, (4,))
-    states = State(np.tile([0.0, 0.6, 0.0, 0.8], (3, 4, 5, 1)), np.arange(180.0).reshape(3, 4, 5, 3))
-    energy, momentum = bodies.kinetic_energy(states), bodies.angular_momentum(states)
-    assert (energy.shape, momentum.shape) == ((3, 4, 5), (3, 4, 5, 3))
-    for i, j in np.ndindex(3, 4):
-        alone = RigidBody(tensors[4 * i + j])
-        for name in ("inertia", "inverse_inertia", "principal_moments", "principal_axes", "second_moment"):
-            np.testing.assert_array_equal(getattr(bodies, name)[i, j], getattr(alone, name))
-            np.testing.assert_array_equal(getattr(bodies[i][j], name), getattr(alone, name))
-        np.testing.assert_array_equal(energy[i, j], alone.kinetic_energy(states[i][j]))
-        np.testing.assert_array_equal(momentum[i, j], alone.angular_momentum(states[i][j]))
-
-
-def test_a_batch_of_principal_moments():
-    moments = [[1.0, 2.0, 3.0], [0.6, 1.0, 0.8]]
-    bodies = RigidBody.from_principal_moments(moments)
-    for i, own in enumerate(moments):
-        np.testing.assert_array_equal(bodies[i].inertia, np.diag(own))
-    np.testing.assert_array_equal(RigidBody.from_principal_moments([1.0, 2.0, 3.0]).inertia, np.diag([1.0, 2.0, 3.0]))
-
-
-def test_one_body_is_no_sequence():
-    body = RigidBody([1.0, 2.0, 3.0])
-    with pytest.raises(TypeError):
-        len(body)
-    with pytest.raises(TypeError):
-        body[0]
-    assert bool(body)
-    assert bool(RigidBody(np.tile(np.eye(3), (2, 1, 1)))[:0])
 
 
 def test_quantities_are_batched():

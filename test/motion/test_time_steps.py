@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from lie_rigid_body import InputError, MovingChart, RigidBody, State
 from lie_rigid_body.groups import SO, GroupMovingChart, GroupState, Lagrangian, mass_matrix
-from lie_rigid_body.motion.time_steps import longest_step, steps_between, steps_to
+from lie_rigid_body.motion import METHODS
+from lie_rigid_body.motion.time_steps import steps_between, steps_to
 
 SLACK = Fraction(1, 10**9)
 
@@ -58,9 +59,21 @@ def test_a_period_has_the_fewest_steps_that_are_allowed(period: float, max_step:
 
 
 def test_a_step_is_limited_by_the_turn_as_well():
-    assert longest_step(10.0, 0.25, 5.0) == 0.05
-    assert longest_step(0.01, 0.25, 5.0) == 0.01
-    assert longest_step(10.0, 0.25, 0.0) == longest_step(10.0, np.inf, 5.0) == 10.0
+    for name in ("dmv4", "dmv20"):
+        assert METHODS[name].longest_step(10.0, 5.0) == 0.05
+        assert METHODS[name].longest_step(0.01, 5.0) == 0.01
+        assert METHODS[name].longest_step(10.0, 0.0) == 10.0
+    assert METHODS["rkmk4"].longest_step(10.0, 5.0) == 10.0
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_step_of_0_is_as_long_as_the_method_allows(name: str):
+    """A quarter radian where steps are exact, else a millisecond; of a body at rest the interval."""
+    assert METHODS[name].longest_step(0.0, 5.0) == (0.05 if name == "dmv20" else 0.001)
+    assert METHODS[name].longest_step(0.0, 1e4) == (0.25e-4 if name.startswith("dmv") else 0.001)
+    body, rest = RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [0.0, 0.0, 0.0])
+    chart = MovingChart(body, rest, method=name)
+    np.testing.assert_array_equal(chart.at(2**62).attitude_xyzw, rest.attitude_xyzw)
 
 
 @pytest.mark.parametrize("max_step", [1e-300, 5e-324, 1e300])

@@ -8,12 +8,11 @@ from fractions import Fraction
 import numpy as np
 
 from lie_rigid_body import ClosedForm, InputError, MovingChart, ParameterError, RigidBody, State
-from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, Tableau
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, ChainTableau
 from lie_rigid_body.motion.time_steps import steps_to
 
 BODY = RigidBody([1.0, 2.0, 3.0])
 START = State([0.0, 0.0, 0.0, 1.0], [0.1, 0.2, 0.3])
-FAST = [[0.1, 0.2, 0.3], [0.3, 0.5, 1.1], [3.0, 4e3, 0.0]]
 MASKED = np.ma.masked_array([0, 1000], mask=[False, True])
 
 
@@ -32,26 +31,18 @@ def chart(rates, *, moments=(1.0, 2.0, 3.0), step=0.001):
     return MovingChart(RigidBody(list(moments)), starts(rates), method="rkmk4", max_step=step)
 
 
-def bodies(*batch):
-    return RigidBody(np.broadcast_to(np.diag([1.0, 2.0, 3.0]), (*batch, 3, 3)))
-
-
 REFUSED = {
     InputError: [
         lambda: MovingChart([1, 2, 3], START),
         lambda: ClosedForm(BODY, [1, 2, 3]),
-        lambda: ClosedForm(bodies(2), starts(np.ones((3, 3)))),
         lambda: ClosedForm(BODY, START).at(0.5),
         lambda: MovingChart(BODY, START).at([0.1]),
         lambda: ClosedForm(BODY, START).at([[1, 2], [3]]),
         lambda: reached(1000).at(999),
-        lambda: ClosedForm(BODY, START).at(np.arange(7), memory_limit=1000),
-        lambda: MovingChart(BODY, START).at(0, memory_limit=[1, 2, 3]),
         lambda: chart([0.0, 1e6, 0.0]).at(10**9),
-        lambda: chart(FAST).at(10**6),
-        lambda: chart([FAST]).at(10**6),
+        lambda: ClosedForm(BODY, starts(np.ones((3, 3)))),
         lambda: chart([20.0, 30.0, 10.0], moments=(0.2, 1.0, 1.1), step=0.08).at(400 * 10**9),
-        lambda: MovingChart(BODY, starts([[0.1, 0.2, 0.3], [1e9, 2e9, 1e9]]), max_step=1.0).at(10**18),
+        lambda: MovingChart(BODY, starts([1e9, 2e9, 1e9]), max_step=1.0).at(10**18),
         lambda: MovingChart(BODY, START).at(MASKED),
         lambda: ClosedForm(BODY, START).at(MASKED),
         lambda: steps_to(np.array([1]), 0, 1e-300),
@@ -62,7 +53,7 @@ REFUSED = {
         lambda: MovingChart(BODY, START, max_step=10**400),
     ],
     ValueError: [
-        lambda: Tableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),
-        lambda: Tableau("t", 1, (Fraction(1),), (Fraction(1),)),
+        lambda: ChainTableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),
+        lambda: ChainTableau("t", 1, (Fraction(1),), (Fraction(1),)),
     ],
 }

@@ -10,7 +10,7 @@ from __future__ import annotations
 from decimal import Decimal
 from typing import Final, NamedTuple
 
-from lie_rigid_body.arithmetic.decimals import NANOSECOND
+from lie_rigid_body.arithmetic.decimals import NANOSECOND, PI
 from lie_rigid_body.arithmetic.double_double import (
     DoubleDouble,
     add,
@@ -20,9 +20,8 @@ from lie_rigid_body.arithmetic.double_double import (
     remainder,
 )
 from lie_rigid_body.arithmetic.numbers import Number, magnitude, nearest
-from lie_rigid_body.compilation import kernel
 
-_GREATEST_RATE: Final = Decimal("1e12")
+_MAX_RATE: Final = Decimal("1e12")
 """Cap on the phase rate of an `EndlessClock`, 1/ns; the phase saturates within 1 ns anyway."""
 
 
@@ -44,13 +43,23 @@ class PhaseClock(NamedTuple):
     @classmethod
     def of(cls, rate: Decimal, start: Decimal, period: Decimal) -> PhaseClock:
         """A clock from a rate in units per second, a start and a period in the same units."""
-        turns = NANOSECOND * rate / period, start / period
-        rate_turns, start_turns = (from_decimal(x - x.to_integral_value()) for x in turns)
-        return cls(rate_turns, start_turns, from_decimal(period))
+        return cls(_reduced(NANOSECOND * rate / period), _reduced(start / period), from_decimal(period))
 
-    def initial_phase(self) -> Number:
+    def initial_phase(self) -> float:
         """The phase at the start, in its unit."""
-        return multiply(self.start, self.period)[0]
+        return float(multiply(self.start, self.period)[0])
+
+    def turns(self, time: DoubleDouble) -> DoubleDouble:
+        """The phase at a time in ns since the start, in turns in [−½, ½]."""
+        return remainder(add(multiply(self.rate, time), self.start))
+
+    def folded_phase(self, time: DoubleDouble) -> tuple[DoubleDouble, Number]:
+        """The phase less the nearest multiple of half a period, in its unit; −1 where that is an odd one, else 1."""
+        turns = self.turns(time)
+        half = 0.5 * nearest(2.0 * turns[0])
+        # exact: what is left of half a turn
+        folded = fast_two_sum(turns[0] - half, turns[1])
+        return multiply(folded, self.period), 1.0 - 4.0 * magnitude(half)
 
 
 class EndlessClock(NamedTuple):
@@ -62,35 +71,26 @@ class EndlessClock(NamedTuple):
     @classmethod
     def of(cls, rate: Decimal, start: Decimal) -> EndlessClock:
         """A clock from a positive rate in units per second and a start in the same units."""
-        return cls(from_decimal(min(NANOSECOND * rate, _GREATEST_RATE)), from_decimal(start))
+        return cls(from_decimal(min(NANOSECOND * rate, _MAX_RATE)), from_decimal(start))
 
-    def initial_phase(self) -> Number:
+    def initial_phase(self) -> float:
         """The phase at the start, in its unit."""
-        return self.start[0]
+        return float(self.start[0])
+
+    def phase(self, time: DoubleDouble) -> DoubleDouble:
+        """The phase at a time in ns since the start."""
+        return add(multiply(self.rate, time), self.start)
 
 
-@kernel
-def turns(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
-    """The phase of a `PhaseClock` at a time in ns since the start, in turns in [−½, ½]."""
-    return remainder(add(multiply(rate, time), start))
+def half_turn_rate(rate: Decimal) -> DoubleDouble:
+    """Half of an angular rate in rad/s, in turns per nanosecond, less the nearest integer."""
+    return _reduced(NANOSECOND * rate / (4 * PI))
 
 
-@kernel
 def turns_from_zero(rate: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
-    """The phase of a `PhaseClock` that starts at 0, in turns in [−½, ½]."""
+    """The phase at a time in ns, in turns in [−½, ½], from a rate in turns per nanosecond and a start at 0."""
     return remainder(multiply(rate, time))
 
 
-@kernel
-def endless_phase(rate: DoubleDouble, start: DoubleDouble, time: DoubleDouble) -> DoubleDouble:
-    """The phase of an `EndlessClock` at a time in ns since the start."""
-    return add(multiply(rate, time), start)
-
-
-@kernel
-def folded_phase(turns: DoubleDouble, period: DoubleDouble) -> tuple[DoubleDouble, Number]:
-    """A phase less the nearest multiple of half a period, in its unit, and its parity: −1 where that is odd, else 1."""
-    half = 0.5 * nearest(2.0 * turns[0])
-    # exact: what is left of half a turn
-    folded = fast_two_sum(turns[0] - half, turns[1])
-    return multiply(folded, period), 1.0 - 4.0 * magnitude(half)
+def _reduced(turns: Decimal) -> DoubleDouble:
+    return from_decimal(turns - turns.to_integral_value())

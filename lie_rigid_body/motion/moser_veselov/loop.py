@@ -22,139 +22,121 @@ from lie_rigid_body.arithmetic.double_double import (
     scaled,
     subtract,
 )
-from lie_rigid_body.arithmetic.numbers import Number, pair
-from lie_rigid_body.compilation import Loop, kernel
-from lie_rigid_body.motion.moser_veselov.layout import (
-    ATTITUDE,
-    DIFFERENCES,
-    ENERGY,
-    M1,
-    M3,
-    MOMENTUM,
-    MOMENTUM_STEP,
-    RATES,
-    ROTATION_STEP,
-    SCALED_NANOSECOND,
-    SINCE_RESTORATION,
-    SPATIAL_MOMENTUM,
-    STEP_LENGTH,
-    Four,
-    Three,
-    four,
-    seven,
-    store,
-    three,
-)
+from lie_rigid_body.arithmetic.numbers import Number
+from lie_rigid_body.compilation import StepLoop, kernel
+from lie_rigid_body.motion.moser_veselov.records import Four, StepperConstants, StepperState, Three
 from lie_rigid_body.motion.moser_veselov.step import (
-    increased,
-    moved_momentum,
-    step_constants,
+    add_increment,
+    step_attitude,
+    step_momentum,
+    step_of_length,
     step_rotation,
-    turned,
 )
 
-STEPS_BETWEEN_RESTORATIONS: Final = 64.0
+STEPS_BETWEEN_PROJECTIONS: Final = 64.0
 """Largest number of steps between two projections onto the invariants."""
-TURN_BETWEEN_RESTORATIONS: Final = 2.0
+
+TURN_BETWEEN_PROJECTIONS: Final = 2.0
 """Largest turn between two projections, rad: near the separatrix an error grows by as many powers of e at most."""
 
-SAMPLE_SIZE: Final = 7
-"""Floats of a sample: x y z w, scalar last, and the body rate, rad/s, in the principal frame."""
-
-SMALLEST: Final = 1e-250
+MIN_SQUARED_GRADIENT: Final = 1e-250
 """Smallest squared gradient of the energy at which the energy is corrected; that of a steady rotation is 0."""
 
 
 @kernel
-def prepare(state: Any, constants: Any, span: int, count: int) -> None:
-    """Store the constants of a step, unless they are there already."""
-    length = divide(multiply(pair(constants, SCALED_NANOSECOND), from_integer(span)), (float(count), 0.0))
-    if length[0] != state[STEP_LENGTH] or length[1] != state[STEP_LENGTH + 1]:
-        state[STEP_LENGTH], state[STEP_LENGTH + 1] = length
-        momentum_step, rotation_step = step_constants(length, constants)
-        store(state, MOMENTUM_STEP, momentum_step)
-        store(state, ROTATION_STEP, rotation_step)
+def prepared(state: StepperState, constants: StepperConstants, span: int, count: int) -> StepperState:
+    """The state with the constants of a step; they are as they were if the length is."""
+    length = divide(multiply(constants.nanosecond, from_integer(span)), (float(count), 0.0))
+    if length[0] == state.step.length[0] and length[1] == state.step.length[1]:
+        return state
+    return StepperState(state.momentum, state.attitude, state.since_projection, step_of_length(length, constants))
 
 
 @kernel
-def take_steps(state: Any, constants: Any, count: int) -> None:
-    """Move the state by a number of steps of the length that is prepared."""
-    n, q = three(state, MOMENTUM), four(state, ATTITUDE)
-    momentum_step, rotation_step = seven(state, MOMENTUM_STEP), three(state, ROTATION_STEP)
-    done = state[SINCE_RESTORATION]
-    part = max(1.0, STEPS_BETWEEN_RESTORATIONS / TURN_BETWEEN_RESTORATIONS * state[STEP_LENGTH])
+def take_steps(state: StepperState, constants: StepperConstants, count: int) -> StepperState:
+    """The state after a number of steps of the length that is prepared."""
+    n = state.momentum
+    q = state.attitude
+    step = state.step
+    done: Number = state.since_projection
+    part = max(1.0, STEPS_BETWEEN_PROJECTIONS / TURN_BETWEEN_PROJECTIONS * step.length[0])
     for _ in range(count):
         before = n
-        n = moved_momentum(n, momentum_step)
-        q = turned(q, step_rotation(before, n, rotation_step))
+        n = step_momentum(n, step)
+        q = step_attitude(q, step_rotation(before, n, step.half_inertia))
         done += part
-        if done >= STEPS_BETWEEN_RESTORATIONS:
+        if done >= STEPS_BETWEEN_PROJECTIONS:
             done = 0.0
-            n = restored_momentum(n, constants)
-            q = restored_attitude(q, n, three(constants, SPATIAL_MOMENTUM))
-    store(state, MOMENTUM, n)
-    store(state, ATTITUDE, q)
-    state[SINCE_RESTORATION] = done
+            n = project_momentum(n, constants)
+            q = project_attitude(q, n, constants.world_momentum)
+    return StepperState(n, q, done, step)
 
 
 @kernel
-def restored_momentum(n: Three, constants: Any) -> Three:
+def project_momentum(n: Three, constants: StepperConstants) -> Three:
     """The momentum projected onto unit length and the energy of the start.
 
     The energy is counted from that of a spin about the axis k nearest to the momentum, 2H − eₖ = Σ (eⱼ − eₖ) nⱼ². So
     nothing cancels in it, however near that is, and however near the start to the separatrix.
     """
-    a, b, c = multiply(n[0], n[0]), multiply(n[1], n[1]), multiply(n[2], n[2])
+    a = multiply(n[0], n[0])
+    b = multiply(n[1], n[1])
+    c = multiply(n[2], n[2])
     length = subtract(add(a, add(b, c)), ONE)[0]
     d1, d2, d3, level = from_nearest_axis(a[0], b[0], c[0], constants)
     energy = add(multiply(d1, a), add(multiply(d2, b), multiply(d3, c)))
     mean = energy[0]
     # what the energy is off, less what the length accounts for; g is half its gradient along the unit sphere
     across = subtract(energy, level)[0] - mean * length
-    g1, g2, g3 = n[0][0] * (d1[0] - mean), n[1][0] * (d2[0] - mean), n[2][0] * (d3[0] - mean)
+    g1 = n[0][0] * (d1[0] - mean)
+    g2 = n[1][0] * (d2[0] - mean)
+    g3 = n[2][0] * (d3[0] - mean)
     square = g1 * g1 + g2 * g2 + g3 * g3
-    shift = 0.5 * across / square if square > SMALLEST else 0.0
+    shift = 0.5 * across / square if square > MIN_SQUARED_GRADIENT else 0.0
     return (
-        increased(n[0], -(0.5 * length * n[0][0] + shift * g1), 0.0),
-        increased(n[1], -(0.5 * length * n[1][0] + shift * g2), 0.0),
-        increased(n[2], -(0.5 * length * n[2][0] + shift * g3), 0.0),
+        add_increment(n[0], -(0.5 * length * n[0][0] + shift * g1), 0.0),
+        add_increment(n[1], -(0.5 * length * n[1][0] + shift * g2), 0.0),
+        add_increment(n[2], -(0.5 * length * n[2][0] + shift * g3), 0.0),
     )
 
 
 @kernel
 def from_nearest_axis(
-    a: Number, b: Number, c: Number, constants: Any
+    a: Number, b: Number, c: Number, constants: StepperConstants
 ) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, DoubleDouble]:
     """The differences eⱼ − eₖ for j = 1, 2, 3, and 2H − eₖ of the start, where k is the axis with the largest nₖ²."""
-    e12, e13, e23 = three(constants, DIFFERENCES)
+    e12, e13, e23 = constants.differences
     if a >= b and a >= c:
         # 2H − e₁ = −(e₁ − e₃) m₃, and 2H − e₃ = (e₁ − e₃) m₁
-        return ZERO, scaled(e12, -1.0), scaled(e13, -1.0), multiply(scaled(e13, -1.0), pair(constants, M3))
+        return ZERO, scaled(e12, -1.0), scaled(e13, -1.0), multiply(scaled(e13, -1.0), constants.m3)
     if c >= b:
-        return e13, e23, ZERO, multiply(e13, pair(constants, M1))
-    return e12, ZERO, scaled(e23, -1.0), pair(constants, ENERGY)
+        return e13, e23, ZERO, multiply(e13, constants.m1)
+    return e12, ZERO, scaled(e23, -1.0), constants.energy
 
 
 @kernel
-def restored_attitude(q: Four, n: Three, world: Three) -> Four:
+def project_attitude(q: Four, n: Three, world: Three) -> Four:
     """The nearest unit quaternion that turns the momentum n into the spatial momentum of the start."""
     x, y, z, w = unit(q)
     t1, t2, t3 = cross((x, y, z), n)
-    u1, u2, u3 = add(t1, multiply(w, n[0])), add(t2, multiply(w, n[1])), add(t3, multiply(w, n[2]))
     # u = w n + v × n, and the momentum in the world is A n = w u + v(v·n) + v × u
+    u1 = add(t1, multiply(w, n[0]))
+    u2 = add(t2, multiply(w, n[1]))
+    u3 = add(t3, multiply(w, n[2]))
     c1, c2, c3 = cross((x, y, z), (u1, u2, u3))
     dot = add(multiply(x, n[0]), add(multiply(y, n[1]), multiply(z, n[2])))
     r1 = subtract(add(add(multiply(w, u1), multiply(x, dot)), c1), world[0])[0]
     r2 = subtract(add(add(multiply(w, u2), multiply(y, dot)), c2), world[1])[0]
     r3 = subtract(add(add(multiply(w, u3), multiply(z, dot)), c3), world[2])[0]
-    l1, l2, l3 = world[0][0], world[1][0], world[2][0]
     # ½ (A n − L) × L is half the rotation vector, in the world, that takes A n back to L
-    a, b, c = 0.5 * (r2 * l3 - r3 * l2), 0.5 * (r3 * l1 - r1 * l3), 0.5 * (r1 * l2 - r2 * l1)
+    a = 0.5 * (r2 * world[2][0] - r3 * world[1][0])
+    b = 0.5 * (r3 * world[0][0] - r1 * world[2][0])
+    c = 0.5 * (r1 * world[1][0] - r2 * world[0][0])
     return (
-        increased(x, w[0] * a + b * z[0] - c * y[0], 0.0),
-        increased(y, w[0] * b + c * x[0] - a * z[0], 0.0),
-        increased(z, w[0] * c + a * y[0] - b * x[0], 0.0),
-        increased(w, -(a * x[0] + b * y[0] + c * z[0]), 0.0),
+        add_increment(x, w[0] * a + b * z[0] - c * y[0], 0.0),
+        add_increment(y, w[0] * b + c * x[0] - a * z[0], 0.0),
+        add_increment(z, w[0] * c + a * y[0] - b * x[0], 0.0),
+        add_increment(w, -(a * x[0] + b * y[0] + c * z[0]), 0.0),
     )
 
 
@@ -166,10 +148,10 @@ def unit(q: Four) -> Four:
     # 1/|q| − 1 = −½(|q|² − 1) + O((|q|² − 1)²)
     less = -0.5 * subtract(square, ONE)[0]
     return (
-        increased(x, less * x[0], 0.0),
-        increased(y, less * y[0], 0.0),
-        increased(z, less * z[0], 0.0),
-        increased(w, less * w[0], 0.0),
+        add_increment(x, less * x[0], 0.0),
+        add_increment(y, less * y[0], 0.0),
+        add_increment(z, less * z[0], 0.0),
+        add_increment(w, less * w[0], 0.0),
     )
 
 
@@ -185,17 +167,18 @@ def minor(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: DoubleDouble) ->
     return subtract(multiply(a, b), multiply(c, d))
 
 
-def advance(state: Any, constants: Any, spans: Any, counts: Any, takes: Any, out: Any) -> None:
-    """Step through the samples, and give attitude and body rate at each as a row of ``out``; see `compilation.Loop`."""
+def advance(
+    state: StepperState, constants: StepperConstants, spans: Any, counts: Any, takes: Any, out: Any
+) -> StepperState:
+    """Step through the samples, and give attitude and body rate at each as a row of ``out``; see `StepLoop`."""
     for i in range(len(spans)):
         if counts[i] > 0:
-            prepare(state, constants, spans[i], counts[i])
-            take_steps(state, constants, takes[i])
+            state = take_steps(prepared(state, constants, spans[i], counts[i]), constants, takes[i])
         for j in range(4):
-            out[i, j] = state[ATTITUDE + 2 * j]
+            out[i, j] = state.attitude[j][0]
         for j in range(3):
-            rate = multiply(pair(state, MOMENTUM + 2 * j), pair(constants, RATES + 2 * j))
-            out[i, 4 + j] = rate[0]
+            out[i, 4 + j] = multiply(state.momentum[j], constants.rates[j])[0]
+    return state
 
 
-LOOP: Final = Loop(advance)
+LOOP: Final = StepLoop(advance)

@@ -10,16 +10,15 @@ not on where on its orbit the motion is (E. Hairer, G. Vilmart, J. Phys. A 39 (2
 order 10). Here the coefficients are not taken from formulas. They are found from the Taylor series of the motion
 itself, for the step that is symmetric about the phase at which n₂, along the intermediate axis, vanishes.
 
-In the units of `ScaledMotion`, n is the unit body momentum, eⱼ are the inverse moments, and m₁ and m₃ are n₁² and n₃²
-where n₂ = 0. A time t after that phase, momentum and quaternion are
+In the units of `DimensionlessMotion`, n is the unit body momentum, eⱼ are the inverse moments, and m₁ and m₃ are n₁²
+and n₃² where n₂ = 0. A time t after that phase, momentum and quaternion are
 
     n = (√m₁ a, (e₁ − e₃)√(m₁m₃) t s, √m₃ c),     (ρ, ρ₀) = (√m₁ t x, √(m₁m₃) y, √m₃ t z, w),
 
 in which a, c, s and x, y, z, w are the seven unknown series in t². Their coefficients are polynomials in m₁, m₃ and eⱼ:
 nothing is singular, whatever the body and its motion.
 
-The numbers may be Decimals, doubles, or arrays of doubles with one element a motion, whose bits are those of the
-doubles.
+The numbers may be Decimals or doubles.
 """
 
 from __future__ import annotations
@@ -28,10 +27,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Generic, TypeAlias, TypeVar
 
-from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.motion.moser_veselov.principal_frame import ScaledMotion
+from lie_rigid_body.motion.moser_veselov.principal_frame import DimensionlessMotion
 
-Number = TypeVar("Number", Decimal, float, Array)
+Number = TypeVar("Number", Decimal, float)
 Series: TypeAlias = list[Number]
 
 
@@ -60,19 +58,24 @@ class Invariants(Generic[Number]):
     m3: Number
 
     @classmethod
-    def of(cls, motion: ScaledMotion) -> Invariants[Decimal]:
+    def of(cls, motion: DimensionlessMotion) -> Invariants[Decimal]:
         """The invariants of a motion in its own units."""
         e1, e2, e3 = motion.inverse_moments
-        m1, m3 = motion.m1, motion.m3
-        if e1 > e3:
-            e1, e3, m1, m3 = e3, e1, m3, m1
+        (e1, m1), (e3, m3) = sorted([(e1, motion.m1), (e3, motion.m3)])
         difference = e1 - e3
-        a_rate, c_rate = (e3 - e2) * difference * m3, (e2 - e1) * difference * m1
-        return Invariants(a_rate, c_rate, e1 / 2, e2 * difference / 2, e3 / 2, m1, m3)
+        return Invariants(
+            a_rate=(e3 - e2) * difference * m3,
+            c_rate=(e2 - e1) * difference * m1,
+            f1=e1 / 2,
+            f2=e2 * difference / 2,
+            f3=e3 / 2,
+            m1=m1,
+            m3=m3,
+        )
 
 
 def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series[Number], Series[Number]]:
-    """The series of α and β for a step h, in the unit of time of `ScaledMotion`.
+    """The series of α and β for a step h, in the unit of time of `DimensionlessMotion`.
 
     Parameters
     ----------
@@ -88,7 +91,8 @@ def preprocessed_inertia(motion: Invariants[Number], terms: int) -> tuple[Series
         β = h (beta[0] + beta[1] h² + …).
     """
     a, c, s, x, y, z, w = _half_step(motion, terms)
-    m1, m3 = motion.m1, motion.m3
+    m1 = motion.m1
+    m3 = motion.m3
     # with the half step mirrored, the whole one has the quaternion (√m₁ρ₁, 0, √m₃ρ₃, 1 − 2t²(m₁x² + m₃z²))
     sines: Series[Number] = [m1 * p + m3 * q for p, q in zip(_times(x, x), _times(z, z), strict=True)]
     whole = [w[0], *(-2 * p for p in sines[:-1])]
@@ -107,10 +111,16 @@ def _half_step(motion: Invariants[Number], terms: int) -> tuple[Series[Number], 
     Each line is one component of Euler's equations or of q̇ = ½ q ⊗ ω, compared power by power. The coefficient n of an
     even function of t is that of its derivative divided by 2n, of an odd one divided by 2n + 1.
     """
-    f1, f2, f3, m1, m3 = motion.f1, motion.f2, motion.f3, motion.m1, motion.m3
+    f1 = motion.f1
+    f2 = motion.f2
+    f3 = motion.f3
+    m1 = motion.m1
+    m3 = motion.m3
     zero = f1 - f1
-    a, c, y, w = [zero + 1], [zero + 1], [zero], [zero + 1]
-    s, x, z = [zero + 1], [f1], [f3]
+    a, c, w, s = ([zero + 1] for _ in range(4))
+    x = [f1]
+    y = [zero]
+    z = [f3]
     for n in range(1, terms):
         k = n - 1
         a.append(motion.a_rate * _term(s, c, k) / (2 * n))
@@ -127,7 +137,7 @@ def _term(a: Series[Number], b: Series[Number], n: int) -> Number:
     """The n-th coefficient of the product of two series (Cauchy's product)."""
     total = a[0] * b[n]
     for i in range(1, n + 1):
-        total = total + a[i] * b[n - i]
+        total += a[i] * b[n - i]
     return total
 
 
@@ -142,6 +152,6 @@ def _over(a: Series[Number], b: Series[Number]) -> Series[Number]:
     for n in range(1, len(a)):
         rest = a[n]
         for i in range(n):
-            rest = rest - quotient[i] * b[n - i]
+            rest -= quotient[i] * b[n - i]
         quotient.append(rest)
     return quotient

@@ -18,10 +18,9 @@ from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arithmetic.decimals import Vector, diagonalised, dot
+from lie_rigid_body.arithmetic.decimals import Tensor, Vector, diagonalised, dot
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.mechanics import RigidBody, State
 from lie_rigid_body.mechanics.inertia import apply_tensor
 
 DIGITS: Final = 60
@@ -48,23 +47,23 @@ class CyclicFrame:
         The unit quaternion, scalar last, that takes vectors of this frame to the body's, if the inertia has products.
     """
 
-    tensor: list[Vector]
+    tensor: Sequence[Sequence[Decimal]]
     moments: Vector
     axes: tuple[Vector, Vector, Vector]
     order: tuple[int, int, int]
     rotation: list[Decimal] | None
 
     @classmethod
-    def of(cls, inertia: Sequence[Sequence[float]]) -> CyclicFrame:
+    def of(cls, inertia: Tensor) -> CyclicFrame:
         """The principal frame of an inertia tensor in the body frame."""
-        tensor = [(Decimal(x), Decimal(y), Decimal(z)) for x, y, z in inertia]
-        moments, axes = diagonalised(inertia)
-        middle = sorted(range(3), key=moments.__getitem__)[1]
-        i, j, k = (middle - 1) % 3, middle, (middle + 1) % 3
-        ordered = axes[i], axes[j], axes[k]
+        tensor = [[Decimal(entry) for entry in row] for row in inertia]
+        moments, axes = diagonalised(inertia, DIGITS)
+        j = sorted(range(3), key=moments.__getitem__)[1]
+        i = (j - 1) % 3
+        k = (j + 1) % 3
         has_products = any(tensor[p][q] for p, q in ((0, 1), (0, 2), (1, 2)))
-        rotation = _rotation_quaternion(*ordered) if has_products else None
-        return cls(tensor, (moments[i], moments[j], moments[k]), ordered, (i, j, k), rotation)
+        rotation = _rotation_quaternion(axes[i], axes[j], axes[k]) if has_products else None
+        return cls(tensor, (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k]), (i, j, k), rotation)
 
     def inward(self, attitude_xyzw: Sequence[float]) -> list[Decimal]:
         """The frame's attitude from the body's, of unit norm."""
@@ -91,7 +90,7 @@ class CyclicFrame:
 
 
 @dataclass(frozen=True)
-class ScaledMotion:
+class DimensionlessMotion:
     """A torque-free motion in the principal frame, in units of its own momentum and its largest body rate.
 
     Attributes
@@ -116,23 +115,20 @@ class ScaledMotion:
     fastest: Decimal
 
     @classmethod
-    def of(cls, body: RigidBody, start: State) -> ScaledMotion:
-        """The motion of a body from its start."""
-        return cls.about(CyclicFrame.of(body.inertia.tolist()), start.body_rate.tolist())
-
-    @classmethod
-    def about(cls, frame: CyclicFrame, body_rate: Sequence[float]) -> ScaledMotion:
+    def of(cls, frame: CyclicFrame, body_rate: Sequence[float]) -> DimensionlessMotion:
         """The motion of a body whose principal frame is known, from its body rate at the start, rad/s."""
         rate = [Decimal(component) for component in body_rate]
         total = [dot(row, rate) for row in frame.tensor]
         size = dot(total, total).sqrt()
-        x, y, z = Decimal(0), Decimal(0), Decimal(1)
-        if size:  # at rest any direction will do
-            x, y, z = (dot(axis, total) / size for axis in frame.axes)
+        # at rest any direction will do
+        x, y, z = (dot(axis, total) / size for axis in frame.axes) if size else map(Decimal, (0, 0, 1))
         e1, e2, e3 = (1 / moment for moment in frame.moments)
-        a, b, c = x * x, y * y, z * z
+        a = x * x
+        b = y * y
+        c = z * z
         if e1 == e3:  # a sphere: any two axes will do
-            m1, m3 = a, b + c
+            m1 = a
+            m3 = b + c
         else:
             # (2H − e₃)/(e₁ − e₃) and (e₁ − 2H)/(e₁ − e₃), where nothing cancels
             m1 = a + b * (e2 - e3) / (e1 - e3)

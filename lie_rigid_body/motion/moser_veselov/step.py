@@ -1,8 +1,8 @@
 """One discrete Moser–Veselov step, of a state carried in double-double.
 
-In the frame and units of `ScaledMotion` Euler's equations read ṅ₁ = (e₃ − e₂) n₂n₃ and cyclically, and are solved by
-Jacobi's functions of time. Here n₂ is an sn, n₁ and n₃ are a cn and a dn (Landau, Lifshitz, Mechanics, §37). Their
-addition theorems (DLMF 22.8) give the momentum n⁺ after a step from that before it, n:
+In the frame and units of `DimensionlessMotion` Euler's equations read ṅ₁ = (e₃ − e₂) n₂n₃ and cyclically, and are
+solved by Jacobi's functions of time. Here n₂ is an sn, n₁ and n₃ are a cn and a dn (Landau, Lifshitz, Mechanics,
+§37). Their addition theorems (DLMF 22.8) give the momentum n⁺ after a step from that before it, n:
 
     n₁⁺ = (χ n₁ + S δ (e₃ − e₂) n₂n₃)/D         D = 1 − S²(e₃ − e₂)(e₂ − e₁) n₂²
     n₂⁺ = (χδ n₂ + S (e₁ − e₃) n₃n₁)/D          χ² = 1 − S²P,  P = (e₂ − e₃)(e₁ − 2H)
@@ -25,7 +25,8 @@ the errors that remain are as good as random. The attitude's increments are all 
 
 from __future__ import annotations
 
-from typing import Any, Final
+import math
+from typing import Final
 
 from lie_rigid_body.arithmetic.double_double import (
     ONE,
@@ -40,24 +41,11 @@ from lie_rigid_body.arithmetic.double_double import (
     two_product,
     two_sum,
 )
-from lie_rigid_body.arithmetic.numbers import Number, magnitude, pair, sqrt
+from lie_rigid_body.arithmetic.numbers import Number, magnitude
 from lie_rigid_body.compilation import kernel
-from lie_rigid_body.motion.moser_veselov.layout import (
-    ALPHA,
-    BETA,
-    INVERSE_MOMENTS,
-    M1,
-    M3,
-    SERIES_STRIDE,
-    Four,
-    P,
-    Q,
-    Seven,
-    Three,
-    three,
-)
+from lie_rigid_body.motion.moser_veselov.records import Four, PowerSeries, Step, StepperConstants, Three
 
-NEWTON_STEPS: Final = 6
+MAX_NEWTON_STEPS: Final = 6
 """Newton iterations needed from the order-2 initial guess, for steps up to ¼ rad, to double precision."""
 
 CONVERGED: Final = 1e-9
@@ -65,63 +53,44 @@ CONVERGED: Final = 1e-9
 
 
 @kernel
-def step_constants(x: DoubleDouble, constants: Any) -> tuple[Seven, Three]:
-    """The constants of all steps of a given length.
-
-    Parameters
-    ----------
-    x : pair
-        Length of the step, in the motion's unit of time.
-    constants : floats
-        Constants of the motion; see `layout`.
-
-    Returns
-    -------
-    momentum_step : 7 pairs
-        χ − 1, χδ − 1, δ − 1; Sδ(e₃ − e₂), S(e₁ − e₃), Sχ(e₂ − e₁); S²(e₃ − e₂)(e₂ − e₁).
-    rotation_step : 3 pairs
-        ½d₁, ½d₂, ½d₃.
-    """
-    e1, e2, e3 = three(constants, INVERSE_MOMENTS)
-    p, q = pair(constants, P), pair(constants, Q)
+def step_of_length(x: DoubleDouble, constants: StepperConstants) -> Step:
+    """The constants of all steps of a given length, in the motion's unit of time."""
+    e1, e2, e3 = constants.inverse_moments
     square = multiply(x, x)
-    alpha = multiply(multiply(x, square), power_series(square, constants, ALPHA))
-    beta = multiply(x, power_series(square, constants, BETA))
-    d1, d2, d3 = add(alpha, multiply(beta, e1)), add(alpha, multiply(beta, e2)), add(alpha, multiply(beta, e3))
+    alpha = multiply(multiply(x, square), power_series(square, constants.alpha))
+    beta = multiply(x, power_series(square, constants.beta))
+    d1 = add(alpha, multiply(beta, e1))
+    d2 = add(alpha, multiply(beta, e2))
+    d3 = add(alpha, multiply(beta, e3))
     half = half_step(beta, d1, d3, constants)
     both = multiply(half, half)
-    chi, delta = complement(both, p), complement(both, q)
+    chi = complement(both, constants.p)
+    delta = complement(both, constants.q)
     # duplication: S(x) = 2 T χ δ/(1 − T⁴PQ)
-    below = subtract(ONE, multiply(multiply(both, p), multiply(both, q)))
+    below = subtract(ONE, multiply(multiply(both, constants.p), multiply(both, constants.q)))
     s = divide(multiply(multiply(scaled(half, 2.0), chi), delta), below)
     both = multiply(s, s)
-    chi, delta = complement(both, p), complement(both, q)
-    e32, e13, e21 = subtract(e3, e2), subtract(e1, e3), subtract(e2, e1)
-    return (
-        (
-            subtract(chi, ONE),
-            subtract(multiply(chi, delta), ONE),
-            subtract(delta, ONE),
-            multiply(multiply(s, delta), e32),
-            multiply(s, e13),
-            multiply(multiply(s, chi), e21),
-            multiply(both, multiply(e32, e21)),
-        ),
+    chi = complement(both, constants.p)
+    delta = complement(both, constants.q)
+    e32 = subtract(e3, e2)
+    e13 = subtract(e1, e3)
+    e21 = subtract(e2, e1)
+    return Step(
+        x,
+        (subtract(chi, ONE), subtract(multiply(chi, delta), ONE), subtract(delta, ONE)),
+        (multiply(multiply(s, delta), e32), multiply(s, e13), multiply(multiply(s, chi), e21)),
+        multiply(both, multiply(e32, e21)),
         (scaled(d1, 0.5), scaled(d2, 0.5), scaled(d3, 0.5)),
     )
 
 
 @kernel
-def power_series(square: DoubleDouble, constants: Any, first: int) -> DoubleDouble:
-    """Σ cₖ x²ᵏ, with the coefficients of α or β from their first place; doubles will do for the terms beyond x²."""
-    x = square[0]
-    tail = 0.0
-    # the coefficients of α and β take turns up to the end of the vector
-    last = len(constants) - SERIES_STRIDE + (first - ALPHA)
-    for place in range(last, first + SERIES_STRIDE, -SERIES_STRIDE):
-        tail = tail * x + constants[place]
-    rest = multiply(square, add(pair(constants, first + SERIES_STRIDE), multiply(square, (tail, 0.0))))
-    return add(pair(constants, first), rest)
+def power_series(square: DoubleDouble, series: PowerSeries) -> DoubleDouble:
+    """Σ cₖ x²ᵏ, from x²; doubles will do for the terms beyond x²."""
+    tail: Number = 0.0
+    for coefficient in series.later:
+        tail = tail * square[0] + coefficient
+    return add(series.first, multiply(square, add(series.second, multiply(square, (tail, 0.0)))))
 
 
 @kernel
@@ -131,73 +100,83 @@ def complement(square: DoubleDouble, p: DoubleDouble) -> DoubleDouble:
 
 
 @kernel
-def half_step(beta: DoubleDouble, d1: DoubleDouble, d3: DoubleDouble, constants: Any) -> DoubleDouble:
+def half_step(beta: DoubleDouble, d1: DoubleDouble, d3: DoubleDouble, constants: StepperConstants) -> DoubleDouble:
     """The root T of T ρ₀² = β χ δ: by Newton's method in doubles, and one step more in double-double."""
-    t = beta[0]
-    for _ in range(NEWTON_STEPS):
+    t: Number = beta[0]
+    for _ in range(MAX_NEWTON_STEPS):
         less = residual(t, beta[0], d1[0], d3[0], constants) / slope(t, beta[0], d1[0], d3[0], constants)
         t = t - less
         if magnitude(less) <= CONVERGED * t:
             break
     both = two_product(t, t)
-    chi, delta = complement(both, pair(constants, P)), complement(both, pair(constants, Q))
+    chi = complement(both, constants.p)
+    delta = complement(both, constants.q)
     # ρ₀² = ½ + ½√(1 − 4s) with s = ρ₀²(1 − ρ₀²)
-    v1, v3 = multiply(d1, chi), multiply(d3, delta)
-    s = add(multiply(multiply(v1, v1), pair(constants, M1)), multiply(multiply(v3, v3), pair(constants, M3)))
+    v1 = multiply(d1, chi)
+    v3 = multiply(d3, delta)
+    s = add(multiply(multiply(v1, v1), constants.m1), multiply(multiply(v3, v3), constants.m3))
     scalar_squared = add((0.5, 0.0), scaled(square_root(subtract(ONE, scaled(s, 4.0))), 0.5))
     rest = subtract(multiply((t, 0.0), scalar_squared), multiply(beta, multiply(chi, delta)))
     return add((t, 0.0), (-rest[0] / slope(t, beta[0], d1[0], d3[0], constants), 0.0))
 
 
 @kernel
-def residual(t: Number, beta: Number, d1: Number, d3: Number, constants: Any) -> Number:
+def residual(t: Number, beta: Number, d1: Number, d3: Number, constants: StepperConstants) -> Number:
     """T ρ₀² − β χ δ."""
-    x, y = 1.0 - t * t * constants[P], 1.0 - t * t * constants[Q]
-    s = d1 * d1 * x * constants[M1] + d3 * d3 * y * constants[M3]
-    return t * (0.5 + 0.5 * sqrt(1.0 - 4.0 * s)) - beta * sqrt(x * y)
+    x = 1.0 - t * t * constants.p[0]
+    y = 1.0 - t * t * constants.q[0]
+    s = d1 * d1 * x * constants.m1[0] + d3 * d3 * y * constants.m3[0]
+    return t * (0.5 + 0.5 * math.sqrt(1.0 - 4.0 * s)) - beta * math.sqrt(x * y)
 
 
 @kernel
-def slope(t: Number, beta: Number, d1: Number, d3: Number, constants: Any) -> Number:
+def slope(t: Number, beta: Number, d1: Number, d3: Number, constants: StepperConstants) -> Number:
     """The derivative of the residual with respect to T."""
-    p, q, m1, m3 = constants[P], constants[Q], constants[M1], constants[M3]
-    x, y = 1.0 - t * t * p, 1.0 - t * t * q
-    root = sqrt(1.0 - 4.0 * (d1 * d1 * x * m1 + d3 * d3 * y * m3))
+    p = constants.p[0]
+    q = constants.q[0]
+    m1 = constants.m1[0]
+    m3 = constants.m3[0]
+    x = 1.0 - t * t * p
+    y = 1.0 - t * t * q
+    root = math.sqrt(1.0 - 4.0 * (d1 * d1 * x * m1 + d3 * d3 * y * m3))
     turning = 2.0 * t * t * (d1 * d1 * p * m1 + d3 * d3 * q * m3) / root
-    value: Number = 0.5 + 0.5 * root + turning + beta * t * (p * y + q * x) / sqrt(x * y)
-    return value
+    return 0.5 + 0.5 * root + turning + beta * t * (p * y + q * x) / math.sqrt(x * y)
 
 
 @kernel
-def moved_momentum(n: Three, step: Seven) -> Three:
+def step_momentum(n: Three, step: Step) -> Three:
     """The momentum n⁺ after a step, by the addition theorems.
 
     It is n₁ + ((χ − 1 + k) n₁ + f₁n₂n₃)/D, and so on, with k = 1 − D and fⱼ the factors of the products.
     """
     (a, a_lo), (b, b_lo), (c, c_lo) = n
-    (c1, c1_lo), (c2, c2_lo), (c3, c3_lo), (f1, f1_lo), (f2, f2_lo), (f3, f3_lo), (curvature, curvature_lo) = step
-    bc, ca, ab = b * c, c * a, a * b
-    # an axis about which the momentum circles leaves them constant, and what is left out would add up
-    bc_lo, ca_lo, ab_lo = b * c_lo + b_lo * c, c * a_lo + c_lo * a, a * b_lo + a_lo * b
-    k, k_lo = curvature * (b * b), curvature_lo * (b * b)
+    k = step.curvature[0] * (b * b)
+    k_lo = step.curvature[1] * (b * b)
     # 1/D − 1; not 1/D, which is rounded upwards more often than not where it is near to 1
     g = k / (1.0 - k)
-    s1, s2, s3 = c1 + k, c2 + k, c3 + k
-    # what the products of hi parts below leave out
-    lo1 = (a * (c1_lo + k_lo) + s1 * a_lo) + (f1_lo * bc + f1 * bc_lo)
-    lo2 = (b * (c2_lo + k_lo) + s2 * b_lo) + (f2_lo * ca + f2 * ca_lo)
-    lo3 = (c * (c3_lo + k_lo) + s3 * c_lo) + (f3_lo * ab + f3 * ab_lo)
-    hi1, hi2, hi3 = f1 * bc, f2 * ca, f3 * ab
-    t1, t2, t3 = a * s1, b * s2, c * s3
+    # an axis about which the momentum circles leaves the products constant, and what is left out would add up
     return (
-        increased(n[0], hi1, (t1 + g * (hi1 + t1)) + lo1 * (1.0 + g)),
-        increased(n[1], hi2, (t2 + g * (hi2 + t2)) + lo2 * (1.0 + g)),
-        increased(n[2], hi3, (t3 + g * (hi3 + t3)) + lo3 * (1.0 + g)),
+        step_component(n[0], step.changes[0], step.factors[0], (b * c, b * c_lo + b_lo * c), (k, k_lo), g),
+        step_component(n[1], step.changes[1], step.factors[1], (c * a, c * a_lo + c_lo * a), (k, k_lo), g),
+        step_component(n[2], step.changes[2], step.factors[2], (a * b, a * b_lo + a_lo * b), (k, k_lo), g),
     )
 
 
 @kernel
-def increased(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
+def step_component(
+    n: DoubleDouble, change: DoubleDouble, factor: DoubleDouble, product: DoubleDouble, k: DoubleDouble, g: Number
+) -> DoubleDouble:
+    """One component of the momentum after a step, from the product of the two others, k and 1/D − 1."""
+    s = change[0] + k[0]
+    # what the products of hi parts below leave out
+    lo = (n[0] * (change[1] + k[1]) + s * n[1]) + (factor[1] * product[0] + factor[0] * product[1])
+    hi = factor[0] * product[0]
+    t = n[0] * s
+    return add_increment(n, hi, (t + g * (hi + t)) + lo * (1.0 + g))
+
+
+@kernel
+def add_increment(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
     """The value + hi + lo, for an increment hi of the value and a smaller one, lo."""
     total, error = two_sum(value[0], hi)
     return two_sum(total, value[1] + (error + lo))
@@ -205,23 +184,23 @@ def increased(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
 
 @kernel
 def step_rotation(
-    before: Three, after: Three, halves: Three
+    before: Three, after: Three, half_inertia: Three
 ) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]:
     """The vector part ρ of the step's quaternion, and 1 − ρ₀, from the momenta before and after it and ½d."""
-    v1 = scaled_sum(before[0], after[0], halves[0])
-    v2 = scaled_sum(before[1], after[1], halves[1])
-    v3 = scaled_sum(before[2], after[2], halves[2])
+    v1 = scaled_sum(before[0], after[0], half_inertia[0])
+    v2 = scaled_sum(before[1], after[1], half_inertia[1])
+    v3 = scaled_sum(before[2], after[2], half_inertia[2])
     # s = ρ₀²(1 − ρ₀²), so ρ₀² = ½ + ½√(1 − 4s)
     s, s_lo = sum_of_squares(v1, v2, v3)
-    square = 0.5 + 0.5 * sqrt(1.0 - 4.0 * s)
-    scalar = sqrt(square)
+    square = 0.5 + 0.5 * math.sqrt(1.0 - 4.0 * s)
+    scalar = math.sqrt(square)
     # 1 − ρ₀² and 1 − ρ₀
     t = (s + s_lo) / square
     less = t / (1.0 + scalar)
     # 1/ρ₀ − 1 = s/(ρ₀³(1 + ρ₀)), as ½s, which is exact, and what is left: ½s (2 − ρ₀³ − ρ₀⁴)/(ρ₀³(1 + ρ₀))
     rest = 0.5 * (s_lo + s * (3.0 * t + less - t * (less + t)) / (square * (scalar + square)))
     half = 0.5 * s
-    return enlarged(v1, half, rest), enlarged(v2, half, rest), enlarged(v3, half, rest), less
+    return times_one_plus(v1, half, rest), times_one_plus(v2, half, rest), times_one_plus(v3, half, rest), less
 
 
 @kernel
@@ -244,7 +223,7 @@ def sum_of_squares(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble) -> DoubleD
 
 
 @kernel
-def enlarged(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
+def times_one_plus(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
     """The value times 1 + hi + lo."""
     product, error = two_product(value[0], hi)
     total, rest = fast_two_sum(value[0], product)
@@ -252,21 +231,23 @@ def enlarged(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
 
 
 @kernel
-def turned(q: Four, r: tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]) -> Four:
+def step_attitude(q: Four, r: tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]) -> Four:
     """The attitude q ⊗ (ρ, ρ₀) after the step, as q − (1 − ρ₀) q + q ⊗ (ρ, 0): Hamilton's product, scalar last."""
     x, y, z, w = q
     a, b, c, less = r
-    minus_x, minus_y, minus_z = (-x[0], -x[1]), (-y[0], -y[1]), (-z[0], -z[1])
+    minus_x = (-x[0], -x[1])
+    minus_y = (-y[0], -y[1])
+    minus_z = (-z[0], -z[1])
     return (
-        with_products(x, w, a, y, c, minus_z, b, less),
-        with_products(y, w, b, z, a, minus_x, c, less),
-        with_products(z, w, c, x, b, minus_y, a, less),
-        with_products(w, minus_x, a, minus_y, b, minus_z, c, less),
+        sum_of_products(x, w, a, y, c, minus_z, b, less),
+        sum_of_products(y, w, b, z, a, minus_x, c, less),
+        sum_of_products(z, w, c, x, b, minus_y, a, less),
+        sum_of_products(w, minus_x, a, minus_y, b, minus_z, c, less),
     )
 
 
 @kernel
-def with_products(
+def sum_of_products(
     value: DoubleDouble,
     a: DoubleDouble,
     b: DoubleDouble,

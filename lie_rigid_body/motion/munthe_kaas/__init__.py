@@ -7,7 +7,7 @@ Modules:
 - `integrator`: one body's motion, and how long its steps may be.
 """
 
-from lie_rigid_body.motion.munthe_kaas.integrator import munthe_kaas_integrators
-from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, Tableau
+from lie_rigid_body.motion.munthe_kaas.integrator import MuntheKaasIntegrator
+from lie_rigid_body.motion.munthe_kaas.tableau import CLASSICAL, EULER, MIDPOINT, ChainTableau
 
-__all__ = ["CLASSICAL", "EULER", "MIDPOINT", "Tableau", "munthe_kaas_integrators"]
+__all__ = ["CLASSICAL", "EULER", "MIDPOINT", "ChainTableau", "MuntheKaasIntegrator"]

@@ -8,33 +8,43 @@ and the body momentum π by a Runge–Kutta method along
 
 and makes A₀ exp(hat(β)) the next centre (Iserles, Munthe-Kaas, Nørsett, Zanna, Acta Numerica 9 (2000), sec. 4.2 and
 app. B).
-
-Vectors of the loop
-
-- state: the quaternion x y z w, scalar last, and the body momentum π₁ π₂ π₃, kg m²/s;
-- constants: the upper triangle of M⁻¹ by rows, then for each Runge–Kutta stage the weight of the slope before it and
-  its own weight in the sum.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
-from lie_rigid_body.compilation import Loop, kernel
+from lie_rigid_body.compilation import kernel
 from lie_rigid_body.lie.series import DEXPINV_QUADRATIC, SERIES_LIMIT
 
 Three: TypeAlias = tuple[float, float, float]
 Six: TypeAlias = tuple[float, float, float, float, float, float]
 
-ATTITUDE: Final = 0
-MOMENTUM: Final = 4
-STATE_SIZE: Final = 7
-"""Places of x and π₁ in the state, and its size."""
+Four: TypeAlias = tuple[float, float, float, float]
 
-INVERSE_INERTIA: Final = 0
-STAGES: Final = 6
-"""Places of the inverse inertia and of the first stage among the constants."""
+
+class ChartState(NamedTuple):
+    """The state at the centre of a chart: the quaternion x y z w, and the body momentum π, kg m²/s."""
+
+    attitude: Four
+    momentum: Three
+
+
+class ChartConstants(NamedTuple):
+    """The body and the method.
+
+    Attributes
+    ----------
+    inverse_inertia : 6 floats
+        Upper triangle of M⁻¹ by rows.
+    stages : pairs of float
+        For each Runge–Kutta stage the weight of the slope before it and its own weight in the sum.
+    """
+
+    inverse_inertia: Six
+    stages: tuple[tuple[float, float], ...]
+
 
 SHORT_SQUARED: Final = 0.25
 """Limit of θ² for the short series, rad²: up to ½ rad, eight terms of `dexpinv_quadratic` and six of the sine leave
@@ -67,46 +77,44 @@ def dexpinv_quadratic(s: float) -> float:
 
 
 @kernel
-def field_at_centre(px: float, py: float, pz: float, inverse: Six) -> Six:
-    """The slopes at β = 0, where J_r = 1: ω = M⁻¹π, and Euler's equations π̇ = π × ω."""
+def chart_field(x: float, y: float, z: float, px: float, py: float, pz: float, inverse: Six) -> Six:
+    """The slopes at a point β, π: β̇ = J_r(β)⁻¹ω with ω = M⁻¹π, and Euler's equations π̇ = π × ω."""
     xx, xy, xz, yy, yz, zz = inverse
     wx = xx * px + xy * py + xz * pz
     wy = xy * px + yy * py + yz * pz
     wz = xz * px + yz * py + zz * pz
-    return wx, wy, wz, py * wz - pz * wy, pz * wx - px * wz, px * wy - py * wx
-
-
-@kernel
-def chart_field(point: Six, inverse: Six) -> Six:
-    """The slopes at a point β, π: β̇ = J_r(β)⁻¹ω, and Euler's equations π̇ = π × ω."""
-    x, y, z, px, py, pz = point
-    wx, wy, wz, tx, ty, tz = field_at_centre(px, py, pz, inverse)
     # β × ω, and with it β × (β × ω)
-    cx, cy, cz = y * wz - z * wy, z * wx - x * wz, x * wy - y * wx
+    cx = y * wz - z * wy
+    cy = z * wx - x * wz
+    cz = x * wy - y * wx
     c = dexpinv_quadratic(x * x + y * y + z * z)
     return (
         wx + 0.5 * cx + c * (y * cz - z * cy),
         wy + 0.5 * cy + c * (z * cx - x * cz),
         wz + 0.5 * cz + c * (x * cy - y * cx),
-        tx,
-        ty,
-        tz,
+        py * wz - pz * wy,
+        pz * wx - px * wz,
+        px * wy - py * wx,
     )
 
 
 @kernel
-def increment(px: float, py: float, pz: float, h: float, inverse: Six, constants: Any) -> Six:
+def increment(px: float, py: float, pz: float, h: float, constants: ChartConstants) -> Six:
     """The change h Σ bᵢkᵢ of β, which starts at 0, and of π, with slopes kᵢ at h aᵢ kᵢ₋₁ from the start."""
-    k = field_at_centre(px, py, pz, inverse)
-    own = constants[STAGES + 1]
-    a, b, c, d, e, f = own * k[0], own * k[1], own * k[2], own * k[3], own * k[4], own * k[5]
-    for stage in range(STAGES + 2, len(constants), 2):
-        before, own = h * constants[stage], constants[stage + 1]
-        beta = before * k[0], before * k[1], before * k[2]
-        k = chart_field((*beta, px + before * k[3], py + before * k[4], pz + before * k[5]), inverse)
-        a, b, c = a + own * k[0], b + own * k[1], c + own * k[2]
-        d, e, f = d + own * k[3], e + own * k[4], f + own * k[5]
-    return h * a, h * b, h * c, h * d, h * e, h * f
+    k = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    total = k
+    for before, own in constants.stages:
+        x, y, z, dx, dy, dz = scaled(h * before, k)
+        k = chart_field(x, y, z, px + dx, py + dy, pz + dz, constants.inverse_inertia)
+        a, b, c, d, e, f = scaled(own, k)
+        total = (total[0] + a, total[1] + b, total[2] + c, total[3] + d, total[4] + e, total[5] + f)
+    return scaled(h, total)
+
+
+@kernel
+def scaled(factor: float, k: Six) -> Six:
+    """Six numbers times a factor."""
+    return factor * k[0], factor * k[1], factor * k[2], factor * k[3], factor * k[4], factor * k[5]
 
 
 @kernel
@@ -121,45 +129,47 @@ def half_angle(s: float) -> tuple[float, float]:
 
 
 @kernel
-def recentred(x: float, y: float, z: float, w: float, beta: Three) -> tuple[float, float, float, float]:
+def recentred(attitude: Four, beta: Three) -> Four:
     """The next centre A₀ exp(hat(β)), as q ⊗ (β sin(θ/2)/θ, cos(θ/2)), brought to unit norm by one Newton step."""
+    x, y, z, w = attitude
     a, b, c = beta
     ratio, d = half_angle(a * a + b * b + c * c)
-    a, b, c = ratio * a, ratio * b, ratio * c
-    p, q = w * a + x * d + y * c - z * b, w * b - x * c + y * d + z * a
-    r, s = w * c + x * b - y * a + z * d, w * d - x * a - y * b - z * c
+    a = ratio * a
+    b = ratio * b
+    c = ratio * c
+    p = w * a + x * d + y * c - z * b
+    q = w * b - x * c + y * d + z * a
+    r = w * c + x * b - y * a + z * d
+    s = w * d - x * a - y * b - z * c
     # 1/|q| = 1 − ½(|q|² − 1) + O((|q|² − 1)²)
     scale = 1.5 - 0.5 * (p * p + q * q + r * r + s * s)
     return scale * p, scale * q, scale * r, scale * s
 
 
 @kernel
-def take_munthe_kaas_steps(state: Any, constants: Any, h: float, count: int) -> None:
-    """Move the state by a number of steps, or make its x nan where they lead to infinity."""
-    x, y, z, w = state[ATTITUDE], state[ATTITUDE + 1], state[ATTITUDE + 2], state[ATTITUDE + 3]
-    px, py, pz = state[MOMENTUM], state[MOMENTUM + 1], state[MOMENTUM + 2]
-    inverse = (
-        constants[INVERSE_INERTIA], constants[INVERSE_INERTIA + 1], constants[INVERSE_INERTIA + 2],
-        constants[INVERSE_INERTIA + 3], constants[INVERSE_INERTIA + 4], constants[INVERSE_INERTIA + 5],
-    )  # fmt: skip
+def take_munthe_kaas_steps(state: ChartState, constants: ChartConstants, h: float, count: int) -> ChartState:
+    """The state after a number of steps, or one whose attitude is nan where they lead to infinity."""
+    attitude = state.attitude
+    px, py, pz = state.momentum
     for _ in range(count):
-        a, b, c, d, e, f = increment(px, py, pz, h, inverse, constants)
-        px, py, pz = px + d, py + e, pz + f
+        a, b, c, d, e, f = increment(px, py, pz, h, constants)
+        px = px + d
+        py = py + e
+        pz = pz + f
         if not math.isfinite(px + py + pz + (a * a + b * b + c * c)):
-            x = math.nan
+            attitude = (math.nan, math.nan, math.nan, math.nan)
             break
-        x, y, z, w = recentred(x, y, z, w, (a, b, c))
-    state[ATTITUDE], state[ATTITUDE + 1], state[ATTITUDE + 2], state[ATTITUDE + 3] = x, y, z, w
-    state[MOMENTUM], state[MOMENTUM + 1], state[MOMENTUM + 2] = px, py, pz
+        attitude = recentred(attitude, (a, b, c))
+    return ChartState(attitude, (px, py, pz))
 
 
-def advance(state: Any, constants: Any, spans: Any, counts: Any, takes: Any, out: Any) -> None:
-    """Step through the samples, and give the state at each as a row of ``out``; see `compilation.Loop`."""
+def advance(state: ChartState, constants: ChartConstants, spans: Any, counts: Any, takes: Any, out: Any) -> ChartState:
+    """Step through the samples, and give attitude and momentum at each as a row of ``out``; see `StepLoop`."""
     for i in range(len(spans)):
-        if counts[i] > 0 and not math.isnan(state[ATTITUDE]):
-            take_munthe_kaas_steps(state, constants, 1e-9 * spans[i] / counts[i], takes[i])
-        for j in range(STATE_SIZE):
-            out[i, j] = state[j]
-
-
-LOOP: Final = Loop(advance)
+        if counts[i] > 0 and not math.isnan(state.attitude[0]):
+            state = take_munthe_kaas_steps(state, constants, 1e-9 * spans[i] / counts[i], takes[i])
+        for j in range(4):
+            out[i, j] = state.attitude[j]
+        for j in range(3):
+            out[i, 4 + j] = state.momentum[j]
+    return state

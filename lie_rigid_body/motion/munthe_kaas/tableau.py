@@ -11,7 +11,7 @@ Row: TypeAlias = tuple[Fraction, ...]
 
 
 @dataclass(frozen=True)
-class Tableau:
+class ChainTableau:
     """Coefficients of an explicit Runge–Kutta method in which each stage needs only the one before.
 
     Parameters
@@ -71,13 +71,13 @@ class Tableau:
 
 _HALF: Final = Fraction(1, 2)
 
-EULER: Final = Tableau("rkmk1", 1, (Fraction(0),), (Fraction(1),))
+EULER: Final = ChainTableau("rkmk1", 1, (Fraction(0),), (Fraction(1),))
 """Lie–Euler: the forward Euler method in the chart."""
 
-MIDPOINT: Final = Tableau("rkmk2", 2, (Fraction(0), _HALF), (Fraction(0), Fraction(1)))
+MIDPOINT: Final = ChainTableau("rkmk2", 2, (Fraction(0), _HALF), (Fraction(0), Fraction(1)))
 """The explicit midpoint rule (Runge 1895)."""
 
-CLASSICAL: Final = Tableau(
+CLASSICAL: Final = ChainTableau(
     "rkmk4",
     4,
     (Fraction(0), _HALF, _HALF, Fraction(1)),

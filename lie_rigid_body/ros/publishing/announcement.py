@@ -80,7 +80,7 @@ def shape(body: RigidBody) -> str:
 def _motion(scenario: Scenario) -> str:
     if scenario.motion == "closed_form":
         return "closed_form, the exact solution"
-    return f"{scenario.motion}, stepper {scenario.method}, steps of at most {scenario.max_step:g} s"
+    return f"{scenario.motion}, stepper {scenario.method}, steps of at most {scenario.longest_step:.3g} s"
 
 
 def _numbers(values: tuple[float, ...]) -> str:

@@ -48,8 +48,8 @@ def live_scenario(values: Mapping[str, object]) -> Scenario:
     if steps > MOST_LIVE_STEPS:
         raise ParameterError(
             "max_step",
-            f"{scenario.max_step:g} s takes {steps:.3g} steps between samples, more than {MOST_LIVE_STEPS} of a live "
-            "node: give a longer step, higher rates or a slower body, or use closed_form",
+            f"{scenario.longest_step:.3g} s takes {steps:.3g} steps between samples, more than {MOST_LIVE_STEPS} of a "
+            "live node: give a longer step, higher rates or a slower body, or use closed_form",
         )
     return scenario
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.arithmetic import double_double
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock, endless_phase, folded_phase, turns
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
 
 PERIODS = st.sampled_from(["1", "6.28318530717958647692528676655900576839433879875021", "1e-3", "137.25"])
 RATES = st.decimals("-1e4", "1e4", places=30, allow_nan=False)
@@ -51,12 +51,12 @@ def tolerance(rate, period, t_ns: int) -> Fraction:
 def require(rate, start, period, t_ns: int) -> None:
     clock, exact = made(rate, start, period), exact_turns(rate, start, period, t_ns)
     allowed = tolerance(rate, period, t_ns)
-    phase_in_turns: Any = turns(clock.rate, clock.start, seconds(t_ns))
+    phase_in_turns: Any = clock.turns(seconds(t_ns))
     [hi], [lo] = phase_in_turns
     assert abs(hi) <= 0.5
     assert apart(Fraction(float(hi)) + Fraction(float(lo)) - exact) <= allowed
     allowed += Fraction(2) ** -53
-    folded_and_parity: Any = folded_phase(phase_in_turns, clock.period)
+    folded_and_parity: Any = clock.folded_phase(seconds(t_ns))
     ([phase], _), [parity] = folded_and_parity
     folded = Fraction(float(phase)) / Fraction(period)
     assert abs(folded) <= Fraction(1, 4) + allowed
@@ -82,7 +82,7 @@ def test_a_phase_is_right_beside_each_quarter_of_a_turn(quarter: str, side: str)
 def test_a_phase_without_a_period_grows_for_ever(rate: Decimal, start: Decimal, t_ns: int):
     with working_precision(80):
         clock = EndlessClock.of(rate, start)
-    grown_phase: Any = endless_phase(clock.rate, clock.start, seconds(t_ns))
+    grown_phase: Any = clock.phase(seconds(t_ns))
     [phase], _ = grown_phase
     grown, begun = Fraction(rate) * t_ns / 10**9, Fraction(start)
     assert (

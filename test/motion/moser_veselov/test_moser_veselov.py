@@ -9,11 +9,12 @@ from mpmath import mp, mpf
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.arithmetic.decimals import working_precision
 from lie_rigid_body.lie import quaternion, vectors
-from lie_rigid_body.motion.moser_veselov import LARGEST_TURN, loop
-from lie_rigid_body.motion.moser_veselov.integrator import motion_constants
-from lie_rigid_body.motion.moser_veselov.layout import ALPHA
+from lie_rigid_body.motion.moser_veselov import MAX_TURN
+from lie_rigid_body.motion.moser_veselov.integrator import stepper_constants
 from lie_rigid_body.motion.moser_veselov.preprocessing import Invariants, preprocessed_inertia
-from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
+from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, CyclicFrame, DimensionlessMotion
+from lie_rigid_body.motion.moser_veselov.records import PowerSeries
+from lie_rigid_body.motion.motion import exact_inertia
 from reference import attitude_error, rate_error, truth_cases
 
 CASES = truth_cases()
@@ -22,6 +23,10 @@ START = State([0, 0, 0, 1], [1.8 / 0.6, 0.4 / 0.8, -0.9])
 STEP_NS = 10_000_000
 SOME_STEPS = 30_000
 """As many as plain Python takes in half a second."""
+
+
+def dimensionless(body: RigidBody, start: State) -> DimensionlessMotion:
+    return DimensionlessMotion.of(CyclicFrame.of(exact_inertia(body)), start.body_rate.tolist())
 
 
 def angles(found: State, exact: State) -> np.ndarray:
@@ -57,7 +62,7 @@ def require_invariants(states: State) -> None:
 
 
 def test_energy_momentum_and_attitude_stay_true():
-    steps = 1_000_000 if loop.LOOP.compile() else SOME_STEPS
+    steps = 1_000_000 if MovingChart(BODY, START).compile() else SOME_STEPS
     found, exact = run(steps, 100)
     require_invariants(found)
     assert angles(found, exact).max() < 5e-15
@@ -67,18 +72,18 @@ def test_energy_momentum_and_attitude_stay_true():
 @pytest.mark.slow
 def test_a_hundred_million_steps_stay_true():
     """How the errors grow is in `test_drift`: here they hardly show above the rounding of a quaternion to doubles."""
-    if not loop.LOOP.compile():
+    if not MovingChart(BODY, START).compile():
         pytest.skip("10⁸ steps need numba")
     found, exact = run(100_000_000, 400)
     require_invariants(found)
     assert angles(found, exact).max() < 1e-13
 
 
-@pytest.mark.parametrize("turn", [LARGEST_TURN, 0.01])
+@pytest.mark.parametrize("turn", [MAX_TURN, 0.01])
 def test_every_body_and_motion_is_followed_to_round_off(turn):
     for body, start in random_bodies(24):
         with working_precision(DIGITS):
-            fastest = float(ScaledMotion.of(body, start).fastest)
+            fastest = float(dimensionless(body, start).fastest)
         times = (np.arange(1, 31) * 1e9 * turn / fastest).astype(np.int64)
         found, exact = MovingChart(body, start, max_step=turn / fastest).at(times), ClosedForm(body, start).at(times)
         assert angles(found, exact).max() < 3e-15
@@ -147,7 +152,7 @@ def test_two_stretches_are_one_and_steps_of_any_length_agree():
     assert angles(uneven, whole) < 1e-15
 
 
-def exact_series(motion: ScaledMotion, momentum: list) -> tuple[list, list]:
+def exact_series(motion: DimensionlessMotion, momentum: list) -> tuple[list, list]:
     """Taylor coefficients of the momentum and the quaternion, by Euler's equations in the frame's units."""
     e = [mpf(str(v)) for v in motion.inverse_moments]
     m, q = [[v] for v in momentum], [[mpf(0)], [mpf(0)], [mpf(0)], [mpf(1)]]
@@ -182,7 +187,7 @@ def test_preprocessed_inertia_makes_the_algorithm_exact(terms):
     """ρ₀ρⱼ = (α + βeⱼ) m̄ⱼ at every phase, but for a remainder of the next order in the step."""
     with mp.workdps(50), working_precision(DIGITS):
         for body, start in random_bodies(2):
-            motion = ScaledMotion.of(body, start)
+            motion = dimensionless(body, start)
             alpha, beta = preprocessed_inertia(Invariants.of(motion), terms)
             momentum = [mpf(str(v)) for v in motion.momentum]
             series, remainders = exact_series(motion, momentum), []
@@ -219,6 +224,11 @@ AWKWARD = {
 }
 
 
+def coefficients(series: PowerSeries) -> list[mpf]:
+    first, second = (mpf(hi) + mpf(lo) for hi, lo in series[:2])
+    return [first, second, *map(mpf, reversed(series.later))]
+
+
 @pytest.mark.parametrize("case", AWKWARD)
 def test_the_series_give_the_exact_step(case: str):
     """ρ₀ρⱼ against a Taylor series of the motion, relative to the half turn ½x.
@@ -227,17 +237,14 @@ def test_the_series_give_the_exact_step(case: str):
     """
     moments, rate = AWKWARD[case]
     with mp.workdps(60), working_precision(DIGITS):
-        motion = ScaledMotion.of(RigidBody(moments), State([0, 0, 0, 1], rate))
-        # alone and among others: by numbers and by arrays
-        [alone], [first, second] = motion_constants([motion], 20), motion_constants([motion, motion], 20)
-        assert alone == first == second
-        series = alone[ALPHA:]
-        pairs = [mpf(hi) + mpf(lo) for hi, lo in zip(series[::2], series[1::2], strict=True)]
+        motion = dimensionless(RigidBody(moments), State([0, 0, 0, 1], rate))
+        constants = stepper_constants(motion, 20, motion.momentum)
+        alpha, beta = coefficients(constants.alpha), coefficients(constants.beta)
         momentum = [mpf(str(v)) for v in motion.momentum]
         exact, e = exact_series(motion, momentum), [mpf(str(v)) for v in motion.inverse_moments]
         for x, bound in (mpf(0.25), 1e-21), (mpf(0.03), 3e-27):
-            a = sum(c * x ** (2 * k + 3) for k, c in enumerate(pairs[::2]))
-            b = sum(c * x ** (2 * k + 1) for k, c in enumerate(pairs[1::2]))
+            a = sum(c * x ** (2 * k + 3) for k, c in enumerate(alpha))
+            b = sum(c * x ** (2 * k + 1) for k, c in enumerate(beta))
             after, q = exact_step(exact, x)
             rest = [q[3] * q[j] - (a + b * e[j]) * (momentum[j] + after[j]) / 2 for j in range(3)]
             assert mp.norm(rest) < bound * x / 2

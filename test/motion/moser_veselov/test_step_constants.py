@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from lie_rigid_body import MovingChart, RigidBody, State
+from lie_rigid_body import RigidBody, State
 from lie_rigid_body.arithmetic.decimals import working_precision
-from lie_rigid_body.motion.moser_veselov import LARGEST_TURN
-from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, ScaledMotion
-from lie_rigid_body.motion.moser_veselov.step import step_constants
+from lie_rigid_body.motion.moser_veselov import MAX_TURN, MoserVeselovIntegrator
+from lie_rigid_body.motion.moser_veselov.principal_frame import DIGITS, CyclicFrame, DimensionlessMotion
+from lie_rigid_body.motion.moser_veselov.records import StepperConstants
+from lie_rigid_body.motion.moser_veselov.step import step_of_length
+from lie_rigid_body.motion.motion import exact_inertia
 
 MOTIONS = {
     "about the smallest": ([0.6, 0.8, 1.0], [3.0, 0.5, -0.9]),
@@ -24,20 +24,24 @@ MOTIONS = {
     "products": ([1.0, 0.1, -0.05, 1.4, 0.2, 1.9], [0.4, -1.2, 0.7]),
     "beside an axis": ([0.6, 0.8, 1.0], [1e-100, 2e-100, 1.0]),
 }
-STEPS = [LARGEST_TURN, 0.1, 1e-2, 1e-4, 1e-8, 1e-20, 1e-100]
+STEPS = [MAX_TURN, 0.1, 1e-2, 1e-4, 1e-8, 1e-20, 1e-100]
 """rad at the largest rate; below 1e-4 or so the first guess is the root, and Newton's method ends at once."""
 
 
-def constants_of(body: RigidBody, start: State) -> Any:
-    integrator: Any = MovingChart(body, start)._integrators[0]
-    return integrator.constants
+def constants_of(body: RigidBody, start: State) -> StepperConstants:
+    return MoserVeselovIntegrator(body, start, 20).constants
 
 
-def momentum_step(x: float, constants: list[float]) -> list[mpf]:
-    return [mpf(hi) + mpf(lo) for hi, lo in step_constants((x, 0.0), constants)[0]]
+def dimensionless(body: RigidBody, start: State) -> DimensionlessMotion:
+    return DimensionlessMotion.of(CyclicFrame.of(exact_inertia(body)), start.body_rate.tolist())
 
 
-def exact_constants(motion: ScaledMotion, x: float) -> list[mpf]:
+def momentum_step(x: float, constants: StepperConstants) -> list[mpf]:
+    step = step_of_length((x, 0.0), constants)
+    return [mpf(hi) + mpf(lo) for hi, lo in (*step.changes, *step.factors, step.curvature)]
+
+
+def exact_constants(motion: DimensionlessMotion, x: float) -> list[mpf]:
     """The same seven by S = sn(λx)/λ with λ² the larger of P and Q, and m the ratio of the smaller to it."""
     e1, e2, e3 = (mpf(str(e)) for e in motion.inverse_moments)
     m1, m3 = mpf(str(motion.m1)), mpf(str(motion.m3))
@@ -63,7 +67,7 @@ def test_the_step_of_the_momentum_is_the_exact_one(name: str, turn: float):
     body, start = RigidBody(inertia), State([0, 0, 0, 1], rate)
     constants = constants_of(body, start)
     with working_precision(DIGITS):
-        motion = ScaledMotion.of(body, start)
+        motion = dimensionless(body, start)
     with mp.workdps(60 if turn > 1e-30 else 260):
         exact = exact_constants(motion, turn)
         found = momentum_step(turn, constants)
@@ -81,7 +85,7 @@ def test_a_step_of_the_momentum_is_that_of_eulers_equations(scale: float):
         body, start = RigidBody(inertia), State([0, 0, 0, 1], rate)
         constants = constants_of(body, start)
         with working_precision(DIGITS), mp.workdps(50):
-            motion = ScaledMotion.of(body, start)
+            motion = dimensionless(body, start)
             e = [mpf(str(v)) for v in motion.inverse_moments]
             m = [[mpf(str(v))] for v in motion.momentum]
             for n in range(40):
@@ -92,7 +96,7 @@ def test_a_step_of_the_momentum_is_that_of_eulers_equations(scale: float):
                 ]
                 for j in range(3):
                     m[j].append(rates[j] / (n + 1))
-            x = LARGEST_TURN * scale
+            x = MAX_TURN * scale
             c1, c2, c3, a1, a2, a3, k = momentum_step(x, constants)
             n1, n2, n3 = (series[0] for series in m)
             below = 1 - k * n2 * n2
@@ -107,7 +111,7 @@ def test_a_step_of_the_momentum_is_that_of_eulers_equations(scale: float):
 
 def test_no_step_is_no_step():
     constants = constants_of(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [3.0, 0.5, -0.9]))
-    pairs: Any = step_constants((1e-300, 0.0), constants)
-    tiny = np.concatenate(pairs)
+    step = step_of_length((1e-300, 0.0), constants)
+    tiny = np.array([*step.changes, *step.factors, step.curvature, *step.half_inertia])
     assert np.isfinite(tiny).all()
     assert np.abs(tiny).max() < 1e-299

@@ -35,7 +35,7 @@ def test_limits_at_zero():
 @pytest.mark.parametrize("off", [1e-16, -1e-16, 3e-9, -3e-9, 2e-8, -2e-8])
 def test_a_newton_step_brings_the_attitude_to_unit_norm(off: float):
     """One is enough within 1e-8 of it, and leaves ³⁄₂ of the square of the distance."""
-    q = kernels.recentred(0.6 * (1.0 + off), 0.0, 0.0, 0.8 * (1.0 + off), (0.0, 0.0, 0.0))
+    q = kernels.recentred((0.6 * (1.0 + off), 0.0, 0.0, 0.8 * (1.0 + off)), (0.0, 0.0, 0.0))
     with mp.workdps(60):
         assert abs(mp.sqrt(sum(mpf(c) ** 2 for c in q)) - 1) < 3e-16 + 1.6 * off * off
 
@@ -47,6 +47,7 @@ def test_the_chart_s_rate_agrees_with_the_matrices_of_the_rotation_vector():
     for angle in np.geomspace(1e-12, 3.0, 60):
         axis, rate = random.normal(size=3), random.normal(size=3)
         beta = axis / np.linalg.norm(axis) * angle
-        found = kernels.chart_field((*beta.tolist(), *rate.tolist()), unit)
+        (x, y, z), (px, py, pz) = beta.tolist(), rate.tolist()
+        found = kernels.chart_field(x, y, z, px, py, pz, unit)
         np.testing.assert_allclose(found[:3], so3.right_jacobian_inverse(beta) @ rate, rtol=0, atol=4e-15)
         np.testing.assert_array_equal(found[3:], [0.0, 0.0, 0.0])

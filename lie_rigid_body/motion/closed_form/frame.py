@@ -12,14 +12,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Final, TypeAlias, TypeVar
+from typing import Final, TypeVar
 
-from lie_rigid_body.arithmetic.decimals import Vector, diagonalised, dot
+from lie_rigid_body.arithmetic.decimals import PrincipalAxes, Tensor, Vector, diagonalised, dot
 
 Exact = TypeVar("Exact", int, Decimal)
-
-Tensor: TypeAlias = Sequence[Sequence[float]]
-"""An inertia, kg m², body frame: 3 rows of 3."""
 
 DIAGONAL_DIGITS: Final = 50
 """Decimal digits where the inertia is diagonal: no sum cancels, and time multiplies some rates by 1e10 rad."""
@@ -63,7 +60,8 @@ def separatrix_determinant(inertia: Tensor, rate: Sequence[float]) -> Decimal:
     momentum circulates about axis 3, negative when about axis 1, and zero exactly on the separatrix.
     """
     entries, omega, momentum, scale = _in_integers(inertia, rate)
-    energy, square = _dot(omega, momentum), _dot(momentum, momentum)
+    energy = _dot(omega, momentum)
+    square = _dot(momentum, momentum)
     first, *others = ([energy * entries[3 * i + j] - (square if i == j else 0) for j in range(3)] for i in range(3))
     return Decimal(_dot(first, cross(*others))) / Decimal(scale) ** 6
 
@@ -91,13 +89,9 @@ def cross(a: Sequence[Exact], b: Sequence[Exact]) -> tuple[Exact, Exact, Exact]:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-PrincipalAxes: TypeAlias = tuple[Vector, tuple[Vector, Vector, Vector]]
-"""Moments in ascending order, kg m², and their unit axes in the body frame (of either handedness)."""
-
-
-def principal_axes(inertia: Tensor) -> PrincipalAxes:
-    """The principal axes of an inertia, to the precision in force."""
-    moments, axes = diagonalised(inertia)
+def principal_axes(inertia: Tensor, digits: int) -> PrincipalAxes:
+    """The principal axes of an inertia in ascending order of the moments, kg m², to a number of decimal digits."""
+    moments, axes = diagonalised(inertia, digits)
     i, j, k = sorted(range(3), key=moments.__getitem__)
     return (moments[i], moments[j], moments[k]), (axes[i], axes[j], axes[k])
 
@@ -129,8 +123,10 @@ class PrincipalFrame:
         """The frame of a motion that starts with this ω (body frame, rad/s) and is not steady."""
         moments, axes = principal
         if not about_largest:
-            moments, axes = (moments[2], moments[1], moments[0]), (axes[2], axes[1], axes[0])
-        first, third = _along(axes[0], body_rate), _along(axes[2], body_rate)
+            moments = moments[2], moments[1], moments[0]
+            axes = axes[2], axes[1], axes[0]
+        first = _along(axes[0], body_rate)
+        third = _along(axes[2], body_rate)
         axes = (first, cross(third, first), third)
         rate = (dot(axes[0], body_rate), dot(axes[1], body_rate), dot(axes[2], body_rate))
         return cls(moments, axes, rate, 1 if about_largest else -1)

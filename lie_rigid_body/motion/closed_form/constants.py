@@ -10,38 +10,30 @@ determinant.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
-from lie_rigid_body.arithmetic.decimals import PI, Vector, dot, root, working_precision
-from lie_rigid_body.arithmetic.numbers import Quadruple, Triple, quadruple, triple
+from lie_rigid_body.arithmetic.decimals import PI, Tensor, Vector, dot, root, working_precision
 from lie_rigid_body.lie import quaternion
-from lie_rigid_body.motion.closed_form.attitude import (
-    BodyMotion,
-    GeneralMotion,
-    Members,
-    SteadyMotion,
-    world_rotation,
-)
-from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock
-from lie_rigid_body.motion.closed_form.decimal_frames import (
+from lie_rigid_body.mechanics import RigidBody, State
+from lie_rigid_body.motion.closed_form.attitude import AttitudeConstants, Four, Three, attitude_map, world_rotation
+from lie_rigid_body.motion.closed_form.clock import EndlessClock, PhaseClock, half_turn_rate
+from lie_rigid_body.motion.closed_form.elliptic_integrals import carlson_rf, ellipk_complement, mean_ellippi
+from lie_rigid_body.motion.closed_form.frame import (
     PHASE_DIGITS,
-    PrincipalAxes,
     PrincipalFrame,
-    Tensor,
     digits_for,
     is_steady,
     principal_axes,
     separatrix_determinant,
 )
-from lie_rigid_body.motion.closed_form.elliptic_integrals import complete_first, mean_third, symmetric_first
-from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, RealTheta, Theta
-from lie_rigid_body.motion.motion import InitialConditions, alike
+from lie_rigid_body.motion.closed_form.jacobi import ImaginaryTheta, PeriodicPrecession, RealTheta
+from lie_rigid_body.motion.closed_form.states import BodyMotion, LargeModulus, Separatrix, SmallModulus, Steady
+from lie_rigid_body.motion.motion import exact_inertia
 
 _INFINITY: Final = Decimal("Infinity")
 
@@ -58,9 +50,9 @@ class Polhode:
         l = |Mω|, kg m²/s.
     m, m1 : Decimal
         Parameter of the elliptic functions and its complement: m = 0 for symmetric tops, m1 = 0 on the separatrix.
-    speed : Decimal
+    argument_rate : Decimal
         λ = du/dt, 1/s.
-    characteristic : Decimal
+    negated_characteristic : Decimal
         −ν ≥ 0, with 1 + (−ν) sn²u proportional to 1 − n₃², for n the unit momentum in the body.
     ratio : Decimal
         −ν/m > 0, finite where m = 0.
@@ -72,29 +64,34 @@ class Polhode:
     momentum: Decimal
     m: Decimal
     m1: Decimal
-    speed: Decimal
-    characteristic: Decimal
+    argument_rate: Decimal
+    negated_characteristic: Decimal
     ratio: Decimal
     start: Decimal
 
     @classmethod
     def of(cls, frame: PrincipalFrame, determinant: Decimal) -> Polhode:
         """The polhode of a frame, from the `separatrix_determinant` of the same start."""
-        (j1, j2, j3), (w1, w2, w3) = frame.moments, frame.rate
-        d21, d31, d32 = abs(j2 - j1), abs(j3 - j1), abs(j3 - j2)
+        j1, j2, j3 = frame.moments
+        w1, w2, w3 = frame.rate
+        d21 = abs(j2 - j1)
+        d31 = abs(j3 - j1)
+        d32 = abs(j3 - j2)
         # |l² − 2HJ₁|, |l² − 2HJ₃| and, from the exact determinant, |l² − 2HJ₂|
         c1 = j2 * d21 * w2 * w2 + j3 * d31 * w3 * w3
         c3 = j1 * d31 * w1 * w1 + j2 * d32 * w2 * w2
         c2 = abs(determinant) / (c1 * c3)
         amplitudes = (root(c3 / (j1 * d31)), root(c3 / (j2 * d32)), root(c1 / (j3 * d31)))
-        cn, sn, dn = w1 / amplitudes[0], frame.sense * w2 / amplitudes[1], w3 / amplitudes[2]
+        cn = w1 / amplitudes[0]
+        sn = frame.sense * w2 / amplitudes[1]
+        dn = w3 / amplitudes[2]
         return cls(
             amplitudes=amplitudes,
             momentum=root((j1 * w1) ** 2 + (j2 * w2) ** 2 + (j3 * w3) ** 2),
             m=d21 * c3 / (d32 * c1),
             m1=d31 * c2 / (d32 * c1),
-            speed=root(d32 * c1 / (j1 * j2 * j3)),
-            characteristic=j3 * d21 / (j1 * d32),
+            argument_rate=root(d32 * c1 / (j1 * j2 * j3)),
+            negated_characteristic=j3 * d21 / (j1 * d32),
             ratio=j3 * c1 / (j1 * c3),
             start=_inverse_sn(sn, cn, dn),
         )
@@ -103,18 +100,14 @@ class Polhode:
 def _inverse_sn(sn: Decimal, cn: Decimal, dn: Decimal) -> Decimal:
     """The u in [−K, K] of these elliptic functions (DLMF 19.25.31)."""
     with working_precision(PHASE_DIGITS):
-        return sn * symmetric_first(cn * cn, dn * dn, Decimal(1))
+        return sn * carlson_rf(cn * cn, dn * dn, Decimal(1))
 
 
-def frame_and_polhode(
-    principal: PrincipalAxes, inertia: Tensor, body_rate: Sequence[float]
-) -> tuple[PrincipalFrame, Polhode]:
-    """The principal frame and the polhode of a motion that is not steady, to the precision in force.
+def frame_and_polhode(inertia: Tensor, body_rate: Sequence[float]) -> tuple[PrincipalFrame, Polhode]:
+    """The principal frame and the polhode of a motion that is not steady.
 
     Parameters
     ----------
-    principal : PrincipalAxes
-        Principal axes of the inertia.
     inertia : 3 rows of 3
         kg m², body frame.
     body_rate : 3 numbers
@@ -122,6 +115,7 @@ def frame_and_polhode(
     """
     determinant = separatrix_determinant(inertia, body_rate)
     x, y, z = (Decimal(component) for component in body_rate)
+    principal = principal_axes(inertia, digits_for(inertia))
     frame = PrincipalFrame.of(principal, (x, y, z), about_largest=determinant >= 0)
     return frame, Polhode.of(frame, determinant)
 
@@ -149,8 +143,8 @@ class Periods:
     def of(cls, polhode: Polhode) -> Periods:
         """The periods of a polhode."""
         return cls(
-            real=complete_first(polhode.m1) if polhode.m1 else _INFINITY,
-            pole=_inverse_sc(polhode.characteristic, polhode.m),
+            real=ellipk_complement(polhode.m1) if polhode.m1 else _INFINITY,
+            pole=_inverse_sc(polhode.negated_characteristic, polhode.m),
             copole=_inverse_sc(1 / polhode.ratio, polhode.m),
         )
 
@@ -165,7 +159,7 @@ def _inverse_sc(inverse_square: Decimal, m: Decimal) -> Decimal:
     if inverse_square == 0 and m == 0:
         return _INFINITY
     with working_precision(PHASE_DIGITS):
-        return symmetric_first(inverse_square, inverse_square + m, inverse_square + 1)
+        return carlson_rf(inverse_square, inverse_square + m, inverse_square + 1)
 
 
 def precession_rate(frame: PrincipalFrame, polhode: Polhode) -> Decimal:
@@ -178,16 +172,55 @@ def precession_rate(frame: PrincipalFrame, polhode: Polhode) -> Decimal:
     j1, _, j3 = frame.moments
     swing = abs(j3 - j1) / (j1 * j3)
     share = 1 / (1 + polhode.ratio)
-    third = mean_third(polhode.m1 / (1 + polhode.characteristic), polhode.m1) if polhode.m1 else Decimal(0)
+    third = mean_ellippi(polhode.m1 / (1 + polhode.negated_characteristic), polhode.m1) if polhode.m1 else Decimal(0)
     return polhode.momentum * (1 / j3 + frame.sense * swing * (share + (1 - share) * third))
 
 
-def _mean_turn_rate(frame: PrincipalFrame, polhode: Polhode, periods: Periods) -> Decimal:
-    """Mean of ψ′ of `GeneralMotion`, rad/s.
+def motion_of(body: RigidBody, start: State) -> BodyMotion:
+    """The motion of a body from a start of one instant."""
+    inertia = exact_inertia(body)
+    rate = start.body_rate.tolist()
+    x, y, z, w = start.attitude_xyzw.tolist()
+    with working_precision(digits_for(inertia)):
+        if is_steady(inertia, rate):
+            return _steady(rate, (x, y, z, w))
+        return _general(*frame_and_polhode(inertia, rate), (x, y, z, w))
 
-    ψ is the precession angle of the third axis less the azimuth of n, which makes half a turn for every 2K of u.
-    """
-    return precession_rate(frame, polhode) - frame.sense * PI * polhode.speed / (2 * periods.real)
+
+def _steady(body_rate: Sequence[float], attitude: Four) -> Steady:
+    x, y, z = (Decimal(component) for component in body_rate)
+    speed = dot((x, y, z), (x, y, z)).sqrt()
+    a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
+    across = quaternion.product(attitude, (a, b, c, 0.0))
+    return Steady(half_turn_rate(speed), attitude, across, (float(x), float(y), float(z)))
+
+
+def _general(frame: PrincipalFrame, polhode: Polhode, attitude: Four) -> BodyMotion:
+    """The motion from its frame, its polhode and the attitude at the start."""
+    periods = Periods.of(polhode)
+    # of ψ: the precession angle of the third axis less the azimuth of n, which makes half a turn for every 2K of u
+    azimuth_rate = frame.sense * PI * polhode.argument_rate / (2 * periods.real)
+    turning = half_turn_rate(precession_rate(frame, polhode) - azimuth_rate)
+    if 2 * polhode.m1 >= 1:
+        # ζ = πu/2K
+        scale = PI / (2 * periods.real)
+        clock = PhaseClock.of(scale * polhode.argument_rate, scale * polhode.start, 2 * PI)
+        theta = real_theta(periods)
+        precession = theta.periodic_precession(clock.initial_phase())
+        return SmallModulus(clock, theta, turning, _attitude(frame, polhode, precession, attitude))
+    # χ = πu/2K′
+    scale = PI / (2 * ellipk_complement(polhode.m))
+    rate = scale * polhode.argument_rate
+    start = scale * polhode.start
+    imaginary = imaginary_theta(periods)
+    if polhode.m1 == 0:
+        endless = EndlessClock.of(rate, start)
+        precession = imaginary.periodic_precession(endless.initial_phase())
+        return Separatrix(endless, imaginary, turning, _attitude(frame, polhode, precession, attitude))
+    clock = PhaseClock.of(rate, start, 4 * scale * periods.real)
+    precession = imaginary.periodic_precession(clock.initial_phase())
+    per_phase = frame.sense * imaginary.drift / (4.0 * math.pi)
+    return LargeModulus(clock, imaginary, turning, per_phase, _attitude(frame, polhode, precession, attitude))
 
 
 def real_theta(periods: Periods) -> RealTheta:
@@ -204,49 +237,39 @@ def imaginary_theta(periods: Periods) -> ImaginaryTheta:
     return ImaginaryTheta.of(math.exp(-2.0 * quarter), quarter, math.sin(beta), math.sin(cobeta), drift)
 
 
-def _clock_and_theta(polhode: Polhode, periods: Periods) -> tuple[PhaseClock | EndlessClock, Theta]:
-    """The theta functions whose nome is at most exp(−π), and the clock of their phase."""
-    if 2 * polhode.m1 >= 1:
-        # ζ = πu/2K
-        scale = PI / (2 * periods.real)
-        return PhaseClock.of(scale * polhode.speed, scale * polhode.start, 2 * PI), real_theta(periods)
-    # χ = πu/2K′
-    scale = PI / (2 * complete_first(polhode.m))
-    rate, start = scale * polhode.speed, scale * polhode.start
-    clock = EndlessClock.of(rate, start) if polhode.m1 == 0 else PhaseClock.of(rate, start, 4 * scale * periods.real)
-    return clock, imaginary_theta(periods)
-
-
-def general_motion(frame: PrincipalFrame, polhode: Polhode, attitude_xyzw: Sequence[float]) -> GeneralMotion:
-    """The motion from its frame, its polhode and the attitude at the start."""
-    periods, sense = Periods.of(polhode), float(frame.sense)
-    clock, theta = _clock_and_theta(polhode, periods)
-    amplitudes = _over(polhode.momentum, frame.moments, polhode.amplitudes)
-    initial = _over(polhode.momentum, frame.moments, frame.rate)
-    transverse = _proportional(initial[0], frame.sense * initial[1])
-    libration = theta.libration(clock.initial_phase())
-    axes, conjugate = _rows_and_quaternion(frame.axes)
-    x, y, z, w = attitude_xyzw
-    return GeneralMotion(
-        phase_clock=clock,
-        half_turn_rate=PhaseClock.of(_mean_turn_rate(frame, polhode, periods) / 2, Decimal(0), 2 * PI).rate,
-        theta=theta,
-        rate_amplitudes=_rounded(polhode.amplitudes, frame.sense),
-        direction_amplitudes=_rounded(amplitudes, frame.sense),
+def _attitude(
+    frame: PrincipalFrame, polhode: Polhode, precession: PeriodicPrecession, attitude: Four
+) -> AttitudeConstants:
+    """The numbers from which phases give the attitude, which begins as it is given."""
+    amplitudes = _unit_momentum(frame, polhode, polhode.amplitudes)
+    initial = _unit_momentum(frame, polhode, frame.rate)
+    rows = [_rounded(row) for row in zip(*frame.axes, strict=True)]
+    x, y, z, w = quaternion.conjugate(quaternion.from_matrix(np.array(rows))).tolist()
+    world = world_rotation(
+        precession,
+        _rounded(initial),
+        _proportional(initial[0], frame.sense * initial[1]),
+        frame.sense,
+        (x, y, z, w),
+        attitude,
+    )
+    r1, r2, r3 = _rounded(polhode.amplitudes, frame.sense)
+    p, q, r = ((a * r1, b * r2, c * r3) for a, b, c in rows)
+    return AttitudeConstants(
+        sense=float(frame.sense),
         transverse=_proportional(amplitudes[0], amplitudes[1]),
-        sense=sense,
-        axes=axes,
-        world_xyzw=world_rotation(libration, _rounded(initial), transverse, sense, conjugate, (x, y, z, w)),
-        frame_xyzw=conjugate,
+        directions=_rounded(amplitudes, frame.sense),
+        attitude=attitude_map(world, (x, y, z, w)),
+        rates=(p, q, r),
     )
 
 
-def _over(momentum: Decimal, moments: Vector, rate: Vector) -> list[Decimal]:
+def _unit_momentum(frame: PrincipalFrame, polhode: Polhode, rate: Vector) -> list[Decimal]:
     """The unit momentum of a rate in the principal frame."""
-    return [j * w / momentum for j, w in zip(moments, rate, strict=True)]
+    return [j * w / polhode.momentum for j, w in zip(frame.moments, rate, strict=True)]
 
 
-def _rounded(components: Sequence[Decimal], sense: int = 1) -> Triple:
+def _rounded(components: Sequence[Decimal], sense: int = 1) -> Three:
     """Each component rounded once, the second with the sign of the sense."""
     return float(components[0]), float(sense * components[1]), float(components[2])
 
@@ -254,41 +277,3 @@ def _rounded(components: Sequence[Decimal], sense: int = 1) -> Triple:
 def _proportional(x: Decimal, y: Decimal) -> tuple[float, float]:
     widest = max(abs(x), abs(y))
     return float(x / widest), float(y / widest)
-
-
-@lru_cache(maxsize=32)
-def _rows_and_quaternion(axes: tuple[Vector, Vector, Vector]) -> tuple[tuple[Triple, Triple, Triple], Quadruple]:
-    """The matrix of which these are the columns, and conj(F)."""
-    first, second, third = (_rounded(row) for row in zip(*axes, strict=True))
-    x, y, z, w = quaternion.conjugate(quaternion.from_matrix(np.array([first, second, third]))).tolist()
-    return (first, second, third), (x, y, z, w)
-
-
-def steady_motion(body_rate: Sequence[float], attitude_xyzw: Sequence[float]) -> SteadyMotion:
-    """The steady motion of a rate, from an attitude."""
-    x, y, z = (Decimal(component) for component in body_rate)
-    speed = dot((x, y, z), (x, y, z)).sqrt()
-    a, b, c = (float(component / speed) if speed else 0.0 for component in (x, y, z))
-    attitude = quadruple(attitude_xyzw, 0)
-    across = quaternion.product(attitude, (a, b, c, 0.0))
-    return SteadyMotion(PhaseClock.of(speed / 2, Decimal(0), 2 * PI).rate, attitude, across, triple(body_rate, 0))
-
-
-def decimal_motions(starts: InitialConditions, members: Members) -> Iterator[tuple[BodyMotion, Members]]:
-    """The motions at these places of an ensemble, one by one; the principal axes of equal inertias once."""
-    tensors, states = starts.bodies.inertia, starts.states
-    for same in alike(tensors, members):
-        inertia = tensors[same[0]].tolist()
-        with working_precision(digits_for(inertia)):
-            principal = principal_axes(inertia)
-            motions = [
-                _motion(principal, inertia, states.attitude_xyzw[i].tolist(), states.body_rate[i].tolist())
-                for i in same
-            ]
-        yield from zip(motions, np.reshape(same, (-1, 1)), strict=True)
-
-
-def _motion(principal: PrincipalAxes, inertia: Tensor, attitude: list[float], rate: list[float]) -> BodyMotion:
-    if is_steady(inertia, rate):
-        return steady_motion(rate, attitude)
-    return general_motion(*frame_and_polhode(principal, inertia, rate), attitude)
