@@ -35,7 +35,8 @@ FLOATS = (
     float("nan"),
 )
 VALUES: tuple[Any, ...] = (
-    None, True, False, 0, 1, -1, 2**31, 2**63, -(2**63), 10**30, 0.5, 1e-300, 1e300, float("nan"), float("inf"), "",
+    None, True, False, 0, 1, -1, 2**31, 2**63, -(2**63), 10**30, 10**400,
+    0.5, 1e-300, 1e300, float("nan"), float("inf"), "",
     "x", "/", "a/b", "\x1b[2J", "\u202e", "é" * 300, [], [0], [1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0], [1e200] * 3, {},
     {"a": 1}, [[1.0]], "moving_chart", "closed_form", "nan", "1e5", "0x10", "1:30", "2001-01-01",
 )  # fmt: skip
@@ -113,10 +114,16 @@ def messages_of(content: bytes) -> list[Message]:
     ]
 
 
-def rewritten(messages: list[Message], library: str, compression: CompressionType = CompressionType.ZSTD) -> bytes:
+def rewritten(
+    messages: list[Message],
+    library: str,
+    compression: CompressionType = CompressionType.ZSTD,
+    *,
+    checksums: bool = True,
+) -> bytes:
     """A file of messages by the writer of the `mcap` library, whole in itself."""
     out = BytesIO()
-    writer = Writer(out, compression=compression, chunk_size=4096)
+    writer = Writer(out, compression=compression, chunk_size=4096, enable_crcs=checksums, enable_data_crcs=False)
     writer.start("ros2", library)
     channels: dict[tuple[str, str], int] = {}
     for number, message in enumerate(messages):

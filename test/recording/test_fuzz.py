@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import struct
 import warnings
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import partial
-from io import BytesIO, StringIO
+from io import StringIO
 from pathlib import Path
+from random import Random
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import lz4.frame
 import pytest
@@ -22,16 +21,15 @@ import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import MCAP0_MAGIC as MAGIC
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType
 
+import mutations
+from lie_rigid_body import simulate
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.plot import main as plot
 from lie_rigid_body.cli.recover import main as recover
-from lie_rigid_body.messages import definitions, encode_string
-from lie_rigid_body.messages.batch import POSE, SENSOR_TOPICS, TWIST, BatchEncoder
-from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Segment, Simulation
+from lie_rigid_body.messages.batch import POSE, TWIST
 from lie_rigid_body.system import console
 from lie_rigid_body.system.console import UNUSABLE
 from sampled import sampled
@@ -42,7 +40,6 @@ EXAMPLES = 1000
 """Of each kind."""
 DRAWN = 100
 """One in so many of the bags that can be read is drawn, which takes far longer than to read it."""
-SCENARIO = "lie_rigid_body/scenario"
 PACK: dict[str, Callable[[bytes], bytes]] = {"": bytes, "zstd": zstandard.compress, "lz4": lz4.frame.compress}
 
 
@@ -175,105 +172,45 @@ RANDOM = st.builds(
 )
 
 
-def bag(change: Callable[[str, int, bytes], bytes] = lambda topic, number, data: data) -> bytes:
-    """A bag of a few samples and readings without checksums, whose payloads a function changes by topic and number."""
-    parameters = {"motion": "closed_form", "rate": 20.0, "imu_rate": 10.0, "magnetometer_rate": 5.0}
-    scenario = Scenario.from_parameters(parameters)
-    simulation, out = Simulation(scenario), BytesIO()
-    writer = Writer(out, compression=CompressionType.NONE, enable_crcs=False)
-    writer.start("ros2", "lie_rigid_body")
-    channels, counts = dict[str, int](), Counter[str]()
-
-    def add(topic: str, kind: str, stamp: int, data: bytes) -> None:
-        if topic not in channels:
-            schema = writer.register_schema(kind, "ros2msg", definitions.definition(kind).encode())
-            channels[topic] = writer.register_channel(f"/{topic}", "cdr", schema)
-        writer.add_message(channels[topic], stamp, change(topic, counts[topic], data), stamp)
-        counts[topic] += 1
-
-    types = {POSE: definitions.POSE_STAMPED, TWIST: definitions.TWIST_STAMPED, **SENSOR_TOPICS}
-    add(SCENARIO, definitions.STRING, 0, encode_string(simulation.segment.to_json()))
-    taken = simulation.take_until(simulation.clock.stamp_ns(7), 8)
-    for stamp, topic, data in BatchEncoder(scenario).encode(taken).in_order():
-        add(topic, types[topic], stamp, data)
-    writer.finish()
-    return out.getvalue()
+with TemporaryDirectory() as folder:
+    path = Path(folder, "x.mcap")
+    simulate(duration=0.35, motion="closed_form", rate=20.0, imu_rate=10.0, magnetometer_rate=5.0).to_bag(path)
+    MESSAGES = mutations.messages_of(path.read_bytes())
 
 
-HONEST = bag()
+def bag(messages: list[mutations.Message]) -> bytes:
+    """A file without checksums, so that what is changed in it is read."""
+    return mutations.rewritten(messages, "lie_rigid_body", CompressionType.NONE, checksums=False)
 
 
-def edited(edits: list[tuple[str, int, int, bytes]]) -> bytes:
-    """The honest bag with pieces of it overwritten, left out, doubled or put in."""
-    content = HONEST
-    for how, at, size, data in edits:
-        begin, end = at % (len(content) + 1), at % (len(content) + 1) + size
-        piece = {"write": data, "cut": b"", "double": 2 * content[begin:end], "insert": data + content[begin:end]}[how]
-        content = content[:begin] + piece + content[end:]
+HONEST = bag(MESSAGES)
+
+
+def changed(seed: int, times: int) -> bytes:
+    random, content = Random(seed), HONEST
+    for _ in range(times):
+        content = mutations.mutated_bag(random, content)
     return content
 
 
-EDITED = st.lists(
-    st.tuples(
-        st.sampled_from(["write", "cut", "double", "insert"]),
-        st.integers(0, 2**20),
-        st.sampled_from([1, 2, 8, 31, 200]) | st.integers(0, 4000),
-        st.binary(max_size=16) | WORDS.map(longs),
-    ),
-    min_size=1,
-    max_size=3,
-).map(edited)
-
-FLOATS = st.sampled_from([1e308, -1e308, 1e-308, 5e-324, 0.0, -0.0, 1e9, 1e6, 1e-9, float("nan"), float("inf")])
-VALUES = st.recursive(
-    st.none() | st.booleans() | WORDS | st.just(10**400) | st.just(-1) | FLOATS | st.floats() | TEXTS,
-    lambda inner: st.lists(inner, max_size=6) | st.dictionaries(TEXTS, inner, max_size=2),
-    max_leaves=8,
-) | st.lists(FLOATS | st.floats(), min_size=3, max_size=6)
-SEGMENT = Segment(Scenario.from_parameters({"rate": 20.0, "imu_rate": 10.0, "magnetometer_rate": 5.0}), 0, 0)
-NAMES = st.sampled_from([*json.loads(SEGMENT.to_json())]) | TEXTS
+def replaced(topic: str, number: int | None, at: int, piece: bytes) -> bytes:
+    """The bag with a piece of the payload of one message of a topic, or of each, overwritten."""
+    messages, count = [*MESSAGES], 0
+    for i, message in enumerate(MESSAGES):
+        if message.topic == f"/{topic}":
+            if number in (count, None):
+                begin = at % len(message.data)
+                data = message.data[:begin] + piece + message.data[begin + len(piece) :]
+                messages[i] = message._replace(data=data)
+            count += 1
+    return bag(messages)
 
 
-def declared(values: Mapping[Any, Any]) -> bytes:
-    """The bag with another scenario message."""
-
-    def change(topic: str, number: int, data: bytes) -> bytes:
-        if topic != SCENARIO:
-            return data
-        return encode_string(json.dumps({**json.loads(data[8:-1]), **values}))
-
-    return bag(change)
-
-
-DECLARED = st.dictionaries(NAMES, VALUES, min_size=1, max_size=3).map(declared)
-
-
-def replaced(topic: str, number: int, at: int, piece: bytes, size: int) -> bytes:
-    """The bag with a piece of a payload overwritten, and perhaps the rest of it left out."""
-
-    def change(name: str, count: int, data: bytes) -> bytes:
-        if name != topic or number not in (count, 8):
-            return data
-        begin = at % (len(data) + 1)
-        return (data[:begin] + piece + data[begin + len(piece) :])[:size]
-
-    return bag(change)
-
-
-REPLACED = st.builds(
-    replaced,
-    st.sampled_from([POSE, TWIST, SCENARIO, *SENSOR_TOPICS]),
-    st.integers(0, 8),
-    st.integers(0, 400),
-    WORDS.map(longs) | FLOATS.map(lambda value: struct.pack("<d", value)) | st.binary(max_size=16),
-    st.just(2**20) | st.integers(0, 400),
-)
+CHANGED = st.builds(changed, st.integers(0, 2**64 - 1), st.integers(1, 3))
 KINDS = {
     "random": RANDOM,
     "records": RECORDS,
-    "edited": EDITED,
-    "declared": DECLARED,
-    "replaced": REPLACED,
+    "changed": CHANGED,
 }
 
 
@@ -296,7 +233,7 @@ def test_no_file_gives_a_traceback(kind: str) -> None:
 
 
 def test_a_quaternion_whose_norm_underflows_breaks_laws_without_a_warning() -> None:
-    assert answers(replaced(POSE, 0, 76, longs(1), 2**20), drawn=True)["check 1"] == 1
+    assert answers(replaced(POSE, 0, 76, longs(1)), drawn=True)["check 1"] == 1
 
 
 @pytest.mark.slow
@@ -307,12 +244,7 @@ def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
 ) -> None:
     path = tmp_path / "x.mcap"
     for number in (3, None):
-
-        def change(name: str, count: int, data: bytes, number: int | None = number) -> bytes:
-            is_other = name != topic or number not in (count, None)
-            return data if is_other else data[: -8 * fields] + fields * struct.pack("<d", value)
-
-        path.write_bytes(bag(change))
+        path.write_bytes(replaced(topic, number, -8 * fields, fields * struct.pack("<d", value)))
         assert run(check, str(path)) == 1
         if (number is None) == (topic == POSE):  # to draw takes far longer than to judge
             assert run(plot, str(path), "-o", str(tmp_path / "x.png")) in (0, 2)
