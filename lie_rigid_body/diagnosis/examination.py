@@ -14,9 +14,10 @@ import numpy as np
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
-from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
+from lie_rigid_body.diagnosis.search import NEAR, Search, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
+from lie_rigid_body.evaluation.causes import or_else
 from lie_rigid_body.evaluation.matched import error_of
 from lie_rigid_body.foundation.arrays import Array, whole_number
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
@@ -320,7 +321,7 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
     before = left.get("", float(np.degrees(plain(search.trials).error)))
     for found in named.mistakes:
         after = left.get(found.code, before)
-        instead = or_else(named, others, found.code)
+        instead = instead_of(named, others, found.code)
         doubt = f" On this motion {' or '.join(instead)} explains it as well." if instead else ""
         yield Mistake(
             found.code,
@@ -333,11 +334,10 @@ def _mistakes(search: Search, errors: list[ErrorOverTime]) -> Iterator[Mistake]:
         before = after
 
 
-def or_else(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, ...]:
-    """Codes that may replace one of the named codes while the others stay."""
-    rest = set(named.codes) - {code}
-    found = [set(other.codes) - rest for other in others if rest <= set(other.codes)]
-    return tuple(sorted(set().union(*found) - set(named.codes), key=ORDER.index))
+def instead_of(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, ...]:
+    """Codes that may replace one of the named codes while the others stay, in the order of the table."""
+    found = {or_else(code, named.codes, other.codes) for other in others}
+    return tuple(sorted(found - {"", *named.codes}, key=ORDER.index))
 
 
 def _notes(search: Search) -> Iterator[Note]:

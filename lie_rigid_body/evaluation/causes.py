@@ -13,7 +13,7 @@ eigenvector.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import permutations
@@ -374,6 +374,13 @@ CAUSES: Final = (
 )
 """The causes, in the order in which they are named where several do as well and cost as much."""
 BY_CODE: Final[dict[str, Cause]] = {cause.code: cause for cause in CAUSES}
+
+
+def or_else(code: str, named: Collection[str], other: Collection[str]) -> str:
+    """Code of another explanation that takes the place of one of the named codes while the rest stay; else empty."""
+    rest = {*named} - {code}
+    new = {*other} - rest
+    return new.pop() if len(new) == 1 and code not in new and len(other) == len(rest) + 1 else ""
 
 
 def late(lag_s: float) -> Part:

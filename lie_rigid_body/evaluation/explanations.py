@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.evaluation.attitudes import angles, period_ns
-from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, vector
+from lie_rigid_body.evaluation.causes import BY_CODE, Part, heading, late, or_else, vector
 from lie_rigid_body.evaluation.matched import (
     NEGLIGIBLE,
     SAMPLES,
@@ -399,19 +399,16 @@ class Evidence:
 
     def instead_of(self, named: Explanation, cause: str) -> tuple[str, ...]:
         """Causes that leave about as much error in the place of a named one."""
-        rest = {*named.causes} - {cause}
         without = self.without(named, cause)
         left = max(named.error, NEGLIGIBLE)
         others = [*self.tried, *([self.get(without.form, without.turned, late=True)] if without.turned in LATE else [])]
         found: dict[str, None] = {}
         for other in others:
-            new = {*other.causes} - rest
-            if len(new) != 1 or cause in new or len(other.causes) != len(rest) + 1:
-                continue
-            small = "lag" in new and without.error < OF_SENSORS
+            new = or_else(cause, named.causes, other.causes)
+            small = new == "lag" and without.error < OF_SENSORS
             most = min((LAG_TIE if small else TIE) * left, 0.5 * (without.error + left))
-            if max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
-                found |= dict.fromkeys(new)
+            if new and max(other.error, NEGLIGIBLE) <= most and (small or self.is_needed(other)):
+                found[new] = None
         return tuple(found)
 
 

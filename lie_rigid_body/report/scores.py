@@ -159,7 +159,7 @@ def _facts(score: Score) -> Iterator[tuple[str, str]]:
         yield "lag", "not told by this motion and these errors"
     else:
         # stamps are whole nanoseconds
-        yield "lag", f"{round(score.lag_s, 9):+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
+        yield "lag", f"{round(score.lag_s, 9) + 0.0:+.4g} s ± {score.lag_standard_error_s:.2g} s; positive is late"
     if score.of_sensors_deg is not None:
         told = f"a constant turn is about what these sensors leave to a right filter, {score.of_sensors_deg:.2g}°"
         yield "sensors", told

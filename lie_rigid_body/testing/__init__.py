@@ -20,9 +20,6 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
-from lie_rigid_body.foundation.errors import InputError, describe
-from lie_rigid_body.foundation.wording import shown
-
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -113,6 +110,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if FIXTURE not in metafunc.fixturenames or _has_its_own(metafunc):
         return
 
+    from lie_rigid_body.foundation.errors import InputError
+    from lie_rigid_body.foundation.wording import shown
     from lie_rigid_body.scenario.parameter_file import scenario_files
     from lie_rigid_body.sensors import GRADES
 
@@ -140,6 +139,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 def _names(chosen: dict[str, Any], name: str, every: Iterable[str]) -> list[str]:
     """Take the names that a marker chooses, all where it does not choose; a text is one name."""
+    from lie_rigid_body.foundation.wording import shown
+
     given = chosen.pop(name, None)
     if given is None:
         return list(every)
@@ -176,6 +177,8 @@ def attitude_run(request: pytest.FixtureRequest) -> Run | tuple[Run, ...]:
     marker ``attitude_run`` chooses scenarios and grades, and gives further arguments of `simulate`. With ``indirect``,
     ``parametrize`` does as well: pairs of a scenario and a grade, or scenarios of which the sensors are perfect.
     """
+    from lie_rigid_body.foundation.errors import InputError
+    from lie_rigid_body.foundation.wording import shown
     from lie_rigid_body.runs import simulate
 
     pair = getattr(request, "param", ())  # none in a unittest, or of what asks for it by getfixturevalue
@@ -251,6 +254,7 @@ def assert_attitude(
     """
     __tracebackhide__ = True
     from lie_rigid_body.evaluation import Limits
+    from lie_rigid_body.foundation.errors import InputError
     from lie_rigid_body.runs.run import require_run
 
     try:
@@ -275,6 +279,8 @@ def assert_attitude(
 
 def _drawn(score: Score, plot: str | Path) -> str:
     """Draw the errors, and say where they are, or why they are not."""
+    from lie_rigid_body.foundation.errors import describe
+
     try:
         from lie_rigid_body.report import write_plot
 

@@ -10,7 +10,7 @@ import pytest
 
 from lie_rigid_body.diagnosis.course import MARGIN, Readings, courses_of
 from lie_rigid_body.diagnosis.course import readings as readings_of
-from lie_rigid_body.diagnosis.examination import or_else as instead_of
+from lie_rigid_body.diagnosis.examination import instead_of
 from lie_rigid_body.diagnosis.repairs import (
     FITTED,
     JOINT,
