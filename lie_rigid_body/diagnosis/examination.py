@@ -14,7 +14,7 @@ import numpy as np
 from lie_rigid_body.diagnosis.course import REST, Course, courses_of
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES, WRONG_SIGN, Probe, told, with_unit
 from lie_rigid_body.diagnosis.repairs import JOINT, ORDER, Answer, Job
-from lie_rigid_body.diagnosis.search import NEAR, Search, plain
+from lie_rigid_body.diagnosis.search import NEAR, Search, Trial, plain
 from lie_rigid_body.estimates.estimators import Estimator, Workers, each_alone, source_of
 from lie_rigid_body.estimates.programs import NodeEstimator, time_limit
 from lie_rigid_body.evaluation.causes import or_else

@@ -11,7 +11,7 @@ import numpy as np
 from lie_rigid_body.estimates.estimators import Estimator, Source, Workers, called
 from lie_rigid_body.evaluation import attitude_error, bias_error
 from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG
-from lie_rigid_body.evaluation.statistics import LEAST_SHARE, rms, settling_limit, time_to_converge
+from lie_rigid_body.evaluation.statistics import MIN_SHARE, rms, settling_limit, time_to_converge
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.league.cases import CASES, SEED, SETTLED_S, Case, readings_hash, run_of
 from lie_rigid_body.league.table import LOST_DEG, CaseResult, FilterRow, reference
@@ -69,7 +69,7 @@ def play_case(estimate: Estimator, case: Case, seed: int = SEED) -> CaseResult:
         settled = t_s >= SETTLED_S
         count = int(np.sum(settled))
         due = int(np.sum(due_ns - begin_ns >= SETTLED_S * 1e9))
-        if count < LEAST_SHARE * due:
+        if count < MIN_SHARE * due:
             raise InputError(
                 f"{count} attitudes after {SETTLED_S:g} s, for {due} readings of the IMU: give half at least"
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import zip_longest
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -197,11 +197,11 @@ def _kept(stamps: Integers, others: Sequence[Integers], most: int) -> Integers:
     if len(stamps) <= most:
         return np.arange(len(stamps))
     dense = np.geomspace(1.0, len(stamps), most // 10)
-    kept: list[Array] = [np.linspace(0.0, len(stamps) - 1.0, most - 2 * len(dense)), dense - 1.0, len(stamps) - dense]
+    kept: list[Any] = [np.linspace(0.0, len(stamps) - 1.0, most - 2 * len(dense)), dense - 1.0, len(stamps) - dense]
     for readings in others:
         if len(readings) <= most:
             at = np.searchsorted(stamps, readings, side="right") - 1
-            kept += [at.astype(np.float64), at - 1.0]
+            kept += [at, at - 1]
     indices = np.unique(np.rint(np.concatenate(kept)).astype(np.int64))
     return indices[indices >= 0]
 
