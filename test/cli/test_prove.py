@@ -37,8 +37,6 @@ def proved(capsys, arguments: list[str]) -> tuple[int, dict]:
 @pytest.mark.parametrize("motion", ["moving_chart", "closed_form"])
 def test_a_good_bag_is_proved(tmp_path, capsys, motion):
     good = recorded(tmp_path / "good.mcap", f"motion:={motion}", "inertia:=[1.0, 0.1, 0.2, 2.0, 0.3, 2.5]")
-    assert main([good, "--prove", "20"]) == 0
-    assert max(map(len, capsys.readouterr().out.splitlines()[1:])) <= 80
     status, content = proved(capsys, [good, "--prove", "20"])
     assert status == 0
     assert content["passed"] is True
