@@ -55,7 +55,9 @@ def report(bag: Path) -> Path:
 
 def figures(text: str) -> dict[str, Any]:
     """The figures of a page by their headings."""
-    found = re.findall(r'<h3>([^<]*)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL)
+    found = re.findall(
+        r'<h3>([^<]*)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL
+    )
     return {heading: json.loads(content) for heading, content in found}
 
 

@@ -152,7 +152,8 @@ def test_a_failure_tells_the_error_and_its_cause(run):
         assert_attitude(late, run, max_rms_deg=0.01, max_after="1s:2deg")
     message = str(failure.value)
     assert 0.01 in numbers(message.splitlines()[0])
-    assert {"total", "heading", "inclination", "lagging:"} <= {line.removeprefix("- ").split(" ")[0] for line in message.splitlines()}
+    words = {line.removeprefix("- ").split(" ")[0] for line in message.splitlines()}
+    assert {"total", "heading", "inclination", "lagging:"} <= words
 
 
 def test_a_score_is_returned_and_the_beginning_can_be_left_out(run):
