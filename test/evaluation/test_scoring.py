@@ -171,3 +171,12 @@ def test_a_finding_that_would_leave_larger_errors_is_not_told():
     assert [finding.code for finding in score.findings if finding.rms_deg_after > score.total_deg.rms] == []
     alone = evaluate(STAMPS[~large], q[~large], truth_of(MOTION))
     assert "heading_offset" in [finding.code for finding in alone.findings]
+
+
+def test_no_digits_are_printed_below_round_off_and_the_nanoseconds_of_stamps():
+    """Of an exact estimate: angles of some 1e-14 degrees, and a lag of far less than a nanosecond."""
+    score = evaluate(STAMPS, attitude("slow_tumble"), truth_of("slow_tumble"))
+    assert score.lag_s == pytest.approx(0.0, abs=1e-9)
+    lines = {line.split()[0]: line.split()[1:] for line in str(score).splitlines() if line}
+    assert lines["inclination"] == ["0"] * 5
+    assert lines["lag"][0] == "+0"
