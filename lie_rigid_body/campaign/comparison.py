@@ -1,4 +1,4 @@
-"""Estimators over the runs of a campaign: errors, which one is better, best points of grids, consistency of covariances."""
+"""Estimators over the runs of a campaign: errors, which is better, best points of grids, consistency of covariances."""
 
 from __future__ import annotations
 
