@@ -103,7 +103,7 @@ class EstimatorSummary:
 
 
 class Best(NamedTuple):
-    """What the sensors of a run leave at best.
+    """Smallest error that the sensors of a run allow.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ def _fixed_constants(campaign: Campaign) -> tuple[str, ...]:
 
 
 class _EntryScores:
-    """What an entry is worth in all runs.
+    """Scores of an entry in all runs.
 
     Attributes
     ----------

@@ -207,7 +207,7 @@ class Campaign:
 
     @cached_property
     def entries(self) -> tuple[EstimatorSpec, ...]:
-        """What is called in each run: every estimator at every point of its grid."""
+        """Every estimator at every point of its grid: each is called in every run."""
         return tuple(entry for one in self.estimator_specs.values() for entry in one.points)
 
     @property

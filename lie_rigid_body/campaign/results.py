@@ -193,7 +193,7 @@ def _definition_of(campaign: Campaign) -> dict[str, Any]:
 
 
 def _read_definition(folder: Path) -> dict[str, Any] | None:
-    """What the file of a campaign in a folder says; None where there is none. Of equal numbers 5 and 5.0 are one."""
+    """Content of the definition in a folder, None where there is none; 5 and 5.0 are equal in it."""
     try:
         found: dict[str, Any] = json.loads((folder / DEFINITION).read_bytes())
     except (OSError, ValueError):

@@ -149,7 +149,7 @@ def carry_out_elsewhere(campaign: Campaign, run: int, *, keep: bool) -> tuple[Ro
 
 
 def run_scores(campaign: Campaign, run: int) -> list[dict[str, Any]]:
-    """What the campaign's estimators are worth in a run; another Python calls each, which may exit or hang."""
+    """Scores of the campaign's estimators in a run; another Python calls each, which may exit or hang."""
     limit_s = STARTING_S + max(MAX_ESTIMATOR_S, campaign.duration)
     found = []
     for entry in campaign.entries:
@@ -180,7 +180,7 @@ def _simulated(campaign: Campaign, run: int) -> Run:
 
 @short_dataclass(frozen=True)
 class RunScore:
-    """What an estimator is worth in one run, of which JSON is made.
+    """Score of an estimator in one run, of which JSON is made.
 
     Attributes
     ----------
