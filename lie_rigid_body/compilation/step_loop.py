@@ -30,10 +30,10 @@ class StepLoop:
     Parameters
     ----------
     plain : callable
-        A function of the state and the constants, which are named tuples of floats, of ``spans``, ``counts`` and
-        ``takes``, three integers for each sample, and of ``out``, an array with a row for each sample, which it fills.
-        The integers are the time since the sample before, ns, the steps that divide it, and how many of these it is to
-        take. It returns the state at the end.
+        A function of the state and the constants, which are named tuples of floats, and of ``spans``, ``counts``,
+        ``takes`` and ``out``. The three are integers for each sample: the time since the one before, ns, the steps that
+        divide it, and how many of these it is to take. It fills a row of the array ``out`` for each sample, and returns
+        the state at the end.
     """
 
     def __init__(self, plain: Callable[..., Any]) -> None:
