@@ -177,15 +177,8 @@ def to_matrix(q: ArrayLike) -> Array:
     -------
     ndarray, shape (..., 3, 3)
     """
-    x, y, z, w = _components(q)
-    m = np.empty((*x.shape, 3, 3))
-    m[..., 0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    m[..., 1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    m[..., 2, 2] = 1.0 - 2.0 * (x * x + y * y)
-    m[..., 0, 1], m[..., 1, 0] = 2.0 * (x * y - z * w), 2.0 * (x * y + z * w)
-    m[..., 2, 0], m[..., 0, 2] = 2.0 * (x * z - y * w), 2.0 * (x * z + y * w)
-    m[..., 1, 2], m[..., 2, 1] = 2.0 * (y * z - x * w), 2.0 * (y * z + x * w)
-    return m
+    q = _quaternions(q)
+    return vectors.matrix_polynomial(q[..., :3], 2.0 * q[..., 3], 2.0)
 
 
 def shepperd_matrix(m: Any) -> tuple[tuple[Any, Any, Any, Any], ...]:

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from lie_rigid_body.foundation.arrays import Array
 from lie_rigid_body.lie import quaternion, series
-from lie_rigid_body.lie.vectors import as_matrices, as_vectors, norm
+from lie_rigid_body.lie.vectors import as_matrices, as_vectors, matrix_polynomial, norm
 
 
 def hat(v: ArrayLike) -> Array:
@@ -80,7 +80,7 @@ def exp(v: ArrayLike) -> Array:
     scaled = np.ldexp(v, -exponent[..., np.newaxis])
     length = np.where(theta == 0.0, 1.0, np.ldexp(theta, -exponent))
     squared = np.where(theta == 0.0, 1.0, np.sum(scaled * scaled, axis=-1))
-    return _matrix_polynomial(scaled, np.sin(theta) / length, 2.0 * np.sin(0.5 * theta) ** 2 / squared)
+    return matrix_polynomial(scaled, np.sin(theta) / length, 2.0 * np.sin(0.5 * theta) ** 2 / squared)
 
 
 def log(m: ArrayLike) -> Array:
@@ -99,29 +99,6 @@ def log(m: ArrayLike) -> Array:
     return quaternion.log(quaternion.from_matrix(m))
 
 
-def _matrix_polynomial(v: Array, linear: Array, quadratic: Array) -> Array:
-    """The matrix I + linear·[v] + quadratic·[v]², with the diagonal of [v]² written without cancellation.
-
-    Parameters
-    ----------
-    v : ndarray, shape (..., 3)
-    linear, quadratic : ndarray, shape (...)
-
-    Returns
-    -------
-    ndarray, shape (..., 3, 3)
-    """
-    x, y, z = v[..., 0], v[..., 1], v[..., 2]
-    m = np.empty((*v.shape, 3))
-    m[..., 0, 0] = 1.0 - quadratic * (y * y + z * z)
-    m[..., 1, 1] = 1.0 - quadratic * (x * x + z * z)
-    m[..., 2, 2] = 1.0 - quadratic * (x * x + y * y)
-    m[..., 0, 1], m[..., 1, 0] = quadratic * x * y - linear * z, quadratic * x * y + linear * z
-    m[..., 2, 0], m[..., 0, 2] = quadratic * x * z - linear * y, quadratic * x * z + linear * y
-    m[..., 1, 2], m[..., 2, 1] = quadratic * y * z - linear * x, quadratic * y * z + linear * x
-    return m
-
-
 def left_jacobian(v: ArrayLike) -> Array:
     """The left Jacobian J_l(v), ``dexp`` of SO(3): d/dt exp(hat v) = hat(J_l v̇) exp(hat v) (Iserles et al., app. B).
 
@@ -138,7 +115,7 @@ def left_jacobian(v: ArrayLike) -> Array:
     """
     v = as_vectors(v)
     theta = norm(v)
-    return _matrix_polynomial(v, series.dexp_linear(theta), series.dexp_quadratic(theta))
+    return matrix_polynomial(v, series.dexp_linear(theta), series.dexp_quadratic(theta))
 
 
 def right_jacobian(v: ArrayLike) -> Array:
@@ -174,7 +151,7 @@ def left_jacobian_inverse(v: ArrayLike) -> Array:
     """
     v = as_vectors(v)
     theta = norm(v)
-    return _matrix_polynomial(v, np.full_like(theta, -0.5), series.dexpinv_quadratic(theta))
+    return matrix_polynomial(v, np.full_like(theta, -0.5), series.dexpinv_quadratic(theta))
 
 
 def right_jacobian_inverse(v: ArrayLike) -> Array:

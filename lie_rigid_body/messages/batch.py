@@ -27,7 +27,7 @@ from lie_rigid_body.messages.layout import (
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Field, SensorModel, Sensors, Topic
 from lie_rigid_body.sensors.fault import MAX_FAULT_TEXT
-from lie_rigid_body.simulation import Samples, SensorSamples, Taken
+from lie_rigid_body.simulation import Samples, SensorSamples, SimulationStep
 
 POSE: Final = "pose"
 TWIST: Final = "twist"
@@ -294,13 +294,13 @@ class BatchEncoder:
             for name, model in scenario.sensors.on.items()
         }
 
-    def encode(self, taken: Taken) -> Batch:
+    def encode(self, taken: SimulationStep) -> Batch:
         """Encode samples and readings that were taken at once, with the frames of their own scenario."""
         if taken.scenario is not None and taken.scenario is not self._scenario:
             self._begin(taken.scenario)
         return Batch(taken.samples, tuple(self._topics(taken)))
 
-    def _topics(self, taken: Taken) -> Iterator[Messages]:
+    def _topics(self, taken: SimulationStep) -> Iterator[Messages]:
         yield Messages(POSE, taken.samples.stamps_ns, self._truth.poses(taken.samples))
         yield Messages(TWIST, taken.samples.stamps_ns, self._truth.twists(taken.samples))
         for name, samples in taken.sensors.items():

@@ -29,7 +29,7 @@ from lie_rigid_body.recording.bag_writer import POSE_TOPIC, SCENARIO_TOPIC, TWIS
 from lie_rigid_body.recording.records import CUT_OFF, REWRITTEN
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import SOFTWARE, Segment, Taken
+from lie_rigid_body.simulation import SOFTWARE, Segment, SimulationStep
 
 OWN_TOPICS: Final = frozenset(
     {POSE_TOPIC, TWIST_TOPIC, SCENARIO_TOPIC, *(f"/{topic.replace('~', SOFTWARE)}" for topic in SENSOR_TOPICS)}
@@ -43,7 +43,7 @@ def write_bag(
     path: str | Path,
     segments: tuple[Segment, ...],
     recording: Recording | None,
-    within: Callable[[Segment, int, int], Taken],
+    within: Callable[[Segment, int, int], SimulationStep],
     beside: Sequence[tuple[Messages, str]],
     *,
     overwrite: bool,

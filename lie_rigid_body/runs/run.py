@@ -32,7 +32,7 @@ from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
 from lie_rigid_body.runs.truth import ScenarioTruth
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS, Fault
-from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
+from lie_rigid_body.simulation import Samples, Segment, Simulation, SimulationStep
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -381,7 +381,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
             f"{len(self.t_ns)} samples of the truth: give its stamps as t_ns"
         )
 
-    def _within(self, segment: Segment, begin_ns: int, end_ns: int) -> Taken:
+    def _within(self, segment: Segment, begin_ns: int, end_ns: int) -> SimulationStep:
         """Truth and readings of a segment from one time on and before another one, ns."""
         kept = (self.t_ns >= begin_ns) & (self.t_ns < end_ns)
         sensors = {
@@ -396,7 +396,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
                     "take their topic out of the bag that it is from"
                 )
         faults = tuple(fault for fault in self.faults if begin_ns <= fault.begin_ns < end_ns)
-        return Taken(Samples(self.t_ns, self.truth)[kept], sensors, faults)
+        return SimulationStep(Samples(self.t_ns, self.truth)[kept], sensors, faults)
 
 
 def require_run(run: object) -> None:

@@ -33,6 +33,12 @@ from lie_rigid_body.sensors.triad import Triad, TriadModel
 
 MAX_ROTATION_PER_READING: Final = 3.0
 """Largest turn between two readings of an integrated rate, rad: more than half a turn reads as one the other way."""
+_OF_GYRO: Final = (NoiseSource.GYRO_TURN_ON, NoiseSource.GYRO_WALK, NoiseSource.GYRO_WHITE)
+_OF_ACCELEROMETER: Final = (
+    NoiseSource.ACCELEROMETER_TURN_ON,
+    NoiseSource.ACCELEROMETER_WALK,
+    NoiseSource.ACCELEROMETER_WHITE,
+)
 _YZX: Final = np.array([1, 2, 0])
 _ZXY: Final = np.array([2, 0, 1])
 
@@ -226,8 +232,8 @@ class Imu(Instrument):
     def __init__(self, model: ImuModel, body: RigidBody) -> None:
         self._model, self._integrates = model, model.gyro_rate == "integrated"
         self._force = SpecificForce(body, model.lever_arm, model.support)
-        self._gyro = Triad(model.gyro, model.rate, model.seed, "GYRO")
-        self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, "ACCELEROMETER")
+        self._gyro = Triad(model.gyro, model.rate, model.seed, *_OF_GYRO)
+        self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, *_OF_ACCELEROMETER)
         self._turn = WhiteNoise(model.seed, NoiseSource.ORIENTATION_WHITE, 1.0)
         self.walk_deviates = sum(3 for triad in (model.gyro, model.accelerometer) if triad.bias_random_walk)
 

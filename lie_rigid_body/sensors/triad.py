@@ -285,12 +285,19 @@ class Triad:
     rate : float
         Samples per second.
     seed : int
-    name : str
-        Its name in `NoiseSource`, for its bias at the start, its bias' steps and its white noise.
+    turn_on, walk, white : NoiseSource
+        Of its bias at the start, its bias' steps and its white noise.
     """
 
-    def __init__(self, model: TriadModel, rate: float, seed: int, name: str) -> None:
-        turn_on, walk, white = (NoiseSource[f"{name}_{kind}"] for kind in ("TURN_ON", "WALK", "WHITE"))
+    def __init__(
+        self,
+        model: TriadModel,
+        rate: float,
+        seed: int,
+        turn_on: NoiseSource,
+        walk: NoiseSource,
+        white: NoiseSource,
+    ) -> None:
         start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(0, 1)[0]
         self._bias = RandomWalk(start, WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate)))
         self._noise = WhiteNoise(seed, white, model.noise_density * math.sqrt(rate))

@@ -7,7 +7,7 @@ Modules:
 - `loop`: the truth, the sensors and their faults together, across resets.
 """
 
-from lie_rigid_body.simulation.loop import Motions, Simulation, Taken, motions_of
+from lie_rigid_body.simulation.loop import Motions, Simulation, SimulationStep, motions_of
 from lie_rigid_body.simulation.samples import Samples, SensorSamples
 from lie_rigid_body.simulation.segment import SOFTWARE, SampleClock, Segment
 
@@ -19,6 +19,6 @@ __all__ = [
     "Segment",
     "SensorSamples",
     "Simulation",
-    "Taken",
+    "SimulationStep",
     "motions_of",
 ]

@@ -38,7 +38,7 @@ _BEGIN: Final = attrgetter("begin_ns")
 
 
 @short_dataclass(frozen=True)
-class Taken:
+class SimulationStep:
     """Samples of the truth and readings of the sensors that were taken from a simulation at once, all of one segment.
 
     Parameters
@@ -239,7 +239,7 @@ class Simulation:
         """The next ``count`` samples of the truth alone."""
         return self._running[-1].truth.take(whole_number("count", count, 0))
 
-    def take_until(self, stamp_ns: int, at_most: int) -> Taken:
+    def take_until(self, stamp_ns: int, at_most: int) -> SimulationStep:
         """Take what comes next up to a time, from the truth and from every sensor, in one segment.
 
         Readings left over from before a reset come alone, and first: messages tell the frame and the noise of the
@@ -255,7 +255,7 @@ class Simulation:
 
         Returns
         -------
-        Taken
+        SimulationStep
 
         Raises
         ------
@@ -281,7 +281,7 @@ class Simulation:
         if last_ns < 0 and stamp_ns == fault_end_ns:
             last_ns = fault_end_ns
         sensors = {name: rows.received() for name, rows in taken.items()}
-        return Taken(truth, sensors, self._faults.take(last_ns), running.segment.scenario)
+        return SimulationStep(truth, sensors, self._faults.take(last_ns), running.segment.scenario)
 
     def _oldest(self) -> _RunningSegment:
         """The first segment of which something is left."""

@@ -17,7 +17,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 from said import numbers
 
 SCENARIOS: dict[str, dict[str, object]] = {
@@ -48,7 +48,7 @@ def bag(request, tmp_path_factory):
     with BagWriter(path, stamped_twist=True) as writer:
         writer.begin_segment(simulation.segment)
         samples = simulation.take(COUNT)
-        writer.write(encoder.encode(Taken(samples)))
+        writer.write(encoder.encode(SimulationStep(samples)))
     return path
 
 
@@ -324,7 +324,7 @@ def two_segments(tmp_path):
         for count in (20, 30):
             writer.begin_segment(simulation.segment)
             encoder = BatchEncoder(simulation.segment.scenario)
-            writer.write(encoder.encode(Taken(simulation.take(count))))
+            writer.write(encoder.encode(SimulationStep(simulation.take(count))))
             simulation.reset(Scenario.from_parameters({"motion": "closed_form", "initial_body_rate": [1.0, 0.0, 0.5]}))
     return path
 

@@ -19,7 +19,7 @@ from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report.recorded_motion import ResidualsOverTime
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import SampleClock, Simulation, Taken
+from lie_rigid_body.simulation import SampleClock, Simulation, SimulationStep
 from sampled import sampled
 
 COUNT = 700
@@ -33,7 +33,7 @@ def honest(request, tmp_path_factory):
     with BagWriter(path, stamped_twist=request.param, chunk_size=10_000) as bag:
         for rate in ([1.0, 2.0, 0.5], [0.3, 1.0, 0.2]):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(COUNT))))
+            bag.write(BatchEncoder(simulation.segment.scenario).encode(SimulationStep(simulation.take(COUNT))))
             simulation.reset(Scenario.from_parameters({**parameters, "initial_body_rate": rate}))
     return path
 

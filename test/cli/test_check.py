@@ -14,7 +14,7 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report.certificates import law_cells
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 
 
 def write_bag(path: Path, count: int = 400, **parameters: object) -> Path:
@@ -23,7 +23,7 @@ def write_bag(path: Path, count: int = 400, **parameters: object) -> Path:
     with BagWriter(path, stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
         samples = simulation.take(count)
-        bag.write(encoder.encode(Taken(samples)))
+        bag.write(encoder.encode(SimulationStep(samples)))
     return path
 
 

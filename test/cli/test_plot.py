@@ -17,7 +17,7 @@ from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 from sampled import sampled
 
 
@@ -63,7 +63,7 @@ def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys
     samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(SimulationStep(samples)))
     assert main([str(tmp_path / "bag.mcap"), "-o", str(tmp_path / "out.png")]) == 0
     assert capsys.readouterr().err == ""
 

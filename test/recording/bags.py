@@ -13,13 +13,13 @@ from lie_rigid_body.messages import definitions, encode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Samples, Segment, Simulation, Taken
+from lie_rigid_body.simulation import Samples, Segment, Simulation, SimulationStep
 
 MakeBag = Callable[..., Path]
 
 
 def write_samples(bag: BagWriter, scenario: Scenario, samples: Samples) -> None:
-    bag.write(BatchEncoder(scenario).encode(Taken(samples)))
+    bag.write(BatchEncoder(scenario).encode(SimulationStep(samples)))
 
 
 def write_bag(path: Path, count: int = 100, batch: int = 1024, **parameters: object) -> Path:

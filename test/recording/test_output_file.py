@@ -33,7 +33,7 @@ KILLED = """
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.messages.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation, Taken
+    from lie_rigid_body.simulation import Simulation, SimulationStep
 
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
@@ -41,7 +41,7 @@ KILLED = """
     bag.begin_segment(simulation.segment)
     for last in (False, True):
         samples = simulation.take(150)
-        bag.write(encoder.encode(Taken(samples)))
+        bag.write(encoder.encode(SimulationStep(samples)))
         if not last:
             bag.flush()
             bag.wait()
@@ -99,7 +99,7 @@ FULL = """
     from lie_rigid_body.recording.bag_writer import BagWriter
     from lie_rigid_body.messages.batch import BatchEncoder
     from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation, Taken
+    from lie_rigid_body.simulation import Simulation, SimulationStep
 
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
@@ -108,7 +108,7 @@ FULL = """
             bag.begin_segment(simulation.segment)
             for _ in range(20):
                 samples = simulation.take(500)
-                bag.write(encoder.encode(Taken(samples)))
+                bag.write(encoder.encode(SimulationStep(samples)))
     except Exception as error:
         print(type(error).__name__, error)
 """

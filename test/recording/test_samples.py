@@ -18,7 +18,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.samples import _HELD_BACK, Batches, Block, numbered_blocks, paired
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Segment, Simulation, Taken
+from lie_rigid_body.simulation import Segment, Simulation, SimulationStep
 
 COUNT = 4 * _HELD_BACK
 PERIOD_NS = 10_000_000
@@ -80,7 +80,7 @@ def test_samples_are_numbered_by_the_clock_of_their_segment(tmp_path: Path) -> N
             if rate != 10.0:
                 simulation.reset(Scenario.from_parameters({"motion": "closed_form", "rate": rate}))
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(simulation.take(count))))
+            bag.write(BatchEncoder(simulation.segment.scenario).encode(SimulationStep(simulation.take(count))))
     read = read_bag(tmp_path / "bag.mcap")
 
     def found() -> Iterator[tuple[int, int, int]]:

@@ -31,7 +31,7 @@ from lie_rigid_body.report.html_page import badge, escaped, paragraph, table
 from lie_rigid_body.report.overview import MAX_ROWS, Verdict, VerdictRow, page, page_of_verdicts
 from lie_rigid_body.report.recorded_motion import extremes, path, recorded_segments
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 
 LARGEST = 6_000_000
 HOSTILE = "x</script><img/src=x/onerror=document.title='taken'><script>document.title='taken'</script>"
@@ -193,7 +193,7 @@ def test_any_recorded_number_makes_a_page(number: float, tmp_path: Path, capsys:
     samples = replace(samples, states=State.trusted(samples.states.attitude_xyzw, rates))
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(simulation.segment.scenario).encode(Taken(samples)))
+        bag.write(BatchEncoder(simulation.segment.scenario).encode(SimulationStep(samples)))
     assert main([str(tmp_path / "bag.mcap"), "--report", str(tmp_path / "out.html")]) == 1
     assert capsys.readouterr().err == ""
     for content in re.findall(r"json\">(.*?)</script>", (tmp_path / "out.html").read_text(encoding="utf-8")):

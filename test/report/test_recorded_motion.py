@@ -13,7 +13,7 @@ from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report.recorded_motion import MAX_PIECES, LawOverTime, ResidualsOverTime, recorded_segments
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 
 
 @pytest.mark.parametrize("block", [1, 7, 997, 10_000])
@@ -46,7 +46,7 @@ def two_segments(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with BagWriter(path, stamped_twist=True, chunk_size=10_000) as bag:
         for count in (1500, 700):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(count))))
+            bag.write(BatchEncoder(scenario).encode(SimulationStep(simulation.take(count))))
             simulation.reset(scenario)
     return path
 

@@ -20,7 +20,7 @@ from lie_rigid_body.report.recorded_motion import MANY_SAMPLES, Ellipsoid, path,
 from lie_rigid_body.report.recording_picture import draw
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 from said import numbers
 
 
@@ -96,10 +96,10 @@ def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets):
     with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
         for _ in range(resets):
             bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
+            bag.write(BatchEncoder(scenario).encode(SimulationStep(simulation.take(5))))
             simulation.reset(scenario)
         bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(scenario).encode(Taken(simulation.take(5))))
+        bag.write(BatchEncoder(scenario).encode(SimulationStep(simulation.take(5))))
     figure = draw(recorded_segments(read_bag(tmp_path / "bag.mcap")))
     assert numbers(title(figure))[-1] == resets
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]

@@ -18,7 +18,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault, TransportFaults
 from lie_rigid_body.sensors.fault import END_OF_TIME, Window
-from lie_rigid_body.simulation import SampleClock, Simulation, Taken
+from lie_rigid_body.simulation import SampleClock, Simulation, SimulationStep
 from lie_rigid_body.simulation.segment import Arrivals
 
 NS = 1_000_000_000
@@ -59,7 +59,7 @@ SCENARIO = Scenario.from_parameters(EVERYTHING)
 Message = tuple[int, str, bytes]
 
 
-def messages(simulation: Simulation, taken: Taken) -> list[Message]:
+def messages(simulation: Simulation, taken: SimulationStep) -> list[Message]:
     return list(BatchEncoder(simulation.segment.scenario).encode(taken).in_order())
 
 

@@ -18,7 +18,7 @@ from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 
 EPOCH = 1_234_567_890_123_456_789
 NORTH_AND_DOWN = [1e-6, 2e-5, -4e-5]
@@ -44,7 +44,7 @@ def definition(rate: float, first_ns: int, until_ns: int) -> list[int]:
     return [stamp for stamp in stamps if stamp >= first_ns]
 
 
-def messages(simulation: Simulation, taken: Taken) -> list[Message]:
+def messages(simulation: Simulation, taken: SimulationStep) -> list[Message]:
     return list(BatchEncoder(simulation.segment.scenario).encode(taken).in_order())
 
 
@@ -56,7 +56,7 @@ class Stamps:
         self.imu: list[int] = []
         self.field: list[int] = []
 
-    def add(self, taken: Taken) -> None:
+    def add(self, taken: SimulationStep) -> None:
         self.truth += taken.samples.stamps_ns.tolist()
         self.imu += taken.sensors["imu"].stamps_ns.tolist()
         self.field += taken.sensors["magnetometer"].stamps_ns.tolist()

@@ -12,7 +12,7 @@ from lie_rigid_body import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.ros.timing.sink import Punctuality
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 
 if find_spec("rclpy"):
     from builtin_interfaces.msg import Time
@@ -78,7 +78,7 @@ def test_a_motion_that_drifts_is_an_error(
     samples = Simulation(SCENARIO, NS).take(1)
     faster = (1.0 + drift * LARGEST_DRIFT) * samples.states.body_rate
     drifted = type(samples)(samples.stamps_ns, State(samples.states.attitude_xyzw, faster))
-    diagnostics.write(BatchEncoder(SCENARIO).encode(Taken(drifted)))
+    diagnostics.write(BatchEncoder(SCENARIO).encode(SimulationStep(drifted)))
     diagnostics.tick(0, Punctuality())
     diagnostics.tick(NS, Punctuality())
     [report] = published

@@ -14,7 +14,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.ros.publishing.recorder import FLUSH_INTERVAL_NS, Recorder
 from lie_rigid_body.ros.timing.sink import FOREVER, Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation, Taken
+from lie_rigid_body.simulation import Simulation, SimulationStep
 
 LOST_BY_A_CRASH_NS = NS
 
@@ -93,7 +93,7 @@ def test_what_is_recorded_is_safe_before_long_work(tmp_path: Path, max_step: flo
         recorder.begin_segment(simulation.segment)
         samples = simulation.take(1)
         before = bag.path.stat().st_size
-        recorder.write(encoder.encode(Taken(samples)))
+        recorder.write(encoder.encode(SimulationStep(samples)))
         recorder.tick(5 * NS, Punctuality())
         bag.wait()
         assert (bag.path.stat().st_size > before) == (wait_ns == 0)
