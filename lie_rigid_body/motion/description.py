@@ -145,7 +145,8 @@ def _circulation(frame: PrincipalFrame, polhode: Polhode) -> Circulation:
 
 def _flips(polhode: Polhode, periods: Periods, nearest_angle: float) -> Flips:
     """The zeros of sn u, at the multiples of 2K."""
-    start, interval = polhode.start, 2 * periods.real
+    start = polhode.start
+    interval = 2 * periods.real
     first = -start if start < 0 else interval - start
     return Flips(
         interval_s=float(interval / polhode.argument_rate),

@@ -30,7 +30,8 @@ class UndecidedError(ArithmeticError):
 
 def integers(x: arb) -> Integers:
     """A ball as the integers that it is made of, of which ``arb`` makes one that holds it, whatever the precision."""
-    (m, e), (r, s) = x.mid().man_exp(), x.rad().man_exp()
+    m, e = x.mid().man_exp()
+    r, s = x.rad().man_exp()
     return (int(m), int(e)), (int(r), int(s))
 
 

@@ -86,7 +86,8 @@ class Enclosure:
             given = _balls("attitude_xyzw", attitude_xyzw, 4)
             between = product(conjugate(self.attitude_xyzw), given)
             # one of the half angle's sine and cosine may be 0; of a zero quaternion both are
-            sine, cosine = norm(between[:3]), abs(between[3])
+            sine = norm(between[:3])
+            cosine = abs(between[3])
             angle = 2 * (sine / cosine).atan() if cosine > sine else arb.pi() - 2 * (cosine / sine).atan()
             return _bounds(angle)
 
@@ -109,7 +110,8 @@ class Enclosure:
 
     def overlaps(self, other: Enclosure) -> bool:
         """Whether the two may hold the same state: enclosures of one state always do."""
-        mine, theirs = (*self.attitude_xyzw, *self.body_rate), (*other.attitude_xyzw, *other.body_rate)
+        mine = (*self.attitude_xyzw, *self.body_rate)
+        theirs = (*other.attitude_xyzw, *other.body_rate)
         return all(x.overlaps(y) for x, y in zip(mine, theirs, strict=True))
 
 

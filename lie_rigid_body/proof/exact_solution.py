@@ -256,7 +256,8 @@ class _EnclosedCirculation:
 
     def at(self, t: arb) -> tuple[Balls, Balls]:
         """g(0)⁻¹ ∘ g(t) and p(t) in the principal frame."""
-        polhode, nu = self.polhode, self.polhode.frequency
+        polhode = self.polhode
+        nu = polhode.frequency
         z0 = self._initial_argument() / (2 * self.quarter)
         z = z0 + nu * t / (2 * self.quarter)
         double = acb(0, 2 * self.other_quarter / self.quarter)

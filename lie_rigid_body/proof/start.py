@@ -117,12 +117,14 @@ class Start:
     @property
     def kind(self) -> Kind:
         """Which formulas solve this motion."""
-        p, w = self.momentum, self.rate
+        p = self.momentum
+        w = self.rate
         if all(p[i] * w[j] == p[j] * w[i] for i, j in ((0, 1), (0, 2), (1, 2))):
             return Kind.STEADY
         if self.repeated_moment is not None:
             return Kind.SYMMETRIC
-        squared, none = self.momentum_squared, fmpq(0)
+        squared = self.momentum_squared
+        none = fmpq(0)
         shift = fmpq_mat(3, 3, [squared, none, none, none, squared, none, none, none, squared])
         side = (self.inertia * self.twice_energy - shift).det()
         if side == 0:

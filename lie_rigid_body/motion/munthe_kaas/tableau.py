@@ -50,7 +50,8 @@ class ChainTableau:
     def _conditions(self) -> Iterator[tuple[str, int, Fraction, Fraction]]:
         """The eight order conditions up to order 4 as (label, order, sum, wanted)."""
         c = self.a
-        square, ac = tuple(x**2 for x in c), self._applied(c)
+        square = tuple(x**2 for x in c)
+        ac = self._applied(c)
         for label, order, inverse, weights in (
             ("Σb", 1, 1, tuple(Fraction(1) for _ in c)),
             ("Σbc", 2, 2, c),

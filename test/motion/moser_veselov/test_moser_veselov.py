@@ -233,7 +233,7 @@ def coefficients(series: PowerSeries) -> list[mpf]:
 def test_the_series_give_the_exact_step(case: str):
     """ρ₀ρⱼ against a Taylor series of the motion, relative to the half turn ½x.
 
-    An error of the series repeats at every step: 1e8 of them amount to less than 1e-14 rad.
+    An error of the series repeats at every step: 1e8 of the longest amount to less than 2e-13 rad.
     """
     moments, rate = AWKWARD[case]
     with mp.workdps(60), working_precision(DIGITS):
@@ -242,7 +242,7 @@ def test_the_series_give_the_exact_step(case: str):
         alpha, beta = coefficients(constants.alpha), coefficients(constants.beta)
         momentum = [mpf(str(v)) for v in motion.momentum]
         exact, e = exact_series(motion, momentum), [mpf(str(v)) for v in motion.inverse_moments]
-        for x, bound in (mpf(0.25), 1e-21), (mpf(0.03), 3e-27):
+        for x, bound in (mpf(0.25), 2e-20), (mpf(0.03), 1e-23):
             a = sum(c * x ** (2 * k + 3) for k, c in enumerate(alpha))
             b = sum(c * x ** (2 * k + 1) for k, c in enumerate(beta))
             after, q = exact_step(exact, x)
