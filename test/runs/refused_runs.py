@@ -9,7 +9,7 @@ PHRASES = {
     "gyro at its limit": "at the limit of its range in 100 % of the readings: the body turns faster",
     "of the sensors": "a constant turn is about what these sensors leave to a right filter, ",
     "nearer than noise": "nearer than noise allows: it has seen the truth, or the noise is not as declared",
-    "no best filter": "best filter   not known: no sensor tells a turn about the vertical",
+    "no best filter": "best filter  not known: no sensor tells a turn about the vertical",
     "drawn bound": "best by noise",
 }
 """Parts of what is said of a score."""
