@@ -352,7 +352,7 @@ class SampledTruth(Truth):
 
     def at(self, stamps_ns: Integers) -> Array:
         """Attitudes at the samples, and on the geodesics between them."""
-        stamps = integer_stamps("truth", stamps_ns)
+        stamps = as_stamps("truth", stamps_ns)
         i = self._interval(stamps)
         fraction = (stamps - self._stamps[i]) / (self._stamps[i + 1] - self._stamps[i])
         between = geodesic(self._attitude[i], self._attitude[i + 1], fraction)

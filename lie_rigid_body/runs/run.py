@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -240,6 +241,10 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
 
     def attitude(self) -> ScenarioTruth:
         """The true attitude at any time from the first sample until just before the one after the last."""
+        return self._attitude
+
+    @cached_property
+    def _attitude(self) -> ScenarioTruth:
         return ScenarioTruth.of_samples(self.segments, self.t_ns, self.truth.attitude_xyzw)
 
     def score(

@@ -285,13 +285,15 @@ def test_slow_errors_of_a_slow_body_are_no_lag(error):
 
 
 @pytest.mark.parametrize("lag_s", [1.5, pytest.param(-3.0, marks=pytest.mark.slow)])
-def test_a_lag_beyond_the_search_is_found_or_nothing_is_told(lag_s):
+def test_a_lag_is_found_as_far_as_it_is_looked_for(lag_s):
     shifted = np.clip(MINUTE - round(lag_s * 1e9), 0, MINUTE[-1])
     inside = shifted == MINUTE - round(lag_s * 1e9)
-    stamps, late = MINUTE[inside], SLOW.at(shifted[inside]).attitude_xyzw
-    score = evaluate(stamps, late, SLOW_TRUTH)
+    stamps = MINUTE[inside]
+    late = SLOW.at(shifted[inside]).attitude_xyzw
+    score = evaluate(stamps, late, SLOW_TRUTH, longest_lag_s=5.0)
     assert score.lag_s == pytest.approx(lag_s, abs=1e-6)
     assert [code for code in codes(score) if code != "gaps"] == ["lagging" if lag_s > 0 else "leading"]
+    assert evaluate(stamps, late, SLOW_TRUTH).lag_s is None
 
 
 def test_at_the_limit_of_the_search_neither_a_lag_nor_a_mounting_is_told():
