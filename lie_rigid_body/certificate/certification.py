@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from operator import itemgetter
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 
@@ -17,17 +16,13 @@ from lie_rigid_body.certificate.laws import SegmentLaws, SegmentResults
 from lie_rigid_body.certificate.limits import CLOSED_FORM_ERROR
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
-from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor, survey
-from lie_rigid_body.foundation.errors import InputError, ParameterError
+from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor
+from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.foundation.wording import counted, listed
 from lie_rigid_body.recording.bag_reader import Bag, Recording
-from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
-
-Blocks: TypeAlias = Iterator[tuple[int, Block]]
-"""Samples in the order of their stamps, each block with its segment's place."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +151,7 @@ def certify(
 ) -> Certificate:
     """Hold every law against every segment of a bag.
 
-    A whole bag is read once, as its survey is known in advance. Any other is read twice.
+    It is read once.
 
     Parameters
     ----------
@@ -185,19 +180,15 @@ def certify(
         bag = Bag(bag)
     try:
         surveyor = Surveyor(bag, inertia)
-        foreseen = surveyor.foreseen() if watch is None else None  # which is to be told of a residual once
-        surveyed = foreseen or survey(bag, inertia)
     except ParameterError as error:
         fault = f"the bag declares an impossible scenario: {error}"  # which has no motion to be compared with
         return Certificate((), (LawResult.of_faults("declaration", 1, fault),))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # recorded numbers may be anything
-        if foreseen is not None:
-            held, of_sensors = _held(bag, foreseen, surveyor.blocks, watch, max_attitude)
-            surveyed = surveyor.result()
-        if foreseen is None or not surveyed.is_as(foreseen):
-            segments = [found.segment for found in surveyed.segments]
-            held, of_sensors = _held(bag, surveyed, partial(numbered_blocks, bag, segments), watch, max_attitude)
-        sensors = of_sensors.findings()
+        of_sensors = SensorLaws(bag, surveyor.segments, watch, max_attitude)
+        results = _results(surveyor, of_sensors, max_attitude, watch)
+        surveyed = surveyor.result()
+        sensors = of_sensors.findings(surveyed)
+        held = [results.get(found.place) or SegmentLaws(found.segment).results() for found in surveyed.segments]
     return Certificate(
         tuple(
             SegmentCertificate(
@@ -218,14 +209,6 @@ def certify(
     )
 
 
-def passes(bag: Bag, watch: Watch | None = None) -> int:
-    """Number of passes of `certify` through a bag, if the bag is as it should be."""
-    try:
-        return 1 if watch is None and bag.as_written and bag.pose_count == bag.twist_count else 2
-    except InputError:  # a scenario that is none
-        return 1
-
-
 def _to_the_bit(
     bag: Bag | Recording, surveyed: Survey, held: Iterable[SegmentResults], sensors: SensorFindings
 ) -> bool | None:
@@ -236,31 +219,17 @@ def _to_the_bit(
     return all(laws.is_exact for laws in held) and sensors.are_exact
 
 
-def _held(
-    bag: Bag | Recording,
-    surveyed: Survey,
-    read: Callable[..., Blocks],
-    watch: Watch | None,
-    max_attitude: float | None,
-) -> tuple[list[SegmentResults], SensorLaws]:
-    """Laws held against the samples and the sensors of a surveyed bag, as they come."""
-    of_sensors = SensorLaws(bag, surveyed, watch, max_attitude)
-    return list(_of_segments(surveyed, read(of_sensors.wanted, of_sensors.add), watch, max_attitude)), of_sensors
-
-
-def _of_segments(
-    surveyed: Survey, blocks: Blocks, watch: Watch | None, max_attitude: float | None
-) -> Iterator[SegmentResults]:
-    """One segment after the other, as their samples come: the laws of many would not fit into memory."""
-    pending = next(blocks, None)
-    for i, found in enumerate(surveyed.segments):
-        laws = SegmentLaws(found.segment, max_attitude, watch)
-        while pending is not None and pending[0] == i:
-            laws.add(pending[1])
-            pending = next(blocks, None)
-        yield laws.results()
-    for _ in blocks:
-        pass  # displaced beyond a reset: their sensors' messages still count
+def _results(
+    surveyor: Surveyor, sensors: SensorLaws, max_attitude: float | None, watch: Watch | None
+) -> dict[int, SegmentResults]:
+    """Results of the laws by the places of segments, which are judged one after the other."""
+    results = dict[int, SegmentResults]()
+    for place, blocks in itertools.groupby(surveyor.blocks(sensors.wanted, sensors.add), key=itemgetter(0)):
+        laws = SegmentLaws(surveyor.segments[place], max_attitude, watch)
+        for _, block in blocks:
+            laws.add(block)
+        results[place] = laws.results()
+    return results
 
 
 def _notes(found: SurveyedSegment, held: SegmentResults, *, as_written: bool) -> Iterator[str]:

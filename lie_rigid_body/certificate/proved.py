@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
 
 from lie_rigid_body.certificate.certification import Certificate
 from lie_rigid_body.certificate.limits import max_attitude_error
-from lie_rigid_body.certificate.survey import survey
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.bag_reader import Bag, Recording
@@ -94,7 +93,6 @@ def prove(
     bag: Bag | Recording,
     certificate: Certificate,
     count: int,
-    inertia: Sequence[float] | None = None,
     max_attitude: float | None = None,
 ) -> Iterator[ProvedSample]:
     """Enclose samples spread evenly over a bag, its ends among them, and the worst sample of each segment.
@@ -103,11 +101,9 @@ def prove(
     ----------
     bag : Bag or Recording
     certificate : Certificate
-        Of the bag, with the same inertia.
+        Of the bag.
     count : int
         How many samples to spread, of all segments together.
-    inertia : sequence of float, optional
-        To be used in place of the declared one, kg m².
     max_attitude : float, optional
         As for `certify`.
 
@@ -118,14 +114,14 @@ def prove(
     """
     if not certificate.segments:
         return
-    surveyed = survey(bag, inertia).segments
-    total = sum(found.count for found in surveyed)
+    segments = [found.segment for found in certificate.segments]
+    total = sum(found.samples for found in certificate.segments)
     spread = np.unique(np.rint(np.linspace(0, total - 1, count)).astype(np.int64))
     first = 0
-    for i, block in numbered_blocks(bag, [found.segment for found in surveyed]):
+    for i, block in numbered_blocks(bag, segments):
         own = spread[(spread >= first) & (spread < first + len(block.samples))] - first
         worst = np.flatnonzero(block.samples == certificate.segments[i].law("attitude").sample)
-        yield from _prove_samples(i + 1, surveyed[i].segment, block[np.union1d(own, worst)], max_attitude)
+        yield from _prove_samples(i + 1, segments[i], block[np.union1d(own, worst)], max_attitude)
         first += len(block.samples)
 
 

@@ -8,6 +8,7 @@ rounding keep the order of numbers. So a faithful reading lies between the two t
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from lie_rigid_body.certificate.limits import max_attitude_error
-from lie_rigid_body.foundation.arrays import Array, Integers
+from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.sensors.signal import Converter, Signal
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.simulation.samples import Measurement
@@ -25,13 +26,10 @@ MIN_READING_ERROR: Final = 1e-12
 """Least limit of a signal's relative error: libraries differ in last bits, and parts of a sum may cancel."""
 REPLAY_BLOCK: Final = 8192
 """Largest number of readings replayed at once."""
-MOST_DRAWN: Final = 200_000_000
-"""Largest number of normal deviates drawn for readings that a bag lacks, as a bias walks through them. Drawing so many
-takes 5 s."""
-_LONGEST_GAP: Final = 256
-"""Largest gap between two recorded readings, in readings, that is replayed; a longer gap is skipped."""
-_MAX_PIECES: Final = 4
-"""Number of replayed pieces kept for a topic that lags behind the sensor's others, or for a message out of order."""
+MAX_SPARE_READINGS: Final = 10_000_000
+"""Largest number of readings that are replayed for each bag though it lacks them, which takes up to 10 s."""
+_KEPT_BLOCKS: Final = 4
+"""Number of replayed blocks kept for messages out of order."""
 _CONTINUOUS: Final = Converter(0.0, 0.0)
 
 
@@ -80,7 +78,7 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Piece:
+class ReplayedBlock:
     """Consecutive replayed readings of one sensor.
 
     Parameters
@@ -89,12 +87,15 @@ class Piece:
         Number of the first reading.
     times_ns : ndarray of int64, shape (N,)
         Arrival times, ns.
+    lost : ndarray of bool, shape (N,)
+        Which of them never arrive.
     arrays : mapping of str to Expected
         Expected readings, by the names of their arrays.
     """
 
     first: int
     times_ns: Integers
+    lost: Booleans
     arrays: Mapping[str, Expected]
 
     @property
@@ -103,79 +104,46 @@ class Piece:
         return self.first + len(self.times_ns)
 
 
-class Replays:
-    """Replays of a bag, for each sensor that of its latest segment, with a limit of the deviates drawn.
-
-    Parameters
-    ----------
-    max_attitude : float, optional
-        Limit of the attitude's error, rad, in place of that of the declared motion.
-    """
-
-    def __init__(self, max_attitude: float | None = None) -> None:
-        self._max_attitude = max_attitude
-        self._left, self._last = MOST_DRAWN, dict[str, Replay]()
-
-    def of(self, segment: Segment, name: str) -> Replay:
-        """The replay of a sensor in a segment; see `Replay` for the parameters."""
-        known = self._last.get(name)
-        if known is None or known.segment is not segment:
-            limit = max_attitude_error(segment.scenario) if self._max_attitude is None else self._max_attitude
-            known = self._last[name] = Replay(segment, name, limit, self)
-        return known
-
-    def allow(self, count: int) -> bool:
-        """Take ``count`` deviates from the number that may be drawn; return False if that is too small."""
-        if count > self._left:
-            return False
-        self._left -= count
-        return True
-
-
 class Replay:
-    """The readings of one sensor in one segment, replayed as they are asked for.
+    """The readings of one sensor in one segment, replayed from the segment's start on; the latest blocks are kept.
 
     Parameters
     ----------
     segment : Segment
     name : str
         Name of the sensor.
-    limit : float
-        Limit L of the attitude's error, rad.
-    replays : Replays
-        Replays of the whole bag, which limit the deviates.
+    max_attitude : float, optional
+        Limit of the attitude's error, rad, in place of that of the declared motion.
     """
 
-    def __init__(self, segment: Segment, name: str, limit: float, replays: Replays) -> None:
-        self.segment, self._name, self._replays = segment, name, replays
+    def __init__(self, segment: Segment, name: str, max_attitude: float | None = None) -> None:
+        limit = max_attitude_error(segment.scenario) if max_attitude is None else max_attitude
         self._relative_error = max(limit, MIN_READING_ERROR)
         self._largest = dict[str, float]()
-        self._measurement = self._begun()
-        self._pieces: list[Piece] = []
+        self._measurement = Measurement(segment, name, segment.scenario.exact_motion())
+        self._blocks = deque[ReplayedBlock](maxlen=_KEPT_BLOCKS)
 
-    def _begun(self) -> Measurement:
-        return Measurement(self.segment, self._name, self.segment.scenario.exact_motion())
+    @property
+    def first(self) -> int:
+        """Number of the first reading that is kept, or comes next."""
+        return self._blocks[0].first if self._blocks else self.next
 
-    def piece(self, numbers: Integers) -> Piece | None:
-        """Replayed readings from the first of some rising numbers on; None if the gap before is too long."""
-        first = int(numbers[0])
-        for known in self._pieces:
-            if known.first <= first < known.end:
-                return known
-        if first < self._measurement.next:
-            self._measurement = self._begun()
-        if not self._replays.allow(self._measurement.walk_deviates * (first - self._measurement.next)):
-            return None
-        near = numbers[: np.searchsorted(numbers, first + REPLAY_BLOCK)]
-        gaps = np.flatnonzero(np.diff(near) > _LONGEST_GAP)
-        last = int(near[gaps[0]] if len(gaps) else near[-1])
-        self._pieces = [*self._pieces[1 - _MAX_PIECES :], self._replayed(first, last + 1 - first)]
-        return self._pieces[-1]
+    @property
+    def next(self) -> int:
+        """Number of the reading that is replayed next."""
+        return self._measurement.next
 
-    def _replayed(self, first: int, count: int) -> Piece:
-        self._measurement.begin_at(first)
-        times, _, signals = self._measurement.replay(count)
-        return Piece(first, times, {name: self._expected(name, signal) for name, signal in signals.items()})
+    def block(self, number: int, last: int) -> ReplayedBlock:
+        """The block with a reading, not before `first`; no reading behind number ``last`` is replayed for it."""
+        while number >= self.next:
+            self._blocks.append(self._replayed(min(REPLAY_BLOCK, last + 1 - self.next)))
+        return next(block for block in self._blocks if number < block.end)
+
+    def _replayed(self, count: int) -> ReplayedBlock:
+        first = self.next
+        times_ns, lost, signals = self._measurement.replay(count)
+        arrays = {name: self._expected(name, signal) for name, signal in signals.items()}
+        return ReplayedBlock(first, times_ns, lost, arrays)
 
     def _expected(self, name: str, signal: Signal) -> Expected:
         """Expected readings of a signal, with their uncertainty."""

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
-from typing import Final, NamedTuple
+from functools import lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult, LawTally, Watch
-from lie_rigid_body.certificate.readings import Piece, Replays
-from lie_rigid_body.certificate.stamps import NONE_LOST, Lost, StampTally
+from lie_rigid_body.certificate.readings import REPLAY_BLOCK, Replay, ReplayedBlock
+from lie_rigid_body.certificate.stamps import DUPLICATE, Lost, StampFault, StampTally
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers, same_bits
-from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
+from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.messages import ReadingEncoder
-from lie_rigid_body.recording.segments import PlacedMessages
+from lie_rigid_body.recording.segments import PlacedMessages, grid
 from lie_rigid_body.recording.topic_messages import value_columns, varying_fields
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
 from lie_rigid_body.simulation import SampleClock, Segment
 from lie_rigid_body.simulation.segment import Arrivals
-
-_PER_LOST: Final = 8
-"""Cost of a reading that may be lost, in deviates, which are drawn in an eighth of the time."""
-MOST_LOST: Final = 100
-"""Largest number of lost readings for each recorded one, where the recorder has no truth beside them."""
 
 
 class _Told(NamedTuple):
@@ -70,10 +66,17 @@ class TopicLaws:
     ----------
     is_exact : bool
         Whether all readings that were compared are equal to the replayed ones, to the bit.
+    replay : Replay or None
+        What its readings are compared with; None before the first.
     """
 
     def __init__(self, told: _Told, title: str, topic: str, tally: StampTally, watch: Watch | None) -> None:
-        self.topic, self.tally, self._told, self.is_exact = topic, tally, told, True
+        self.topic = topic
+        self.tally = tally
+        self.is_exact = True
+        self.replay: Replay | None = None
+        self._told = told
+        self._arrived = list[int]()
         self._alike = LawTally(title, "", "frame or covariances are not as declared, at {where}", "reading")
         what = "{law} is {{worst}}{unit} off what the scenario determines (limit {{limit}}) at {{where}}"
         self._values = [
@@ -90,24 +93,53 @@ class TopicLaws:
         self.tally.add(placed.times_ns)
         self._alike.add(np.where(alike, 0.0, 1.0), 0.0, placed.numbers, placed.times_ns)
 
-    def compare(self, piece: Piece, placed: PlacedMessages) -> int:
-        """Judge the messages whose readings are in a piece; return how many were not logged at their arrival."""
-        at = placed.numbers - piece.first
-        inside = np.flatnonzero((at >= 0) & (at < len(piece.times_ns)))
+    def compare(self, block: ReplayedBlock, placed: PlacedMessages) -> int:
+        """Judge the messages whose readings are in a block; return how many were not logged at their arrival."""
+        at = placed.numbers - block.first
+        inside = np.flatnonzero((at >= 0) & (at < len(block.times_ns)))
         if not len(inside):
             return 0
         own, rows = _as_slice(inside), _as_slice(at[inside])
         values, numbers, times_ns = placed.messages.values[own], placed.numbers[own], placed.times_ns[own]
         for law, (_, _, array, columns) in zip(self._values, self._told.readings, strict=True):
-            expected, recorded = piece.arrays[array][rows], values[:, columns]
+            expected, recorded = block.arrays[array][rows], values[:, columns]
             law.add(*expected.residuals(recorded), numbers, times_ns)
             self.is_exact &= same_bits(recorded, expected.values)
-        return int(np.count_nonzero(piece.times_ns[rows] != placed.messages.log_times_ns[own]))
+        self._arrived.extend(numbers[block.lost[rows]].tolist())
+        return int(np.count_nonzero(block.times_ns[rows] != placed.messages.log_times_ns[own]))
+
+    def faults(self, first: int, last: int, lost: Lost | None) -> Iterator[StampFault]:
+        """Faults of the stamps of a topic that is to have readings from one number to another, but for lost ones."""
+        if self._arrived:
+            count = len(self._arrived)
+            more = f" and {count - 1} more" if count > 1 else ""
+            text = f"{self.topic}: there is reading {min(self._arrived)}{more}, which the scenario loses"
+            yield StampFault(DUPLICATE, count, min(self._arrived), text)
+        yield from self.tally.faults(self.topic, first, last, lost)
 
     def results(self, *, with_values: bool) -> Iterator[LawResult]:
         """Results of the laws: how near the content of the messages came to the limits."""
         for law in [*(self._values if with_values else []), self._alike]:
             yield law.result()
+
+
+class SpareReadings:
+    """The number of readings that may still be replayed for a bag though it lacks them.
+
+    Parameters
+    ----------
+    left : int
+    """
+
+    def __init__(self, left: int) -> None:
+        self._left = left
+
+    def take(self, count: int) -> bool:
+        """Take from the number; return False if that is too small."""
+        if count > self._left:
+            return False
+        self._left -= count
+        return True
 
 
 class SegmentSensor:
@@ -117,15 +149,16 @@ class SegmentSensor:
     ----------
     segment : Segment
         One whose scenario has the sensor.
-    last_ns : int
-        Stamp of the truth's last sample in the segment, ns; the segment's start if there is none.
     successors : sequence of Segment
         Segments that begin where this one ends.
     name : str
         Name of the sensor.
     topics : mapping of str to str
         Full names of the sensor's topics in the bag, by relative names.
-    replays : Replays
+    spare : SpareReadings
+        Of the whole bag.
+    max_attitude : float, optional
+        Limit of the attitude's error, rad, in place of that of the declared motion.
     watch : Watch, optional
 
     Attributes
@@ -143,15 +176,17 @@ class SegmentSensor:
     def __init__(
         self,
         segment: Segment,
-        last_ns: int,
         successors: Sequence[Segment],
         name: str,
         topics: Mapping[str, str],
-        replays: Replays,
+        spare: SpareReadings,
+        max_attitude: float | None = None,
         watch: Watch | None = None,
     ) -> None:
-        self._segment, self._last_ns, self._name = segment, last_ns, name
-        self._replays, self.is_too_far = replays, False
+        self._segment = segment
+        self._spare = spare
+        self._begin = partial(Replay, segment, name, max_attitude)
+        self.is_too_far = False
         self._delivery = segment.scenario.sensors.on[name].delivery
         self._end_ns = successors[0].start_ns - 1 if successors else MAX_EPOCH_NS
         self._goes_on = all(name in later.scenario.sensors.on for later in successors)
@@ -209,37 +244,53 @@ class SegmentSensor:
             return self.clock.count_until(time_ns)
         return Arrivals(self.clock, self.first, self._segment.start_ns, self._delivery).count_until(time_ns)
 
-    def lost(self, tally: StampTally, last: int) -> Lost:
-        """Readings up to number ``last`` that never arrived, none far beyond the truth and the messages."""
-        segment, clock, first, delivery = self._segment, self.clock, self.first, self._delivery
+    @property
+    def lost(self) -> Lost | None:
+        """A function that tells which readings the scenario loses; None if it loses none."""
+        delivery, start_ns, first, clock = self._delivery, self._segment.start_ns, self.first, self.clock
         if delivery is None:
-            return NONE_LOST
-        most, after_ns = first + MOST_LOST * tally.count, round(2 * NS / segment.scenario.rate) + NS
-        end = min(last + 1, max(clock.count_until(self._last_ns + after_ns), most))
-        # a forged stamp may lie years ahead
-        self.is_too_far |= end > most and not self._replays.allow(_PER_LOST * (end - most))
-        return Lost(
-            first,
-            min(end, most) if self.is_too_far else end,
-            lambda k, n: delivery.lost(np.arange(k, k + n) - first, clock.stamps_ns(k, n) - segment.start_ns),
-        )
+            return None
+        return lambda numbers: (numbers >= first) & delivery.lost(numbers - first, grid(clock, numbers) - start_ns)
 
     def add(self, placed: Mapping[str, PlacedMessages]) -> int:
         """Check the next messages, by topic; return how many were not logged at the arrival of their readings."""
+        off, groups = 0, defaultdict[Replay, dict[str, PlacedMessages]](dict)
         for name, own in placed.items():
-            self.topics[name].take(own)
+            topic = self.topics[name]
+            groups[self._replay_of(topic, int(own.numbers.min()))][name] = own
+            topic.take(own)
+            off += int(np.count_nonzero(own.numbers < self.first))
+        return off + sum(self._compare(replay, own) for replay, own in groups.items())
+
+    def _replay_of(self, topic: TopicLaws, number: int) -> Replay:
+        """The replay that has a topic's next readings: the sensor's own, unless the topic is far behind its others."""
+        shared = next((one.replay for one in self.topics.values() if one.replay is not None), None)
+        replay = topic.replay or shared or self._begin()
+        if self.first <= number < replay.first and (topic.replay is None or number > topic.tally.high):
+            replay = self._begin()
+        topic.replay = replay
+        return replay
+
+    def _compare(self, replay: Replay, placed: Mapping[str, PlacedMessages]) -> int:
         # as np.unique, which takes five times as long where topics are sorted and alike
         numbers = np.sort(np.concatenate([own.numbers for own in placed.values()]), kind="stable")
         numbers = numbers[np.diff(numbers, prepend=numbers[:1] - 1) > 0]
-        off = sum(int(np.count_nonzero(own.numbers < self.first)) for own in placed.values())
-        numbers = numbers[np.searchsorted(numbers, self.first) :]
+        numbers = numbers[np.searchsorted(numbers, replay.first) :]
+        off = 0
         while len(numbers) and not self.is_too_far:
-            piece = self._replays.of(self._segment, self._name).piece(numbers)
-            self.is_too_far = piece is None
-            if piece is not None:
-                off += sum(self.topics[name].compare(piece, own) for name, own in placed.items())
-                numbers = numbers[np.searchsorted(numbers, piece.end) :]
+            number = int(numbers[0])
+            self.is_too_far = not self._spare.take(max(0, number - replay.next))
+            if not self.is_too_far:
+                last = int(numbers[min(len(numbers), REPLAY_BLOCK) - 1])
+                block = replay.block(number, max(number, min(last, number + REPLAY_BLOCK)))
+                off += sum(self.topics[name].compare(block, own) for name, own in placed.items())
+                numbers = numbers[np.searchsorted(numbers, block.end) :]
         return off
+
+    def forget(self) -> None:
+        """Give the memory of replayed readings back."""
+        for topic in self.topics.values():
+            topic.replay = None
 
     def results(self, topic: TopicLaws) -> Iterator[LawResult]:
         """The laws of a topic's content; a broken one tells topic and time."""

@@ -1,29 +1,22 @@
 """The sensors of a bag: their readings are replayed, paired with its messages, and compared.
 
-What makes that less simple, and where it is dealt with:
-
-- The same stamp may be shown twice, as clocks err and resets change them: messages are paired by `SensorClocks`.
-- A recorder came late, or lost readings: `Replay.piece` begins anywhere, and a gap is no reason to replay all of it.
-- It may have lost the truth, but not the sensors: `Replay` has limits of the readings' own time, and `SensorLaws` holds
-  segments without a sample as well.
-- Converters make steps: `Expected.residuals` compares behind the converter what may differ before it.
-- A reset that takes a sensor away leaves out what was under way: `SegmentSensor.last_due`.
-- Forged stamps lie years ahead, and scenarios declare what nobody recorded: `SegmentSensor.lost`, `Replays.allow` and
-  the horizon of `SensorLaws` bound the work, and only topics that the bag has are replayed.
+Of each segment the readings are replayed from its start, once. A message belongs to the segment in which it was logged
+in a bag of this package, and to that whose clock shows its stamp in a recorder's. There its number is that of the
+nearest reading. What is missing, doubled or strange is found as in sets of numbers.
 """
 
 from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from lie_rigid_body.certificate.law_result import LawResult, Watch
-from lie_rigid_body.certificate.readings import Replays
-from lie_rigid_body.certificate.sensor_topics import MOST_LOST, SegmentSensor, value_laws
+from lie_rigid_body.certificate.readings import MAX_SPARE_READINGS
+from lie_rigid_body.certificate.sensor_topics import SegmentSensor, SpareReadings, value_laws
 from lie_rigid_body.certificate.stamps import StampFault, stamp_result
 from lie_rigid_body.certificate.survey import Survey
-from lie_rigid_body.certificate.told_faults import FAULT_LAW, MOST_LOOKED_THROUGH, FaultLaw
+from lie_rigid_body.certificate.told_faults import FAULT_LAW, FaultLaw
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, SENSOR_TOPICS, sensor_topics
@@ -72,8 +65,8 @@ class SensorLaws:
     Parameters
     ----------
     bag : Bag or Recording
-    surveyed : Survey
-        Of the same bag.
+    segments : sequence of Segment
+        All that the bag declares, in the order of their starts.
     watch : Watch, optional
         It is told of the residuals of all readings that are compared.
     max_attitude : float, optional
@@ -83,25 +76,29 @@ class SensorLaws:
     def __init__(
         self,
         bag: Bag | Recording,
-        surveyed: Survey,
+        segments: Sequence[Segment],
         watch: Watch | None = None,
         max_attitude: float | None = None,
     ) -> None:
-        self._bag, self._surveyed, self._watch = bag, surveyed, watch
-        self._replays = Replays(max_attitude)
-        self._declared = {name for segment in surveyed.declared for name in sensor_topics(segment.scenario.sensors)}
-        self._held = {name for name in self._declared if surveyed.as_written or name in bag.sensors}
-        self._clocks = {
-            topic.name: SensorClocks(surveyed.declared, name)
+        self._bag = bag
+        self._segments = segments
+        self._own = bag.as_written
+        self._watch = watch
+        self._max_attitude = max_attitude
+        self._spare = SpareReadings(MAX_SPARE_READINGS)
+        self._declared = {name for segment in segments for name in sensor_topics(segment.scenario.sensors)}
+        clocks = {
+            topic.name: SensorClocks(segments, name)
             for name, sensor in SENSORS.items()
             for topic in sensor.topics
-            if topic.name in self._held and topic.name in bag.sensors
+            if topic.name in self._declared and topic.name in bag.sensors
         }
-        most, own = MOST_LOOKED_THROUGH + 2 * sum(topic.count for topic in bag.sensors.values()), surveyed.as_written
-        is_due = FAULTS_TOPIC in self._held
-        self._faults = FaultLaw(surveyed.declared, self._horizon_ns, is_whole=own, most=most) if is_due else None
-        self._last_ns = {id(found.segment): found.last_ns for found in surveyed.segments}
-        self._sensors: dict[tuple[int, str], SegmentSensor] = {}  # by the segment's place among those declared
+        self._unclear = {} if self._own else {name for name, own in clocks.items() if own.differ}
+        self._clocks = {name: own for name, own in clocks.items() if name not in self._unclear}
+        self._held = {name for name in self._declared if self._own or name in bag.sensors} - {*self._unclear}
+        self._faults = FaultLaw(segments, is_whole=self._own) if FAULTS_TOPIC in self._held else None
+        self._sensors: dict[tuple[int, str], SegmentSensor] = {}  # by the segment's place
+        self._live = defaultdict[str, list[SegmentSensor]](list)  # the latest of each sensor, which may get more
         self._strays = Counter[tuple[int, str]]()
         self._logged_otherwise = self._last_sent_ns = 0
 
@@ -113,29 +110,9 @@ class SensorLaws:
         """The topics of the bag that are to be added, by their relative names."""
         return [*self._clocks, *({FAULTS_TOPIC} & self._held & self._bag.sensors.keys())]
 
-    @property
-    def _horizon_ns(self) -> int:
-        """Latest time of an honest message, ns: 1 s and two samples after the last one of the truth.
-
-        A recorder may have lost the truth before the sensors: then `MOST_LOST` times as long as their readings last.
-        """
-        last = self._surveyed.segments[-1]
-        start_ns, scenario = last.segment.start_ns, last.segment.scenario
-        truth_ns = (last.last_ns or start_ns) + round(2 * NS / scenario.rate) + NS
-        longest = max(
-            (
-                self._bag.sensors[topic.name].count / model.rate
-                for name, model in scenario.sensors.on.items()
-                for topic in SENSORS[name].topics
-                if topic.name in self._clocks
-            ),
-            default=0.0,
-        )
-        return truth_ns if self._surveyed.as_written else max(truth_ns, start_ns + round(MOST_LOST * longest * NS))
-
     def add(self, readings: Mapping[str, OfSensor]) -> None:
         """Check the next messages, by relative topic names."""
-        own, faults = self._surveyed.as_written, readings.get(FAULTS_TOPIC)
+        faults = readings.get(FAULTS_TOPIC)
         if isinstance(faults, list) and self._faults is not None:
             self._faults.add(faults)
         for name, sensor in SENSORS.items():
@@ -143,39 +120,45 @@ class SensorLaws:
             for topic in sensor.topics:
                 messages = readings.get(topic.name)
                 if isinstance(messages, TopicMessages) and len(messages):
-                    for part in self._clocks[topic.name].placed(messages, in_order=own):
-                        sent_ns = part.messages.log_times_ns if own else part.times_ns
+                    for part in self._clocks[topic.name].placed(messages, in_order=self._own):
+                        sent_ns = part.messages.log_times_ns if self._own else part.times_ns
                         self._last_sent_ns = max(self._last_sent_ns, int(sent_ns.max()))
                         placed[part.place][topic.name] = part
             for place in sorted(placed):
-                if name in self._surveyed.declared[place].scenario.sensors.on:
+                if name in self._segments[place].scenario.sensors.on:
                     self._logged_otherwise += self._sensor(place, name).add(placed[place])
                 else:
                     self._strays.update({(place, topic): len(part.numbers) for topic, part in placed[place].items()})
 
     def _sensor(self, place: int, name: str) -> SegmentSensor:
         if (place, name) not in self._sensors:
-            segment = self._surveyed.declared[place]
             self._sensors[place, name] = SegmentSensor(
-                segment,
-                self._last_ns.get(id(segment)) or segment.start_ns,
+                self._segments[place],
                 self._successors(place),
                 name,
                 {topic.name: self._full_name(topic.name) for topic in SENSORS[name].topics if topic.name in self._held},
-                self._replays,
+                self._spare,
+                self._max_attitude,
                 self._watch,
             )
+            live = self._live[name]
+            live.append(self._sensors[place, name])
+            while len(live) > 2:
+                live.pop(0).forget()
         return self._sensors[place, name]
 
     def _successors(self, i: int) -> list[Segment]:
         """The segments that begin where one ends: several, if it was reset more than once before the next sample."""
-        declared = self._surveyed.declared
+        declared = self._segments
         end = next((later.start_ns for later in declared[i + 1 :] if later.start_ns > declared[i].start_ns), None)
         return [segment for segment in declared[i + 1 :] if segment.start_ns == end]
 
-    def findings(self) -> SensorFindings:
-        """Findings about the sensors, after all messages."""
-        sampled = [place for place, segment in enumerate(self._surveyed.declared) if id(segment) in self._last_ns]
+    def findings(self, surveyed: Survey) -> SensorFindings:
+        """Findings about the sensors, after all messages and the survey of the same bag."""
+        last = surveyed.segments[-1]
+        self._truth_ns = last.last_ns or last.segment.start_ns
+        self._sample_ns = round(NS / last.segment.scenario.rate)
+        sampled = [found.place for found in surveyed.segments]
         notes: dict[int, list[str]] = defaultdict(list)
         found = self._of_segments(sampled, notes)
         *laws, whole = *(found.pop(place) for place in sampled), self._of_bag()
@@ -213,7 +196,7 @@ class SensorLaws:
             if topic.tally.count
         }
         for place in sorted({*sampled, *(place for place, _ in (*self._sensors, *self._strays))}):
-            laws, on = list[LawResult](), self._surveyed.declared[place].scenario.sensors.on
+            laws, on = list[LawResult](), self._segments[place].scenario.sensors.on
             for name, sensor in SENSORS.items():
                 if name not in on:
                     begun -= {topic.name for topic in sensor.topics}
@@ -235,28 +218,27 @@ class SensorLaws:
         sensor = self._sensor(place, name)
         if not sensor.topics:
             return
-        own, faults, checked = self._surveyed.as_written, list[StampFault](), 0
+        own, faults, checked = self._own, list[StampFault](), 0
         for relative, topic in sensor.topics.items():
             tally, has_ended = topic.tally, not own and place >= ends.get(relative, 0)
             whole = own or relative in begun
             end = sensor.last_due(tally.high, self._end_ns, is_last=is_last, is_whole=own)
-            last, lost = tally.high if has_ended else end, sensor.lost(tally, end)
-            if sensor.is_too_far:
-                last = min(last, lost.end - 1)
+            last = tally.high if has_ended else end
             first = sensor.first if whole or not tally.count else tally.low
             is_due = tally.count or (whole and not has_ended)
-            wrong = [*tally.faults(topic.topic, first, last, lost)] if is_due else []
+            wrong = [*topic.faults(first, last, sensor.lost)] if is_due else []
             faults += wrong
             checked += tally.count
             if tally.count:
                 begun.add(relative)
-                if end - last > lost.count(last + 1, end):
+                if len(tally.missing(last + 1, end, sensor.lost)[0]):
                     notes.append(f"readings on {topic.topic} end with {last}: {self._why_silent(0)}")
                 elif more := sensor.unsent(last):
                     why = f"a reset takes the sensor away, before which up to {more} more may have been sent"
                     notes.append(f"readings on {topic.topic} end with {last}: {why}")
             elif not wrong:
-                notes.append(f"no reading on {topic.topic}: {self._why_silent(own and lost.count(sensor.first, end))}")
+                lost = own * max(0, end + 1 - sensor.first)
+                notes.append(f"no reading on {topic.topic}: {self._why_silent(lost)}")
         if checked or faults:
             yield stamp_result(f"{SENSORS[name].title} stamps", sensor.clock, faults, checked)
         for topic in sensor.topics.values():
@@ -264,7 +246,7 @@ class SensorLaws:
                 yield from sensor.results(topic)
 
     def _why_silent(self, lost: int) -> str:
-        if not self._surveyed.as_written:
+        if not self._own:
             return "what a recorder lacks before its first one, or after its last, is not certified"
         return f"the scenario loses all {lost} of this segment" if lost else "none arrives within this segment"
 
@@ -272,29 +254,25 @@ class SensorLaws:
     def _end_ns(self) -> int:
         """Time until which a whole bag has everything, ns; one that was cut off may lack part of its last time."""
         cut_off = self._bag.was_cut_off and self._bag.expected_samples is None
-        return max(self._last_sent_ns, self._surveyed.segments[-1].last_ns or 0) - cut_off
+        return max(self._last_sent_ns, self._truth_ns) - cut_off
 
     def _of_bag(self) -> tuple[LawResult, ...]:
         """The laws of what belongs to no segment, and of the messages about faults."""
-        laws, own = list[LawResult](), self._surveyed.as_written
+        laws = list[LawResult]()
         for name, clocks in self._clocks.items():
-            unshown, first = clocks.unshown
-            odd = {
-                "before the first scenario's start": own * clocks.early,
-                f"whose stamp no clock of the scenario shows (first {first} ns)": unshown,
-            }
-            laws += (
-                LawResult.of_faults(
-                    "sensor stamps", count, f"{self._full_name(name)}: readings {which}: {count}", count
-                )
-                for which, count in odd.items()
-                if count
-            )
+            if self._own and clocks.early:
+                what = f"{self._full_name(name)}: readings before the first scenario's start: {clocks.early}"
+                laws.append(LawResult.of_faults("sensor stamps", clocks.early, what, clocks.early))
         if self._faults is not None:
-            law = self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns)
             self._logged_otherwise += self._faults.logged_otherwise
-            laws += [] if self._faults.expected.is_too_far else [law]
+            if not self._faults.is_too_long(self._horizon_ns):
+                laws.append(self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns, self._horizon_ns))
         return tuple(laws)
+
+    @property
+    def _horizon_ns(self) -> int:
+        """Latest time of an honest message about a fault, ns: two samples and 1 s after anything else."""
+        return self._end_ns + 2 * self._sample_ns + NS
 
     def _not_certified(self) -> Iterator[str]:
         """Topics that the bag or the scenarios lack, and messages that belong to no segment, in words."""
@@ -304,12 +282,14 @@ class SensorLaws:
                 yield f"topic {sensor.topic} ({sensor.count} messages), a sensor that no scenario has"
             if name in self._declared and name not in self._held and sensor is None:
                 yield f"{name}, which the scenario has: not in the bag"
+            if sensor is not None and name in self._unclear:
+                yield f"{sensor.topic}: a reset changes the sensor's clock, and stamps do not tell which one shows them"
         early, faults = sum(clocks.early for clocks in self._clocks.values()), self._faults
-        if early and not self._surveyed.as_written:
+        if early and not self._own:
             yield f"readings before the first scenario's start: {early}"
-        if faults is not None and faults.expected.is_too_far:
+        if faults is not None and faults.is_too_long(self._horizon_ns):
             yield f"{self._full_name(FAULTS_TOPIC)}: too many readings to compute the faults of all"
-        elif faults is not None and not self._surveyed.as_written:
+        elif faults is not None and not self._own:
             if faults.early:
                 yield f"faults before the first scenario's start: {faults.early}"
             if faults.repeated:

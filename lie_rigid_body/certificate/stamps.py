@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import SHOWN, LawResult
-from lie_rigid_body.foundation.arrays import Booleans, Integers, runs_of
+from lie_rigid_body.foundation.arrays import Booleans, Integers
 from lie_rigid_body.recording.segments import grid, number_samples
 from lie_rigid_body.simulation import SampleClock, Segment
 
@@ -19,10 +18,15 @@ GAP: Final = "gap"
 DUPLICATE: Final = "dup"
 DISORDER: Final = "ord"
 
-PAGE: Final = 2**15
-"""Number of samples that are looked up together, to find those that were lost."""
-_MOST_DOUBLED: Final = 100_001
-"""Number of doubled samples that are told."""
+MAX_LOST: Final = 200_000_000
+"""Largest number of missing samples of a topic of which it is asked whether they were to be lost; others are gaps."""
+_PAGE: Final = 2**18
+"""Number of missing samples looked up together."""
+_MAX_MISSING: Final = 1_000_000
+"""Number of samples that are missing, and were not to be lost, behind which all others are taken for missing."""
+
+Lost: TypeAlias = Callable[[Integers], Booleans]
+"""A function that tells which samples, by their numbers, never arrive."""
 
 
 class NumberRuns:
@@ -41,101 +45,47 @@ class NumberRuns:
             runs = runs[:, 1:]
         self._runs += [runs] if runs.size else []
 
-    def counted(self, first: int, last: int) -> tuple[Integers, Integers]:
-        """Stretches of numbers between two, in each of which every number is there equally often.
+    def missing(self, first: int, last: int) -> tuple[Integers, Integers]:
+        """First and last numbers of the runs between two numbers of which none is there."""
+        begins, ends = self._sorted()
+        begins = np.append(np.minimum(begins, last + 1), last + 1)
+        reached = np.maximum.accumulate(np.append(first - 1, ends))
+        gaps = begins > reached + 1
+        return reached[gaps] + 1, begins[gaps] - 1
 
-        Parameters
-        ----------
-        first, last : int
+    def doubled(self) -> tuple[int, int]:
+        """How often a number comes again, of all together, and the least that does."""
+        begins, ends = self._sorted()
+        reached = np.maximum.accumulate(ends)[:-1]
+        overlaps = np.minimum(reached, ends[1:]) - begins[1:] + 1
+        again = np.flatnonzero(overlaps > 0)
+        return int(overlaps[again].sum()), int(begins[again[0] + 1]) if len(again) else 0
 
-        Returns
-        -------
-        begins : ndarray of int64, shape (M + 1,)
-            The number with which each begins, and the one behind the last.
-        times : ndarray of int64, shape (M,)
-            How often each of its numbers is there.
-        """
-        begins, ends = np.concatenate([np.empty((2, 0), dtype=np.int64), *self._runs], axis=1)
-        begins, behind = np.sort(begins), np.sort(ends + 1)
-        edges = np.unique(np.concatenate([[first, last + 1], begins, behind]))
-        edges = edges[(edges >= first) & (edges <= last + 1)]
-        times = (np.searchsorted(each, edges[:-1], side="right") for each in (begins, behind))
-        return edges, next(times) - next(times)
-
-
-class RunList:
-    """Rising runs of numbers, as they come: the count of runs, the count of numbers, and the first runs.
-
-    Parameters
-    ----------
-    most : int
-        How many are listed.
-
-    Attributes
-    ----------
-    count, total : int
-    listed : list of (int, int)
-        First and last of each.
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most, self._end = most, 0
-        self.count = self.total = 0
-        self.listed: list[tuple[int, int]] = []
-
-    def add(self, begins: Integers, ends: Integers) -> None:
-        """Take the runs that come next, the first of which may continue the last one."""
-        if not len(begins):
-            return
-        self.total += int((ends - begins + 1).sum())
-        if self.count and begins[0] == self._end + 1:
-            if self.count == len(self.listed):
-                self.listed[-1] = self.listed[-1][0], int(ends[0])
-            begins, ends, self._end = begins[1:], ends[1:], int(ends[0])
-        if len(begins):
-            self.count += len(begins)
-            more = self._most - len(self.listed)
-            self.listed += zip(begins[:more].tolist(), ends[:more].tolist(), strict=True)
-            self._end = int(ends[-1])
-
-    def first(self) -> list[int]:
-        """The lowest numbers, as many as runs are listed at most."""
-        numbers = (number for begin, end in self.listed for number in range(begin, end + 1))
-        return list(islice(numbers, self._most))
+    def _sorted(self) -> Integers:
+        runs = np.concatenate([np.empty((2, 0), dtype=np.int64), *self._runs], axis=1)
+        return runs[:, np.argsort(runs[0], kind="stable")]
 
 
-@dataclass(frozen=True)
-class Lost:
-    """Samples that never arrived.
-
-    Parameters
-    ----------
-    first, end : int
-        Numbers from which on, and before which, samples may be lost.
-    which : callable
-        Function that gives the mask of the lost samples, of a count of samples from a number on.
-    """
-
-    first: int
-    end: int
-    which: Callable[[int, int], Booleans]
-
-    def of(self, first: int, count: int) -> Booleans:
-        """Mask of the lost samples, of ``count`` samples from number ``first`` on."""
-        lost = np.zeros(count, dtype=np.bool_)
-        begin, end = max(first, self.first), min(first + count, self.end)
-        if begin < end:
-            lost[begin - first : end - first] = self.which(begin, end - begin)
-        return lost
-
-    def count(self, first: int, last: int) -> int:
-        """Number of lost samples from number ``first`` to number ``last``."""
-        begin, end = max(first, self.first), min(last + 1, self.end)
-        parts = range(begin, end, PAGE)
-        return sum(int(np.count_nonzero(self.of(at, min(PAGE, end - at)))) for at in parts)
-
-
-NONE_LOST: Final = Lost(0, 0, lambda first, count: np.zeros(count, dtype=np.bool_))
+def without_lost(begins: Integers, ends: Integers, lost: Lost) -> tuple[Integers, Integers]:
+    """Runs of numbers, given by their first and last ones, without the samples that were to be lost."""
+    lengths = ends - begins + 1
+    behind = np.cumsum(lengths)
+    total = int(behind[-1]) if len(behind) else 0
+    kept = [np.empty(0, dtype=np.int64)]
+    done = missing = 0
+    while done < min(total, MAX_LOST) and missing < _MAX_MISSING:
+        places = np.arange(done, min(done + _PAGE, total, MAX_LOST))
+        run = np.searchsorted(behind, places, side="right")
+        numbers = begins[run] + places - (behind - lengths)[run]
+        kept.append(numbers[~lost(numbers)])
+        missing += len(kept[-1])
+        done += len(places)
+    numbers = np.concatenate(kept)
+    breaks = np.flatnonzero(np.diff(numbers) != 1)
+    rest = behind > done  # runs that were not looked up, the first of them perhaps in part
+    first, last = numbers[np.append(0, breaks + 1)[: len(numbers)]], numbers[np.append(breaks, -1)[: len(numbers)]]
+    begun = np.maximum(begins, ends + 1 - (behind - done))
+    return np.concatenate([first, begun[rest]]), np.concatenate([last, ends[rest]])
 
 
 @dataclass(frozen=True)
@@ -269,7 +219,7 @@ class StampTally:
         self._displaced += len(at)
         self._pairs += [f"{numbers[i]} stands before {numbers[i + 1]}" for i in at[: SHOWN - len(self._pairs)]]
 
-    def faults(self, topic: str, first: int, last: int, lost: Lost = NONE_LOST) -> Iterator[StampFault]:
+    def faults(self, topic: str, first: int, last: int, lost: Lost | None = None) -> Iterator[StampFault]:
         """Faults of a topic that is to have all samples from one number to another, except for lost ones.
 
         Parameters
@@ -278,24 +228,18 @@ class StampTally:
         first, last : int
         lost : Lost, optional
         """
-        gaps, arrived = self._gaps(first, last, lost)
-        doubled = RunList(SHOWN)
-        edges, times = self._there.counted(self.low, self.high)
-        doubled.add(edges[:-1][times > 1], edges[1:][times > 1] - 1)
-        if arrived.count:
-            some = _some([str(k) for k in arrived.first()], arrived.total)
-            text = f"{topic}: there is {self._noun} {some}, which the scenario loses"
-            yield StampFault(DUPLICATE, arrived.total, arrived.first()[0], text)
         if self._displaced:
             text = f"{topic}: out of order, {self._noun} {_some(self._pairs, self._displaced)}"
             yield StampFault(DISORDER, self._displaced, self._earliest, text)
-        if doubled.count:
-            count = min(doubled.total, _MOST_DOUBLED)
-            text = f"{topic}: duplicate of {self._noun} {_some([str(k) for k in doubled.first()], count)}"
-            yield StampFault(DUPLICATE, count, doubled.first()[0], text)
-        if gaps.count:
-            text = f"{topic}: gap, {_some([self._gap_in_words(*gap) for gap in gaps.listed], gaps.count)}"
-            yield StampFault(GAP, gaps.total, gaps.listed[0][0], text)
+        doubled, number = self._there.doubled()
+        if doubled:
+            more = f" and {doubled - 1} more" if doubled > 1 else ""
+            yield StampFault(DUPLICATE, doubled, number, f"{topic}: duplicate of {self._noun} {number}{more}")
+        begins, ends = self.missing(first, last, lost)
+        if len(begins):
+            gaps = [self._gap_in_words(int(begin), int(end)) for begin, end in zip(begins[:SHOWN], ends, strict=False)]
+            text = f"{topic}: gap, {_some(gaps, len(begins))}"
+            yield StampFault(GAP, int((ends - begins + 1).sum()), int(begins[0]), text)
         if self._off:
             number, stamp = self._worst
             measured = self._clock.stamp_ns(number)
@@ -304,20 +248,10 @@ class StampTally:
             text = f"{topic}: {self._off} stamps off the grid, {said}"
             yield StampFault(OFF_GRID, self._farthest, number, text)
 
-    def _gaps(self, first: int, last: int, lost: Lost) -> tuple[RunList, RunList]:
-        """Runs of missing numbers between two, except for lost ones, and runs of lost numbers that are there."""
-        gaps, arrived = RunList(SHOWN), RunList(SHOWN)
-        edges, times = self._there.counted(first, last)
-        while first <= last and first < lost.end:
-            count = min(PAGE, last + 1 - first)
-            there = times[np.searchsorted(edges, np.arange(first, first + count), side="right") - 1] > 0
-            away = lost.of(first, count)
-            arrived.add(*runs_of(first, there & away))
-            gaps.add(*runs_of(first, ~(there | away)))
-            first += count
-        begins, ends = np.maximum(edges[:-1], first)[times == 0], edges[1:][times == 0] - 1
-        gaps.add(begins[begins <= ends], ends[begins <= ends])
-        return gaps, arrived
+    def missing(self, first: int, last: int, lost: Lost | None = None) -> tuple[Integers, Integers]:
+        """First and last numbers of the runs of samples between two that are missing, and were not to be lost."""
+        runs = self._there.missing(first, last)
+        return runs if lost is None else without_lost(*runs, lost)
 
     def _gap_in_words(self, begin: int, end: int) -> str:
         if begin == end:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lie_rigid_body.certificate.law_result import LawResult
-from lie_rigid_body.certificate.stamps import StampTally, stamp_law, stamp_result
+from lie_rigid_body.certificate.stamps import StampTally, stamp_law
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.recording.bag_reader import Bag, Recording
@@ -31,8 +30,9 @@ class SurveyedSegment:
 
     Parameters
     ----------
+    place : int
+        Its place among the segments that the bag declares.
     segment : Segment
-        The segment that the bag declares.
     count : int
         Samples that have both pose and twist.
     first : int or None
@@ -47,6 +47,7 @@ class SurveyedSegment:
         Stamps between the first and the last sample that only one of the two topics has.
     """
 
+    place: int
     segment: Segment
     count: int
     first: int | None
@@ -55,33 +56,14 @@ class SurveyedSegment:
     begins_late: bool
     unpaired: int
 
-    @classmethod
-    def whole(cls, segment: Segment, count: int) -> SurveyedSegment:
-        """A segment that has its first samples, so many, and no other."""
-        clock, first = segment.clock(), segment.first_sample
-        stamps = stamp_result("stamps", clock, [], 2 * count)
-        last_ns = clock.stamp_ns(first + count - 1)
-        return cls(
-            segment,
-            count,
-            first,
-            last_ns,
-            stamps,
-            begins_late=False,
-            unpaired=0,
-        )
-
-    @property
-    def held_by(self) -> tuple[int, int | None]:
-        """What the laws of its sensors depend on: the very segment, and its end."""
-        return id(self.segment), self.last_ns
-
 
 class SegmentTally:
     """The stamps of a segment as they come.
 
     Parameters
     ----------
+    place : int
+        Place of the segment among those that the bag declares.
     segment : Segment
 
     Attributes
@@ -92,7 +74,8 @@ class SegmentTally:
         The earliest time at which one of its samples was logged, ns.
     """
 
-    def __init__(self, segment: Segment) -> None:
+    def __init__(self, place: int, segment: Segment) -> None:
+        self._place = place
         self.segment = segment
         self.stamps = {topic: StampTally(segment.clock()) for topic in ("pose", "twist")}
         self._count = self._unpaired = self._alone_since = 0
@@ -130,8 +113,9 @@ class SegmentTally:
             cut_off=cut_off and is_last,
         )
         if not self._count:
-            return SurveyedSegment(segment, 0, None, None, law, late_start, 0)
+            return SurveyedSegment(self._place, segment, 0, None, None, law, late_start, 0)
         return SurveyedSegment(
+            self._place,
             segment,
             self._count,
             self._first,
@@ -200,10 +184,6 @@ class Survey:
     as_written: bool
     counts: Counts
 
-    def is_as(self, foreseen: Survey) -> bool:
-        """Whether laws that were held for a foreseen survey of the bag are valid for this one."""
-        return [each.held_by for each in self.segments] == [each.held_by for each in foreseen.segments]
-
 
 def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Survey:
     """Read a bag once, and find its segments, at least one of which has a sample with pose and twist.
@@ -228,45 +208,34 @@ def survey(bag: Bag | Recording, inertia: Sequence[float] | None = None) -> Surv
 
 
 class Surveyor:
-    """A survey of a bag that is made while the samples pass. See `survey` for parameters and errors."""
+    """A survey of a bag that is made while the samples pass. See `survey` for parameters and errors.
+
+    Attributes
+    ----------
+    segments : tuple of Segment
+        All that the bag declares, in the order of their starts.
+    """
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
         self._declared = declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag, self._own, self._counts = bag, bag.as_written, Counts()
         self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
-        self._segments = tuple(_with_inertia(segment, inertia) for segment in declared.values())
-        self._tallies = [SegmentTally(segment) for segment in self._segments]
-
-    def foreseen(self) -> Survey | None:
-        """Survey of a whole bag that has all of its samples; None if it cannot have them.
-
-        With it laws are held while the bag is surveyed. Where `result` is not as it, they have to be held anew.
-        """
-        bag, rest, found = self._bag, self._bag.pose_count, list[SurveyedSegment]()
-        if not self._own or rest != bag.twist_count:
-            return None
-        for segment, later in itertools.zip_longest(self._segments, self._segments[1:]):
-            until = MAX_EPOCH_NS if later is None else later.start_ns - 1
-            count = min(rest, segment.clock().count_until(until) - segment.first_sample)
-            if count < 1:
-                return None
-            found.append(SurveyedSegment.whole(segment, count))
-            rest -= count
-        return None if rest else Survey(tuple(found), self._segments, as_written=True, counts=self._counts)
+        self.segments = tuple(_with_inertia(segment, inertia) for segment in declared.values())
+        self._tallies = [SegmentTally(place, segment) for place, segment in enumerate(self.segments)]
 
     def blocks(self, sensors: Collection[str], take: TakeReadings) -> Iterator[tuple[int, Block]]:
         """Read the bag, and give its samples as `numbered_blocks` does, for all segments that it declares."""
-        return numbered(self._segments, self.samples(sensors, take))
+        return numbered(self.segments, self.samples(sensors, take))
 
     def samples(self, sensors: Collection[str] = (), take: TakeReadings = lambda readings: None) -> Iterator[Block]:
         """Read the bag, and give its samples as they are counted, without numbers."""
         batches = self._counts.counted(self._bag.batches(sensors, take), stamped=self._bag.stamped)
-        for topics, block, alone in paired(self._bag, self._segments, batches):
+        for topics, block, alone in paired(self._bag, self.segments, batches):
             for name, topic in zip(self._tallies[0].stamps, topics, strict=False):
-                for i, rows in segment_parts(self._segments, topic.stamps_ns):
+                for i, rows in segment_parts(self.segments, topic.stamps_ns):
                     self._tallies[i].stamps[name].add(topic.stamps_ns[rows])
                     self._tallies[i].logged_ns = int(topic.log_times_ns[rows].min(initial=self._tallies[i].logged_ns))
-                    scenario = self._segments[i].scenario
+                    scenario = self.segments[i].scenario
                     declared = scenario.world_frame if name == "pose" else scenario.body_frame
                     self._counts.foreign_frames.update(topic[rows].frame_ids - {declared})
             self._pair(block.stamps_ns, alone)
@@ -274,7 +243,7 @@ class Surveyor:
 
     def _pair(self, common: Integers, alone: Integers) -> None:
         """Give each segment its part of the stamps that come next, of both topics and of one alone."""
-        in_common, in_alone = (dict(segment_parts(self._segments, stamps)) for stamps in (common, alone))
+        in_common, in_alone = (dict(segment_parts(self.segments, stamps)) for stamps in (common, alone))
         for i in sorted(in_common.keys() | in_alone.keys()):
             none = slice(0, 0)
             self._tallies[i].pair(common[in_common.get(i, none)], alone[in_alone.get(i, none)])
@@ -283,8 +252,8 @@ class Surveyor:
         """Survey of the bag, after all samples."""
         self._counts.contradicted_ns = sorted({*self._contradicted()})
         found = tuple(self._surveyed())
-        require_samples(self._bag.name, self._segments, self._counts.first_ns, sum(segment.count for segment in found))
-        return Survey(found, self._segments, self._own, self._counts)
+        require_samples(self._bag.name, self.segments, self._counts.first_ns, sum(segment.count for segment in found))
+        return Survey(found, self.segments, self._own, self._counts)
 
     def _contradicted(self) -> Iterator[int]:
         """Starts of segments, ns, that have two scenarios, one logged more than 1 s after the first sample.
@@ -302,7 +271,7 @@ class Surveyor:
         bag, own, late_start = self._bag, self._own, not self._own
         cut_off = bag.was_cut_off and bag.expected_samples is None  # else the cut was behind the last sample
         seen = {i for i, tally in enumerate(self._tallies) if not tally.is_empty}
-        for i, following in segments_with_samples(self._segments, seen, whole=own):
+        for i, following in segments_with_samples(self.segments, seen, whole=own):
             yield self._tallies[i].result(following, late_start=late_start, open_end=not own, cut_off=cut_off)
             late_start = False
 

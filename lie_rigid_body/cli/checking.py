@@ -11,7 +11,7 @@ from pathlib import Path
 from threading import TIMEOUT_MAX
 from typing import Final, TypeAlias
 
-from lie_rigid_body.certificate.certification import Certificate, certify, passes
+from lie_rigid_body.certificate.certification import Certificate, certify
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.command_line import topic_names
 from lie_rigid_body.evaluation import Limits
@@ -56,18 +56,16 @@ def check(given: argparse.Namespace) -> int:
         first, *others = bodies.values()
         if others or isinstance(first, BagError):
             _refuse_proof(given)
-            bar.total = console.bytes_of(name) * (
-                1 + sum(passes(body) for body in bodies.values() if isinstance(body, Bag))
-            )
+            bar.total = console.bytes_of(name) * (1 + sum(isinstance(body, Bag) for body in bodies.values()))
             verdicts = judge_bodies(name, bodies, judged)
             bar.close()
             return _answer(given, verdicts)
-        bar.total = console.bytes_of(name) * (1 + passes(first, residuals) + (residuals is not None))
+        bar.total = console.bytes_of(name) * (2 + (residuals is not None))
         certificate = judged(first, watch=residuals)
         pieces = recorded_segments(first, certificate) if residuals and certificate.segments else []
     proof = None
     if given.prove is not None:
-        proved = prove(first, certificate, given.prove, inertia, max_attitude)
+        proved = prove(first, certificate, given.prove, max_attitude)
         proof = Proof(tuple(console.progress(proved, unit=" samples")))
     return emit(
         {given.report: lambda: certificates.page(name, certificate, residuals or ResidualsOverTime(), pieces, proof)},

@@ -1,4 +1,4 @@
-"""Segments of a bag, from one reset to the next, and by which of them a message was measured, as what number.
+"""Segments of a bag, from one reset to the next, and to which of them a message belongs, as which reading.
 
 The clock of a sensor shows s = t + o + rint(σ (t − t₀)) at the time t; offset o, skew σ and epoch t₀ are those of the
 segment's scenario. `TransportFaults.measured_ns` inverts this to 8 ns, so that the nearest reading of the sensor's grid
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Container, Iterable, Iterator, Sequence
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
 
@@ -19,16 +19,13 @@ from lie_rigid_body.foundation.errors import BagError, InputError, ParameterErro
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.topic_messages import TopicMessages
+from lie_rigid_body.sensors.fault import nanoseconds
 from lie_rigid_body.simulation import SampleClock, Segment
-from lie_rigid_body.simulation.segment import Arrivals
 
 MOST_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
 UNNAMED: Final = "the bag"
 """Name that errors give a bag without a name."""
-_ROUNDING_NS: Final = 8
-"""Largest rounding error, ns, of the time at which a sensor's erring clock shows a stamp."""
-_FAR: Final = np.iinfo(np.int64).max
 
 
 def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict[str, Segment]:
@@ -73,9 +70,13 @@ def segment_parts(segments: Sequence[Segment], stamps_ns: Integers) -> Iterator[
 
     Stamps before the first segment are left out.
     """
+    yield from parts_between(np.array([segment.start_ns for segment in segments]), stamps_ns)
+
+
+def parts_between(starts: Integers, stamps_ns: Integers) -> Iterator[tuple[int, slice | Booleans]]:
+    """Places of the starts, ns, after which stamps come, and which of the stamps; earlier ones are left out."""
     if not len(stamps_ns):
         return
-    starts = np.array([segment.start_ns for segment in segments])
     lowest, highest = np.searchsorted(starts, [stamps_ns.min(), stamps_ns.max()], side="right") - 1
     if lowest == highest >= 0:
         yield int(lowest), slice(None)
@@ -158,10 +159,6 @@ class PlacedMessages:
     times_ns: Integers
 
 
-_Part: TypeAlias = tuple[int, slice | Integers | Booleans, Integers, Integers]
-"""Place of a segment, which messages are of it, the numbers of their readings, and when these were measured, ns."""
-
-
 class SensorClocks:
     """The clocks of one sensor in the segments of a bag.
 
@@ -176,24 +173,25 @@ class SensorClocks:
     ----------
     err : bool
         Whether any of them errs.
+    differ : bool
+        Whether a reset changes a clock that errs: stamps alone do not tell then by which a message was stamped.
     early : int
         Messages before the first segment.
-    unshown : (int, int)
-        Messages whose stamp no clock shows within its segment: how many, and the first stamp, ns.
     """
 
     def __init__(self, segments: Sequence[Segment], name: str) -> None:
         self._segments = segments
         self._models = [segment.scenario.sensors.on.get(name) for segment in segments]
-        self._starts = np.array([segment.start_ns for segment in segments])
-        self._previous_ns = int(self._starts[0]) - 1
+        errors = {_clock_error(segment, name) for segment in segments if name in segment.scenario.sensors.on}
+        self.err = any(error is not None for error in errors)
+        self.differ = self.err and len(errors) > 1
         deliveries = [model.delivery for model in self._models if model is not None]
-        self.err = any(delivery is not None and delivery.has_clock_error for delivery in deliveries)
-        shown = [self._shown_ns(place, self._starts[place : place + 2]) for place in range(len(segments))]
-        self._from_ns = np.array([of_one[0] for of_one in shown]) - _ROUNDING_NS
-        self._until_ns = np.array([*(of_one[-1] for of_one in shown[:-1]), _FAR - _ROUNDING_NS]) + _ROUNDING_NS
-        self.early, self.unshown = 0, (0, 0)
-        self._arriving = dict[int, tuple[int, int]]()  # by places, the first reading and that which arrives too late
+        # without the sensor a segment has no clock of its own
+        self._deliveries = [next(iter(deliveries), None) if model is None else model.delivery for model in self._models]
+        shown = [int(self._shown_ns(i, np.array([each.start_ns]))[0]) for i, each in enumerate(segments)]
+        self._shown_starts = np.maximum.accumulate(shown)
+        self._starts = np.array([segment.start_ns for segment in segments])
+        self.early = 0
 
     def placed(self, messages: TopicMessages, *, in_order: bool) -> Iterator[PlacedMessages]:
         """The messages that come next by their segments, in the order of these.
@@ -202,106 +200,52 @@ class SensorClocks:
         ----------
         messages : TopicMessages
         in_order : bool
-            Whether their log times are those at which the readings arrived, which tell the segments. Otherwise, of
-            several clocks that show a stamp, the right one is that which shows it first after the reading before.
+            Whether their log times are those at which the readings arrived, which tell the segments; otherwise their
+            stamps do.
         """
-        stamps, left = messages.stamps_ns, np.ones(len(messages), dtype=np.bool_)
-        for place, rows, numbers, times_ns in self.parts(messages.log_times_ns, stamps, in_order=in_order):
-            left[rows] = False
-            yield PlacedMessages(place, messages[rows], numbers, times_ns)
-        early = left & (stamps < self._from_ns.min()) if self.err and not in_order else left
-        self.early += int(np.count_nonzero(early))
-        unshown = stamps[left & ~early]
-        if len(unshown):
-            self.unshown = self.unshown[0] + len(unshown), self.unshown[1] or int(unshown[0])
+        times_ns = messages.log_times_ns if in_order else messages.stamps_ns
+        starts = self._starts if in_order else self._shown_starts
+        self.early += int(np.count_nonzero(times_ns < starts[0]))
+        for place, rows in parts_between(starts, times_ns):
+            own = messages[rows]
+            yield PlacedMessages(place, own, *self._read(place, own.stamps_ns))
 
-    def parts(self, times_ns: Integers, stamps_ns: Integers, *, in_order: bool) -> Iterator[_Part]:
-        """The segments that messages belong to, by their log times and stamps; see `placed`."""
-        if self.err and not in_order:
-            yield from self._by_stamps(stamps_ns)
-            return
-        for place, rows in segment_parts(self._segments, times_ns if in_order else stamps_ns):
-            yield place, rows, *self._read(place, stamps_ns[rows])[:2]
-
-    def _by_stamps(self, stamps_ns: Integers) -> Iterator[_Part]:
-        near = np.flatnonzero((self._from_ns <= stamps_ns.max()) & (self._until_ns >= stamps_ns.min()))
-        shown = (self._inside(place, stamps_ns) for place in near.tolist())
-        found = np.concatenate([np.empty((5, 0), dtype=np.int64), *shown], axis=1)
-        least = np.full(len(stamps_ns), _FAR)
-        np.minimum.at(least, found[0], np.abs(found[1]))
-        best = found[:, np.abs(found[1]) == least[found[0]]]
-        rows, _, places, numbers, times = best[:, np.argsort(best[0], kind="stable")]
-        _, chosen, counts = np.unique(rows, return_index=True, return_counts=True)
-        for i in np.flatnonzero(counts > 1).tolist():
-            before = times[chosen[i - 1]] if i else self._previous_ns
-            since = times[chosen[i] : chosen[i] + counts[i]] - before  # readings arrive in the order of their times
-            chosen[i] += np.argmin(np.where(since > 0, since, _FAR + since))
-        if len(chosen):
-            self._previous_ns = int(times[chosen[-1]])
-        for place in np.unique(places[chosen]).tolist():
-            own = chosen[places[chosen] == place]
-            yield place, rows[own], numbers[own], times[own]
-
-    def _inside(self, place: int, stamps_ns: Integers) -> Integers:
-        """Rows of the stamps that the clock may have shown within a segment: which, how far off, and what `_Part` has.
-
-        Shape (5, K).
-        """
-        numbers, times, off = self._read(place, stamps_ns)
-        is_early = times < self._starts[0] - _ROUNDING_NS  # near a reading, but of an untold scenario
-        rows = np.flatnonzero((np.searchsorted(self._starts, times - off, side="right") - 1 == place) & ~is_early)
-        # where there is no sensor, or none arrives, any clock of another shows a stamp rather
-        off = np.where(self._arrives(place, numbers[rows], (times - off)[rows]), off[rows], _FAR)
-        return np.stack([rows, off, np.full(len(rows), place), numbers[rows], times[rows]])
-
-    def _arrives(self, place: int, numbers: Integers, measured_ns: Integers) -> Booleans:
-        """Whether readings within a segment arrive: its sensor is on, loses none of them, and no reset comes before."""
+    def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers]:
+        """Numbers of the readings of a segment that are nearest to stamps, and times with what is off, ns."""
         segment, model = self._segments[place], self._models[place]
-        if model is None or model.delivery is None or not len(numbers):
-            return np.full(len(numbers), model is not None)
-        if place not in self._arriving:
-            clock = SampleClock(segment.scenario.epoch_ns, model.rate)
-            first = clock.count_until(segment.start_ns - 1)
-            end_ns = int(self._starts[place + 1]) - 1 if place + 1 < len(self._starts) else MAX_EPOCH_NS + 1
-            arrivals = Arrivals(clock, first, segment.start_ns, model.delivery)
-            self._arriving[place] = first, arrivals.count_until(end_ns)
-        first, end = self._arriving[place]
-        return (numbers < end) & ~model.delivery.lost(numbers - first, measured_ns - segment.start_ns)
-
-    def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers, Integers]:
-        """The readings of a segment that are nearest to stamps: numbers, times with what is off, and that alone, ns."""
-        segment, model = self._segments[place], self._models[place]
-        if model is None:
-            return number_samples(segment.clock(), stamps_ns), stamps_ns, np.zeros_like(stamps_ns)
-        clock, delivery = SampleClock(segment.scenario.epoch_ns, model.rate), model.delivery
+        clock = segment.clock() if model is None else SampleClock(segment.scenario.epoch_ns, model.rate)
+        delivery = self._deliveries[place]
         near = stamps_ns if delivery is None else delivery.measured_ns(stamps_ns, clock.epoch_ns)
         last = clock.count_until(MAX_EPOCH_NS) - 1
         numbers = np.minimum(number_samples(clock, np.clip(near, 0, MAX_EPOCH_NS)), last)
         measured = grid(clock, numbers)
-        off = stamps_ns - self._shown_ns(place, measured)
-        return numbers, measured + off, off
+        return numbers, measured + stamps_ns - self._shown_ns(place, measured)
 
     def _shown_ns(self, place: int, measured_ns: Integers) -> Integers:
         """What the clock shows at some times in a segment, ns."""
-        delivery = getattr(self._models[place], "delivery", None)
+        delivery = self._deliveries[place]
         epoch_ns = self._segments[place].scenario.epoch_ns
         return measured_ns if delivery is None else measured_ns + delivery.error_ns(measured_ns, epoch_ns)
 
+    def measured_ns(self, stamps_ns: Integers) -> Integers:
+        """When the readings of a recorder's bag were measured, ns: their stamps, unless the clock errs.
 
-def measured_ns(segments: Sequence[Segment], sensor: str, stamps_ns: Integers) -> Integers:
-    """When the readings of a sensor in a recorder's bag were measured, ns: their stamps, unless a clock errs.
+        Where a reset changes the clock, each stamp is read by that of the last segment whose start it shows.
+        """
+        measured = stamps_ns.copy()
+        if self.err:
+            for place, rows in parts_between(self._shown_starts, stamps_ns):
+                measured[rows] = self._read(place, stamps_ns[rows])[1]
+        return measured
 
-    Parameters
-    ----------
-    segments : sequence of Segment
-        All that the bag declares.
-    sensor : str
-        Its name.
-    stamps_ns : ndarray of int64, shape (N,)
-    """
-    clocks, measured = SensorClocks(segments, sensor), np.empty_like(stamps_ns)
-    parts = list(clocks.parts(stamps_ns, stamps_ns, in_order=False)) if clocks.err and len(stamps_ns) else []
-    for _, rows, _, times_ns in parts:
-        measured[rows] = times_ns
-    is_told = sum(len(numbers) for _, _, numbers, _ in parts) == len(stamps_ns)
-    return measured if is_told else stamps_ns  # as good as any where no clock shows a stamp
+
+def _clock_error(segment: Segment, name: str) -> tuple[int, float, int] | None:
+    """Offset, skew and epoch of the clock of a sensor in a segment; None if it does not err."""
+    delivery = segment.scenario.sensors.on[name].delivery
+    if delivery is None or not delivery.has_clock_error:
+        return None
+    return (
+        nanoseconds(delivery.clock_offset),
+        delivery.clock_skew,
+        bool(delivery.clock_skew) * segment.scenario.epoch_ns,
+    )

@@ -13,7 +13,7 @@ from lie_rigid_body.foundation.showing import data_frame
 from lie_rigid_body.foundation.wording import call_repr
 from lie_rigid_body.messages.batch import told_fields
 from lie_rigid_body.recording.bag_reader import Recording
-from lie_rigid_body.recording.segments import measured_ns
+from lie_rigid_body.recording.segments import SensorClocks
 from lie_rigid_body.recording.topic_messages import TopicMessages, value_columns
 from lie_rigid_body.sensors import Field, Sensor, Topic
 from lie_rigid_body.simulation import Segment, SensorSamples
@@ -134,7 +134,8 @@ class SensorArrays:
             return None
         first = found.setdefault(name, TopicMessages.none_of(message_type))
         is_heard = not recording.as_written
-        arrived_ns = measured_ns(segments, sensor.name, first.stamps_ns) if is_heard else first.log_times_ns
+        clocks = SensorClocks(segments, sensor.name)
+        arrived_ns = clocks.measured_ns(first.stamps_ns) if is_heard else first.log_times_ns
         declared = {field.array for model in models for topic in sensor.topics for field in told_fields(topic, model)}
         arrays = {
             field.array: _array(topic, field, found.get(topic.name), first.stamps_ns, declared)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -264,22 +264,6 @@ class FaultModel(ABC):
         times_ns : ndarray of int64, shape (N,)
             Times of the readings in it, ns.
         """
-
-    def repeated(
-        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
-    ) -> Iterator[int]:
-        """Readings that those after one may repeat in part: whoever begins behind it has to measure them.
-
-        Parameters
-        ----------
-        number : int
-            Number of that reading.
-        elapsed_ns : callable
-            Gives the time of a reading since the segment's start, ns.
-        number_before : callable
-            Gives the number of the last reading before a time since the segment's start, ns.
-        """
-        return iter(())
 
 
 @dataclass(frozen=True)

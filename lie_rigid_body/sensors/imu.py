@@ -235,7 +235,6 @@ class Imu(Instrument):
         self._gyro = Triad(model.gyro, model.rate, model.seed, *_OF_GYRO)
         self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, *_OF_ACCELEROMETER)
         self._turn = WhiteNoise(model.seed, NoiseSource.ORIENTATION_WHITE, 1.0)
-        self.walk_deviates = sum(3 for triad in (model.gyro, model.accelerometer) if triad.bias_random_walk)
 
     def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:
         """Begin with the reading one interval after a time; see `Instrument.begin_after`."""

@@ -25,8 +25,6 @@ _FEW: Final = 256
 """Largest number of random numbers that are drawn and not used; beyond it the counter of the generator is set."""
 _WORDS_PER_COUNT: Final = 4
 """Random words that Philox 4×64 makes of one value of its counter."""
-_SKIPPED_AT_ONCE: Final = 65_536
-"""Number of vectors drawn at once for values of a random walk that are left out, which bounds the memory."""
 _ONE: Final = np.float64(1.0).view(np.uint64)
 """Bits of the double 1."""
 
@@ -122,25 +120,12 @@ class RandomWalk:
 
     def __init__(self, start: Array, steps: WhiteNoise) -> None:
         self._steps = steps
-        self._number = 0
         self._next = start[np.newaxis]
 
     def values(self, first: int, count: int) -> Array:
-        """The values from number ``first`` on, which does not lie before what was asked for, shape (count, 3).
-
-        Where values are left out, their steps are drawn all the same, unless all of them are 0.
-        """
-        at_once = _SKIPPED_AT_ONCE if self._steps.sigma else _FEW
-        while self._number < first:
-            self._following(min(first - self._number, at_once))
-            if not self._steps.sigma:
-                self._number = first  # after so many zeros of either sign, their sum is +0
-        return self._following(count)
-
-    def _following(self, count: int) -> Array:
-        steps = self._steps.draw(self._number, count)
+        """The values from number ``first`` on, shape (count, 3); it follows the last one of the call before."""
+        steps = self._steps.draw(first, count)
         # accumulate adds one step after the other, so that where a block begins changes no bit
         path = np.add.accumulate(np.concatenate([self._next, steps]), axis=0)
         self._next = path[count:]
-        self._number += count
         return path[:count]

@@ -29,15 +29,8 @@ BLOCK: Final = 16_384
 
 
 class Instrument(ABC):
-    """A sensor at work in one segment: readings in order, the same to the bit in batches of any size.
+    """A sensor at work in one segment: readings in order, the same to the bit in batches of any size."""
 
-    Attributes
-    ----------
-    walk_deviates : int
-        Number of normal deviates that each reading that is left out takes, as biases walk through it.
-    """
-
-    walk_deviates = 0
     __copy__ = copy.deepcopy  # it goes on by itself
 
     @abstractmethod
@@ -45,9 +38,7 @@ class Instrument(ABC):
         """Readings before their converters, by the names of their arrays; see `measure`."""
 
     def begin_after(self, before_ns: int, state: Callable[[], State]) -> None:  # noqa: B027 (most have nothing to do)
-        """Begin with the reading one interval after a time, at the first one of a segment or behind some left out.
-
-        Of those left out `FaultModel.repeated` have to be measured all the same.
+        """Begin with the reading one interval after a time, the first one of a segment.
 
         Parameters
         ----------
@@ -67,7 +58,7 @@ class Instrument(ABC):
         states : State
             The body's states at those times, of shapes (N, 4) and (N, 3).
         first : int, optional
-            Number of the first of them, counted from 0 in the segment. It does not lie before what was measured.
+            Number of the first of them, counted from 0 in the segment: the one behind the last that was measured.
 
         Returns
         -------

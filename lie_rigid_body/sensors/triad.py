@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -104,21 +104,6 @@ class TriadFaults(FaultModel):
                 for number, begin, end in episodes.between(begin_ns, end_ns):
                     axis = AXES[stuck_axes(episodes, np.array([number]))[0]] if episodes is self.stuck else ""
                     yield Fault(episodes.kind, self.sensor, axis, begin, end, size)
-
-    def repeated(
-        self, number: int, elapsed_ns: Callable[[int], int], number_before: Callable[[int], int]
-    ) -> Iterator[int]:
-        """Numbers of readings that readings after ``number`` may repeat on a stuck axis; see `FaultModel.repeated`."""
-        axes: set[int] = set()
-        if self.stuck is not None:
-            yield number
-        while self.stuck is not None and (time_ns := elapsed_ns(number)) >= 0:
-            episode = self.stuck.at(np.array([time_ns]))
-            axes.add(int(stuck_axes(self.stuck, episode)[0]))
-            if episode[0] < 0 or len(axes) > 1:
-                return
-            number = number_before(int(self.stuck.begins_ns(episode)[0]))
-            yield number
 
 
 def axis_of(drawn: Array) -> Integers:

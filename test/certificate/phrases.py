@@ -24,6 +24,7 @@ PHRASES = {
     "scenarios without a sample": "scenarios without a sample: {count}",
     "faults again": "messages about faults that come again: {count}",
     "too many faults": "{topic}: too many readings to compute the faults of all",
+    "which clock": "{topic}: a reset changes the sensor's clock",
     "too many readings": "{topic}: too many readings are missing to compute the others",
     "not to the bit": "It is not equal to the bit to what is computed here",
     # notes

@@ -28,12 +28,12 @@ class Message(NamedTuple):
 Change = Callable[[list[Message]], list[Message]]
 
 
-def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20) -> Path:
-    """Write a changed copy of a bag; the record that counts the samples at its end is kept only if the count stays."""
+def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20, library: str = "someone else") -> Path:
+    """Write a changed copy of a bag, without the record that counts the samples at its end."""
     summary, messages = _read(source, source.stat().st_mtime_ns)
     with target.open("wb") as stream:
         writer = Writer(stream, chunk_size=chunk_size)
-        writer.start(profile="ros2", library="someone else")
+        writer.start(profile="ros2", library=library)
         channels = {}
         for channel in summary.channels.values():
             schema = summary.schemas[channel.schema_id]

@@ -22,7 +22,7 @@ from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import Fault
-from lie_rigid_body.simulation import Segment, Simulation
+from lie_rigid_body.simulation import Simulation
 
 FAULTS = "/lie_rigid_body/faults"
 OTHER: dict[str, object] = {
@@ -130,7 +130,7 @@ def test_a_missing_doubled_swapped_or_unreadable_message_is_named(bag, tmp_path,
         (lambda ms: [*ms[: index - 1], ms[index], ms[index - 1], *ms[index + 1 :]], "faults out of order", None),
         (at(index, lambda m: m._replace(data=encode_string("{}"))), "no fault", index),
     ):
-        if index or what != "faults out of order":
+        if index > 20 or what != "faults out of order":  # before that faults begin at one time, in any order
             found = verdict(bag, tmp_path, on(FAULTS, change))
             assert broken(found) <= {"faults", "log times"}
             assert telling(found, what, topic=FAULTS, message=message) == [found.messages[-1]]
@@ -170,20 +170,10 @@ def test_messages_are_logged_when_the_fault_begins(bag, tmp_path):
 
 
 def test_faults_of_more_readings_than_can_be_looked_through_are_listed(bag, tmp_path, monkeypatch):
-    monkeypatch.setattr(told_faults, "MOST_LOOKED_THROUGH", -10_000)
-    monkeypatch.setattr("lie_rigid_body.certificate.sensors.MOST_LOOKED_THROUGH", -10_000)
+    monkeypatch.setattr(told_faults, "MAX_SEARCHED", 100)
     found = certify(Bag(bag))
     assert found.passed
     assert telling(found, "too many faults", topic=FAULTS)
-
-
-def test_a_search_that_is_too_long_is_not_begun(monkeypatch):
-    """As beside one message of a bag that lasts four days."""
-    monkeypatch.setattr("lie_rigid_body.simulation.loop.FaultLog.take", None)
-    scenario = Scenario.from_parameters({"imu_rate": 1.0, "imu_outage_interval": 0.5, "imu_outage_duration": 0.1})
-    expected = told_faults.ExpectedFaults([Segment(scenario, 0, 0)], told_faults.MOST_LOOKED_THROUGH)
-    assert list(expected.until(333_333 * 10**9)) == []
-    assert expected.is_too_far
 
 
 def test_other_faults_that_a_scenario_declares_are_caught(bag, tmp_path):
@@ -214,15 +204,6 @@ def test_all_faults_and_clock_errors_together_are_certified_in_every_grade(tmp_p
         found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
         assert found.passed, found.messages
         assert {*found.sensors} >= {IMU, BIAS, MAG}
-
-
-def test_many_wrong_messages_cost_no_more_than_right_ones(bag, tmp_path, monkeypatch):
-    """Of all that is awaited or told only so much is kept."""
-    monkeypatch.setattr(told_faults, "_MOST_KEPT", 30)
-    assert certify(Bag(bag)).passed
-    found = verdict(bag, tmp_path, declared(sensor_seed=12))
-    assert "faults" in broken(found)
-    assert law(found).worst > 50
 
 
 def test_readings_that_arrive_after_the_last_stamp_of_ros_are_certified(tmp_path: Path) -> None:

@@ -6,10 +6,10 @@ import struct
 
 import pytest
 from phrases import telling
-from sensor_bags import BIAS, IMU, MAG, NOISY, broken, certificate, laws, recorded, write
+from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded, write
 from tampering import Change, on
 
-from lie_rigid_body.certificate import certify, readings
+from lie_rigid_body.certificate import certify, sensors, stamps
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.recovery import recover
 from lie_rigid_body.sensors import TransportFaults
@@ -38,24 +38,13 @@ def test_a_recorder_that_lost_readings_is_told(bag, tmp_path):
     assert (law.unit, law.worst) == ("gap", 2)
 
 
-def test_a_recorder_that_came_too_late_for_a_walk_is_told(bag, tmp_path, monkeypatch):
-    monkeypatch.setattr(readings, "MOST_DRAWN", 50)
+def test_a_recorder_that_came_too_late_for_a_replay_is_told(bag, tmp_path, monkeypatch):
+    monkeypatch.setattr(sensors, "MAX_SPARE_READINGS", 50)
     found = certificate(bag, tmp_path, recorded(0.3))
     assert found.passed, found.messages
     assert found.sensors == (MAG,)
     assert not laws(found, "gyro")
     assert telling(found, "too many readings", topic=IMU)
-
-
-def test_what_walks_cost_counts_each_deviate_of_each_walk(tmp_path, monkeypatch):
-    """A recorder that comes 0.3 s late misses 100 readings: 300 deviates for one walk, 600 for two."""
-    monkeypatch.setattr(readings, "MOST_DRAWN", 500)
-    one, two = {**NOISY, "accelerometer_bias_random_walk": 0.0}, NOISY
-    for name, parameters, expected in (("one", one, (IMU, BIAS, MAG)), ("two", two, (MAG,))):
-        path = write(tmp_path / f"{name}.mcap", (parameters, 1.0))
-        found = certificate(path, tmp_path, recorded(0.3))
-        assert found.passed, found.messages
-        assert found.sensors == expected
 
 
 def test_poses_that_a_recorder_has_no_twist_of_are_told(bag, tmp_path):
@@ -85,13 +74,12 @@ def test_a_forged_stamp_years_ahead_is_not_searched_for_lost_readings(tmp_path, 
         return [*before, last._replace(log_time=stamp, data=data)]
 
     path = write(tmp_path / "lossy.mcap", ({"imu_rate": 1000.0, "imu_dropout_probability": 0.9}, 0.5))
-    monkeypatch.setattr(readings, "MOST_DRAWN", 10_000)
+    monkeypatch.setattr(stamps, "MAX_LOST", 10_000)
     monkeypatch.setattr(TransportFaults, "lost", counted)
     both = [on(topic, ahead) for topic in ("/pose", "/twist")]
     found = certificate(path, tmp_path, lambda ms: both[1](both[0](ms)))
     assert "stamps" in broken(found)
-    assert telling(found, "too many readings", topic=IMU)
-    assert sum(searched) < 20_000
+    assert sum(searched) < 30_000
 
 
 @pytest.mark.parametrize("cut", [0.3, 0.55, 0.8, 0.95])

@@ -11,13 +11,11 @@ from hypothesis import strategies as st
 from tampering import at, flipped, on, scaled_rate, tamper
 
 from lie_rigid_body.certificate import certify
-from lie_rigid_body.certificate.certification import passes
 from lie_rigid_body.certificate.stamps import DISORDER, DUPLICATE, GAP, StampTally
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording import bag_reader, samples
 from lie_rigid_body.recording.bag_reader import Bag, read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.report.recorded_motion import ResidualsOverTime
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import SampleClock, Simulation, SimulationStep
 from sampled import sampled
@@ -59,43 +57,11 @@ def test_batches_change_no_number(honest, tmp_path, monkeypatch, change):
     assert certify(Bag(path)) == whole
 
 
-@pytest.mark.parametrize(("change", "times"), {"honest": 1, "cut": 2, "recorded": 2}.items())
-def test_a_bag_is_read_as_often_as_is_shown(honest, tmp_path, change, times):
-    steps: list[int] = []
-    bag = Bag(tamper(honest, tmp_path / "changed.mcap", CHANGES[change]), steps.append)
-    opened = sum(steps)
-    assert passes(bag) == times
-    certify(bag)
-    assert sum(steps) == (1 + times) * opened
-    assert passes(bag, ResidualsOverTime()) == 2
-
-
-FORESEEN = {
-    **CHANGES,
-    "gap of both": lambda ms: CHANGES["gap"](on("/twist", lambda own: [*own[:300], *own[317:]])(ms)),
-    "long gap": lambda ms: [m for m in ms if not 2 * 10**9 <= m.log_time - 10**18 < 6 * 10**9],
-    "cut of both": lambda ms: CHANGES["cut"](on("/pose", lambda own: own[:-9])(ms)),
-    "beginning lost": lambda ms: [m for m in ms if m.log_time >= 10**18 + 10**9 or "scenario" in m.topic],
-}
-
-
-# those that lack samples differ in what a survey has to foresee
-LACKING = {"honest", "gap", "cut"} | (FORESEEN.keys() - CHANGES)
-
-
-@pytest.mark.parametrize(
-    "change", [name if name in LACKING else pytest.param(name, marks=pytest.mark.slow) for name in FORESEEN]
-)
-def test_a_foreseen_survey_changes_no_number(honest, tmp_path, change):
-    path = tamper(honest, tmp_path / "changed.mcap", FORESEEN[change])
-    assert certify(Bag(path)) == certify(Bag(path), watch=lambda *_: None)  # which is surveyed before
-
-
-@pytest.mark.parametrize(("change", "passes"), [("honest", 2), ("gap", 3), ("gap of both", 3)])
-def test_a_whole_bag_is_read_once_after_it_is_opened(honest, tmp_path, change, passes):
-    path, told = tamper(honest, tmp_path / "changed.mcap", FORESEEN[change], 10_000), list[int]()
+@pytest.mark.parametrize("change", ["honest", "gap", "recorded"])
+def test_a_bag_is_read_once_after_it_is_opened(honest, tmp_path, change):
+    path, told = tamper(honest, tmp_path / "changed.mcap", CHANGES[change], 10_000), list[int]()
     certify(Bag(path, told.append))
-    assert round(sum(told) / path.stat().st_size) == passes
+    assert round(sum(told) / path.stat().st_size) == 2
 
 
 def test_memory_does_not_grow_with_the_bag(honest, monkeypatch):
@@ -127,6 +93,7 @@ def test_a_tally_counts_as_the_whole_list_does(numbers, batch):
     doubled = sorted(k for k in set(numbers) if numbers.count(k) > 1)
     back = [a for a, b in itertools.pairwise(numbers) if b < a]
     for kind, found in ((GAP, missing), (DUPLICATE, doubled), (DISORDER, back)):
+        count = len(numbers) - len({*numbers}) if kind == DUPLICATE else len(found)
         assert (kind in faults) == bool(found)
         if found:
-            assert (faults[kind].count, faults[kind].sample) == (len(found), min(found))
+            assert (faults[kind].count, faults[kind].sample) == (count, min(found))

@@ -84,24 +84,3 @@ def test_where_arrays_lie_in_memory_changes_nothing() -> None:
     for _ in range(60):
         held.append(np.empty(rng.integers(1, 3000)))
         assert imu_bytes(imu(**EVERYTHING), []) == first
-
-
-@pytest.mark.parametrize("gyro_rate", ["instantaneous", "integrated"])
-@given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 300)), min_size=1, max_size=4))
-def test_readings_behind_others_that_are_left_out_are_the_same(gyro_rate: str, parts: list[tuple[int, int]]) -> None:
-    settings = {**EVERYTHING, "gyro_rate": gyro_rate}
-    whole, fields = imu(**settings).measure(T, STATES), magnetometer(**settings).measure(T, STATES)["field"]
-    sensor, compass, at = imu(**settings), magnetometer(**settings), 0
-    for left_out, wanted in parts:
-        at += left_out
-        if at + wanted > COUNT:
-            break
-        if left_out:
-            for one in (sensor, compass):
-                one.begin_after(int(T[at - 1]), lambda before=at - 1: STATES[before])  # type: ignore[misc]
-        rows = slice(at, at + wanted)
-        read = sensor.measure(T[rows], STATES[rows], at)
-        for name in FIELDS:
-            assert read[name].tobytes() == whole[name][rows].tobytes()
-        assert compass.measure(T[rows], STATES[rows], at)["field"].tobytes() == fields[rows].tobytes()
-        at += wanted
