@@ -50,11 +50,13 @@ class MassMoments:
     central_second_moment: Array
 
     def __post_init__(self) -> None:
-        mass, central = float(positive("mass", self.mass, "kg")), second_moment_matrix(self.central_second_moment)
+        mass = float(positive("mass", self.mass, "kg"))
+        central = second_moment_matrix(self.central_second_moment)
         centre = real_array("centre", self.centre, (len(central),))
         centre.setflags(write=False)
         central.setflags(write=False)
-        vars(self).update(mass=mass, centre=centre, central_second_moment=central)
+        for name, value in (("mass", mass), ("centre", centre), ("central_second_moment", central)):
+            object.__setattr__(self, name, value)
 
     @property
     def dimension(self) -> int:
