@@ -20,7 +20,7 @@ from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.mechanics import RigidBody
 from lie_rigid_body.recording.bag_files import bags_in, files_of, is_one_bag
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bodies import topic_types
+from lie_rigid_body.recording.topic_discovery import topic_types
 from lie_rigid_body.report import certificates
 from lie_rigid_body.report.outputs import emit, require_outputs
 from lie_rigid_body.report.overview import Verdict, as_json, as_table, page_of_verdicts

@@ -25,9 +25,9 @@ from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
-from lie_rigid_body.recording.bodies import SCENARIO, given_track, telling_of_bodies
 from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
 from lie_rigid_body.recording.segments import declared_segments
+from lie_rigid_body.recording.topic_discovery import SCENARIO, given_track, told_topics
 from lie_rigid_body.recording.topic_messages import (
     ATTITUDE_TYPES,
     AttitudeTrack,
@@ -212,7 +212,7 @@ def _true_motion(
     near = next(iter(topics.values()), near)
     others = [track for track in contents.tracks.values() if track.count and track.topic != estimate_topic]
     # a text may be that of another node, which calls something else a scenario
-    telling = telling_of_bodies(path, contents, [track for track in others if track.message_type == STRING])
+    telling = told_topics(path, contents, [track for track in others if track.message_type == STRING])
     candidates = [track for track in others if track.message_type != STRING or track.key in telling]
     scenario = given.get(SCENARIO) or _only(path, candidates, SCENARIO, STRING, near)
     segments: tuple[Segment, ...] = ()

@@ -65,5 +65,29 @@ class BagError(LieRigidBodyError):
     """A recording cannot be written or read."""
 
 
+class ChoiceError(BagError):
+    """A topic that has to be chosen by name, or was, and is none. The remedy is that of Python.
+
+    Parameters
+    ----------
+    said : str
+        What is wrong, with ``{choice}`` where a choice is named.
+    name, topic : str
+        Relative and full name of the topic that is chosen, or may be.
+    """
+
+    def __init__(self, said: str, name: str, topic: str) -> None:
+        self._given = said, name, topic
+        super().__init__(said.replace("{choice}", f'topics={{"{name}": "{topic}"}}'))
+
+    def __reduce__(self) -> tuple[type, tuple[str, str, str]]:
+        return type(self), self._given
+
+    def on_the_command_line(self) -> BagError:
+        """Name the option of a verb as remedy."""
+        said, name, topic = self._given
+        return BagError(said.replace("{choice}", f"--topic {name}:={topic}"))
+
+
 class ExistsError(BagError):
     """A file of that name exists, and is kept."""

@@ -16,7 +16,6 @@ from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, TWIST
 from lie_rigid_body.messages.definitions import TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bodies import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.mcap_contents import (
     McapContents,
     Progress,
@@ -29,6 +28,7 @@ from lie_rigid_body.recording.mcap_contents import (
 )
 from lie_rigid_body.recording.records import CUT_OFF, METADATA, REWRITTEN
 from lie_rigid_body.recording.segments import MOST_SEGMENTS, UNNAMED
+from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
     OfSensor,
@@ -212,8 +212,8 @@ class Bag(BagFacts):
         return bags
 
     def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
-        if body.fault:
-            raise BagError(body.fault)
+        if body.fault is not None:
+            raise body.fault
         self._path, self._contents, self._progress = files.path, contents, files.progress
         for track in body.tracks.values():
             require_cdr(self._path, track)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -25,6 +26,7 @@ from lie_rigid_body.messages.batch import (
     BatchEncoder,
     Gathering,
     Messages,
+    sensor_topics,
 )
 from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
 from lie_rigid_body.recording.records import METADATA, RESCUE
@@ -170,7 +172,9 @@ class BagWriter:
         """
         if segment.scenario.stamped_twist != self._stamped_twist:
             raise BagError(f"{self.path}: stamped_twist cannot change within a bag: begin a new one")
-        text = segment.to_json() if text is None else text
+        told = (POSE, TWIST, *sensor_topics(segment.scenario.sensors))
+        names = {topic: self._names[topic] for topic in told}
+        text = segment.to_json(names) if text is None else renamed_topics(text, names)
         with self._writing():
             self._lay_out()
             self._add([Messages(_SCENARIO, np.array([segment.start_ns]), encode_strings([text], len(text)))])
@@ -286,6 +290,12 @@ class BagWriter:
             self.finish()
         elif self._open:
             self._abandon()  # a run that failed, or that had not begun, does not replace a bag that is whole
+
+
+def renamed_topics(text: str, topics: Mapping[str, str]) -> str:
+    """The text of a scenario message with other names of its topics, where it names them."""
+    content = json.loads(text)
+    return text if "topics" not in content else json.dumps({**content, "topics": topics})
 
 
 def write_run(

@@ -69,7 +69,7 @@ def write_bag(
     origin["others"] = {messages.topic: kind for messages, kind in beside}
     with BagWriter(path, stamped_twist=segments[0].scenario.stamped_twist, overwrite=overwrite, **origin) as bag:
         for (text, segment), taken, (begin, end) in zip(declared.items(), pieces, bounds, strict=True):
-            bag.begin_segment(segment, text)
+            bag.begin_segment(segment, None if recording is None else text)
             batch = BatchEncoder(segment.scenario).encode(taken)
             others = (messages.between(begin, end) for messages, _ in beside)
             bag.write(replace(batch, topics=(*batch.topics, *others)))

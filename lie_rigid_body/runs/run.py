@@ -25,8 +25,8 @@ from lie_rigid_body.foundation.wording import call_repr, shown
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import FAULTS_TOPIC
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording, read_bag
-from lie_rigid_body.recording.bodies import for_python, require_topics
 from lie_rigid_body.recording.samples import samples_in_memory
+from lie_rigid_body.recording.topic_discovery import require_topics
 from lie_rigid_body.runs.bag_of_run import messages_beside, write_bag
 from lie_rigid_body.runs.bound import cramer_rao_bound_of, sensor_limits
 from lie_rigid_body.runs.readings import SensorArrays, linear, read_only
@@ -133,10 +133,7 @@ class Run(_NamedSensors, ScoresEstimates, Shown):
         """
         topics = NO_TOPICS if topics is None else topics
         require_topics(topics)
-        try:
-            recording = Bag(path, topics=topics, in_memory=True).load()
-        except BagError as error:
-            raise for_python(error) from None
+        recording = Bag(path, topics=topics, in_memory=True).load()
         samples, declared, segments = samples_in_memory(recording)
         found = {sensor.key: SensorArrays.of_recording(sensor, recording, declared) for sensor in SENSORS.values()}
         told = recording.readings.get(FAULTS_TOPIC)

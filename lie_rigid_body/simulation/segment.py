@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any, Final
@@ -113,8 +114,14 @@ class Segment:
     first_sample: int
     start_ns: int
 
-    def to_json(self) -> str:
-        """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``."""
+    def to_json(self, topics: Mapping[str, str] | None = None) -> str:
+        """The text of the latched scenario message: all parameters, ``first_sample`` and ``start_ns``.
+
+        Parameters
+        ----------
+        topics : mapping of str to str, optional
+            Full names of the topics of the body and of its sensors, by their relative names, as readers find them.
+        """
         from lie_rigid_body import __version__
 
         return json.dumps(
@@ -123,6 +130,7 @@ class Segment:
                 **self.scenario.parameters(),
                 "first_sample": self.first_sample,
                 "start_ns": self.start_ns,
+                **({"topics": dict(topics)} if topics else {}),
             }
         )
 
@@ -143,6 +151,7 @@ class Segment:
             raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error}") from None
         first, start = content.pop("first_sample"), content.pop("start_ns")
         content.pop("software", None)
+        content.pop("topics", None)
         for name, value in (("first_sample", first), ("start_ns", start)):
             if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= MAX_EPOCH_NS:
                 raise InputError(

@@ -13,7 +13,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TextIO
 
-from lie_rigid_body.foundation.errors import PACKAGE, PACKAGE_FOLDER, InputError, LieRigidBodyError, describe
+from lie_rigid_body.foundation.errors import (
+    PACKAGE,
+    PACKAGE_FOLDER,
+    ChoiceError,
+    InputError,
+    LieRigidBodyError,
+    describe,
+)
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.wording import printable
 from lie_rigid_body.system.interruption import Interruption
@@ -245,6 +252,8 @@ def status_of(prog: str, action: Callable[[], int], *, to_the_end: bool = False)
 
 def explanation(error: Exception) -> str:
     """One line about an exception for the user."""
+    if isinstance(error, ChoiceError):
+        error = error.on_the_command_line()
     if isinstance(error, LieRigidBodyError):
         return describe(error)
     if isinstance(error, MemoryError):

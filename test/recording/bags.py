@@ -10,7 +10,7 @@ from mcap.writer import CompressionType, Writer
 
 from lie_rigid_body import __version__
 from lie_rigid_body.messages import definitions, encode_string
-from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder
+from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, sensor_topics
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples, Segment, Simulation, SimulationStep
@@ -50,7 +50,9 @@ class PlainBag:
         return self._writer.register_channel(topic, "cdr", schema, {"offered_qos_profiles": qos})
 
     def begin_segment(self, segment: Segment) -> None:
-        self._add(self._scenario, segment.start_ns, encode_string(segment.to_json()))
+        told = (POSE, TWIST, *sensor_topics(segment.scenario.sensors))
+        names = {topic: f"/{topic.replace('~', 'lie_rigid_body')}" for topic in told}
+        self._add(self._scenario, segment.start_ns, encode_string(segment.to_json(names)))
 
     def write(self, batch: Batch) -> None:
         for stamp, topic, payload in batch.in_order():

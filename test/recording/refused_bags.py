@@ -55,7 +55,7 @@ refused = refusals(
             "no scenario": r"has no topic \.\.\./scenario \(String: body, motion, frames\): record it; there are /",
             "topic of another type": "{name} is of {kind}, not {wanted}: the topics of {wanted} are {those}",
             "no message": "no message on {topic}",
-            "bodies": "holds 2 bodies, /a, /b: say which, as by --topic pose:={pose}",
+            "bodies": "holds 2 bodies, /a, /b: say which, as by topics=..pose.: .{pose}.",
             "several topics": "several topics.*{choice}",
             # its messages
             "size of a message": r"topic {topic}: message {number} has \d+ bytes where",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -12,11 +14,18 @@ from bags import MakeBag
 from refused_bags import FAULTS, refused
 from test_bag_reader import rewrite
 
+from lie_rigid_body.certificate import certify
+from lie_rigid_body.foundation.errors import BagError, ChoiceError
 from lie_rigid_body.messages import encode_string
+from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import BARE_TWIST, IMU, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bodies import BODY_TOPICS, Body, bodies, the_body
+from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.mcap_contents import Found, McapContents, Progress, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, the_body
+from lie_rigid_body.scenario import Scenario
+from lie_rigid_body.simulation import Simulation
+from lie_rigid_body.system import console
 from said import Error
 
 HERE = Path("x.mcap")
@@ -121,11 +130,15 @@ def test_sensors_belong_to_the_body_of_their_namespace() -> None:
             {"pose": "/a/pose"},
             refused("no topic of the body", name="/a/twist"),
         ),
-        ({**BODY, "/other/scenario": TEXT}, {}, refused("several topics", choice="scenario:=/lie_rigid_body/scenario")),
+        (
+            {**BODY, "/other/scenario": TEXT},
+            {},
+            refused("several topics", choice='"scenario": "/lie_rigid_body/scenario"'),
+        ),
         (
             {"/truth/pose": POSE, "/ekf/pose": POSE, "/twist": RATE, "/s": TEXT},
             {},
-            refused("several topics", choice="pose:=/truth/pose"),
+            refused("several topics", choice='"pose": "/truth/pose"'),
         ),
     ],
 )
@@ -145,8 +158,8 @@ def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
         (doubled, "several topics", {"kind": ".../scenario"}),
     ):
         whole, faulty = bodies(HERE, held, {})
-        assert (whole.name, whole.fault, faulty.name) == ("/a", "", "/b")
-        assert faulty.fault.startswith(FAULTS[fault].format_map(named))
+        assert (whole.name, whole.fault, faulty.name) == ("/a", None, "/b")
+        assert str(faulty.fault).startswith(FAULTS[fault].format_map(named))
         assert [body.name for body in bodies(HERE, held, {"pose": "/a/pose"})] == ["/a"]
     without_pose = contents({topic: kind for topic, kind in two.items() if topic != "/a/pose"})
     with refused("bodies", pose="/b/pose"):
@@ -176,3 +189,49 @@ def test_texts_of_another_node_that_are_called_scenario_are_none() -> None:
         bodies(HERE, contents({**BODY, "/lie2/scenario": TEXT}, ours), {})
     alone = {"/pose": POSE, "/twist": RATE, "/scenario": TEXT}
     assert [names(body) for body in bodies(HERE, contents(alone, ours), {})] == [tuple(alone)]
+
+
+def test_a_scenario_names_the_topics_of_its_body(make_bag: MakeBag, tmp_path: Path) -> None:
+    """Wherever they are; where they were renamed since, its namespace tells."""
+    topics = {"pose": "/truth/attitude", "twist": "/rates", "imu/data_raw": "/strapdown"}
+    simulation = Simulation(Scenario.from_parameters({"imu_rate": 50.0}))
+    path = tmp_path / "named.mcap"
+    with BagWriter(
+        path,
+        stamped_twist=True,
+        pose_topic="/truth/attitude",
+        twist_topic="/rates",
+        sensor_topics={"imu/data_raw": "/strapdown"},
+        others={"/other/pose": POSE, "/other/imu": IMU},
+    ) as bag:
+        bag.begin_segment(simulation.segment)
+        batch = BatchEncoder(simulation.segment.scenario).encode(simulation.take_until(490_000_000, 50))
+        bag.write(batch)
+        bag.write(replace(batch, topics=tuple(replace(m, topic="/other/pose") for m in batch.topics[:1])))
+    found = Bag(path)
+    assert (found.pose_topic, found.twist_topic, found.sensors["imu/data_raw"].topic) == tuple(topics.values())
+    assert certify(path).passed
+    moved = {"/truth/attitude": "/a/pose", "/rates": "/a/twist", "/lie_rigid_body/scenario": "/a/sim/scenario"}
+    renamed = rewrite(path, tmp_path / "renamed.mcap", lambda topic: moved.get(topic, topic))
+    assert Bag(renamed).pose_topic == "/a/pose"
+
+
+def test_each_caller_is_told_its_own_way_to_choose(make_bag: MakeBag, tmp_path: Path) -> None:
+    """A certificate takes a `Bag`, which has ``topics``; the verbs have an option."""
+    own, path = make_bag(count=3), tmp_path / "folder"
+    path.mkdir()
+    for i, name in enumerate("ab"):
+        rewrite(own, path / f"folder_{i}.mcap", lambda topic, name=name: f"/{name}{topic}")  # type: ignore[misc]
+    with pytest.raises(ChoiceError) as caught:
+        certify(path)
+    assert str(caught.value).endswith('topics={"pose": "/a/pose"}')
+    assert console.explanation(caught.value).endswith("--topic pose:=/a/pose")
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+    assert Bag(path, topics={"pose": "/a/pose"}).pose_count == 3
+
+
+@pytest.mark.parametrize("kind", ["", "geometry_msgs/PoseStamped"])
+def test_the_type_that_is_missing_is_named_and_not_the_topic(kind: str) -> None:
+    with pytest.raises(BagError, match=r"topic /pose is .*geometry_msgs/msg/PoseStamped") as caught:
+        found({"/pose": kind, "/twist": RATE, "/lie_rigid_body/scenario": TEXT})
+    assert kind in str(caught.value)

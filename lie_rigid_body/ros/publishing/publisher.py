@@ -121,7 +121,9 @@ class SamplePublisher(Sink):
     def begin_segment(self, segment: Segment) -> None:
         """Publish the scenario."""
         self._add_sensors(segment.scenario.sensors)
-        self.publishers[PRIVATE_SCENARIO].publish(encode_string(segment.to_json()))
+        told = (POSE, TWIST, *sensor_topics(segment.scenario.sensors))
+        names = {topic: self.publishers[topic].topic_name for topic in told}
+        self.publishers[PRIVATE_SCENARIO].publish(encode_string(segment.to_json(names)))
 
     def write(self, batch: Batch) -> None:
         """Publish messages, oldest first. Those for which there is no room are kept, and sent by `ready`."""

@@ -1,14 +1,18 @@
-"""The bodies of a bag: which topics are pose, twist and scenario of each, and what its sensors read."""
+"""The bodies of a bag: which topics are pose, twist, scenario and sensors of each.
+
+A scenario message names the topics of its body. Where it does not, as in older bags, or where these were renamed, the
+topics in its namespace are taken, or else the only ones of their types.
+"""
 
 from __future__ import annotations
 
-import re
+import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from lie_rigid_body.foundation.errors import BagError, InputError
+from lie_rigid_body.foundation.errors import BagError, ChoiceError, InputError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.wording import listed, shortened, shown, suggestion
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
@@ -22,7 +26,7 @@ BODY_TOPICS: Final = (POSE, TWIST, SCENARIO)
 """Relative names of the topics that every body has."""
 Tracks: TypeAlias = dict[str, RawTrack]
 """Topics of a body by their relative names."""
-_LONGEST_LIST: Final = 60
+_MAX_LIST: Final = 60
 """Characters of the topics that there are, in an error line that has to say more."""
 
 
@@ -43,21 +47,17 @@ class Body:
     tracks : dict of str to RawTrack
         Its topics by their relative names: pose, twist and scenario, and what its sensors read, and their faults, as
         far as it is there.
-    fault : str
-        Why it cannot be read, in one line; a topic that is not in the bag is a track without a message.
+    fault : BagError, optional
+        Why it cannot be read; a topic that is not in the bag is a track without a message.
     """
 
     name: str
     tracks: Tracks
-    fault: str = ""
+    fault: BagError | None = None
 
 
 def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> list[Body]:
-    """The bodies of a bag: one for each scenario topic with a pose and a twist in its namespace.
-
-    Where there is none, the only topics of the right types are taken, or those with the right last name. One of several
-    that cannot be read has a fault. Texts are looked at, whether they are scenarios, where two topics of them are in
-    one namespace, or pose or twist is missing beside one.
+    """The bodies of a bag: one for each scenario topic with a pose and a twist.
 
     Parameters
     ----------
@@ -76,12 +76,12 @@ def bodies(path: Path, contents: McapContents, topics: Mapping[str, str]) -> lis
     """
     given = {name: given_track(path, contents, name, topic) for name, topic in topics.items()}
     own = [name for name in BODY_TOPICS if name in given]
-    complete = _complete(path, contents, given)
-    found = [body for body in complete if all(body[0][name] is given[name] for name in own)]
+    found = [each for each in _declared(path, contents, given) if all(each[0][name] is given[name] for name in own)]
     if not found:  # the topics of the one body are not in one namespace
         near = next((given[name].topic.rpartition("/")[0] for name in given if name in (POSE, TWIST)), None)
-        found = [({name: given.get(name) or _find(path, contents, name, near) for name in BODY_TOPICS}, "")]
-    return [_body(path, contents, tracks, given, fault, alone=len(found) == 1) for tracks, fault in found]
+        tracks = {name: given.get(name) or _find(path, contents, name, near) for name in BODY_TOPICS}
+        found = [(tracks, told_topics(path, contents, [tracks[SCENARIO]]).get(tracks[SCENARIO].key, {}), None)]
+    return [_body(path, contents, *each, given, alone=len(found) == 1) for each in found]
 
 
 def other_bodies(path: Path, contents: McapContents, own: Sequence[Body]) -> list[Body]:
@@ -99,8 +99,9 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> B
     found = bodies(path, contents, topics)
     if len(found) > 1:
         names = listed([body.name or "/" for body in found])
-        first = min(found, key=lambda body: body.fault != "")
-        raise BagError(f"{path} holds {len(found)} bodies, {names}: {_choice(POSE, first.tracks[POSE].topic)}")
+        first = min(found, key=lambda body: body.fault is not None)
+        said = f"{path} holds {len(found)} bodies, {names}: say which, as by {{choice}}"
+        raise ChoiceError(said, POSE, first.tracks[POSE].topic)
     return found[0]
 
 
@@ -109,72 +110,82 @@ def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tu
     return texts(path, track.topic, (part[track.key] for part in contents.read([track.key]) if track.key in part))
 
 
-def telling_of_bodies(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> set[TrackKey]:
-    """Topics of texts whose first message is a scenario, even a damaged one, and not that of another node.
+def told_topics(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> dict[TrackKey, Mapping[str, str]]:
+    """Topics that scenarios name, by the tracks of these; of texts whose first message is none there is no entry.
 
-    They are found in one pass: there may be ten thousands.
+    They are found in one pass: there may be ten thousands. A damaged one is a scenario, and names none.
     """
-    waiting, found = {track.key: track for track in tracks}, set[TrackKey]()
-    for part in contents.read(waiting.keys()):  # which are fewer from part to part
+    waiting = {track.key: track for track in tracks if track.count}
+    found = dict[TrackKey, Mapping[str, str]]()
+    for part in contents.read(waiting.keys()) if waiting else ():  # which are fewer from part to part
         for key in part.keys() & waiting.keys():
             track = waiting.pop(key)
             try:
-                tells = any('"inertia"' in text for _, text in islice(texts(path, track.topic, [part[key]]), 1))
+                for _, text in islice(texts(path, track.topic, [part[key]]), 1):
+                    if '"inertia"' in text:
+                        found[key] = _topics_in(text)
             except BagError:
-                tells = True
-            found.update([key] if tells else [])
+                found[key] = {}
         if not waiting:
             break
     return found
 
 
-def _complete(path: Path, contents: McapContents, given: Tracks) -> list[tuple[Tracks, str]]:
-    """The tracks of each body that has its topics in one namespace, in the order of their names, and what is wrong.
+def _topics_in(text: str) -> dict[str, str]:
+    try:
+        topics = json.loads(text)["topics"]
+        return {str(name): str(topic) for name, topic in topics.items()}
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return {}
 
-    Beside them, those of which pose or twist is missing.
+
+def _declared(
+    path: Path, contents: McapContents, given: Tracks
+) -> list[tuple[Tracks, Mapping[str, str], BagError | None]]:
+    """The tracks of each body, what its scenario names, and what is wrong, in the order of their namespaces.
+
+    Where some are whole, those of which pose or twist is missing stand beside them.
     """
-    whole: dict[str, tuple[Tracks, str]] = {}
-    lacking: dict[str, tuple[Tracks, str]] = {}
+    whole = dict[str, tuple[Tracks, Mapping[str, str], BagError | None]]()
+    lacking = dict[str, tuple[Tracks, Mapping[str, str], BagError | None]]()
     scenarios = [track for track in _of_types(contents, SCENARIO) if _last(track.topic) == SCENARIO]
-    for scenario in [given[SCENARIO]] if SCENARIO in given else scenarios:
-        beside = ((space, _beside(contents, space)) for space in _above(scenario.topic))
-        namespace, own = next((each for each in beside if each[1]), ("", {}))
-        if len(own) == 1 and telling_of_bodies(path, contents, [scenario]):
+    scenarios = [given[SCENARIO]] if SCENARIO in given else scenarios
+    told = told_topics(path, contents, scenarios)
+    # where there is a choice, texts of another node, which calls something else a scenario, come last
+    for scenario in sorted(scenarios, key=lambda track: track.key not in told):
+        names = told.get(scenario.key, {})
+        space, own = _truth(contents, scenario, names)
+        tracks = {**own, SCENARIO: scenario}
+        if len(own) == 1 and scenario.key in told:
             name = TWIST if POSE in own else POSE
-            none = RawTrack(f"{namespace}/{name}", topic_types()[name][0], "cdr")
-            fault = f"{path} has {scenario.topic} and no topic {none.topic}: record it as well"
-            lacking[namespace] = {**own, name: none, SCENARIO: scenario}, fault
-        elif len(own) == 2 and namespace in whole:
-            tracks, _ = whole[namespace]
-            try:
-                tracks[SCENARIO] = _ours(path, contents, [tracks[SCENARIO], scenario])
-            except BagError as error:
-                whole[namespace] = tracks, str(error)
-        elif len(own) == 2:
-            whole[namespace] = {**own, SCENARIO: scenario}, ""
+            tracks[name] = RawTrack(f"{space}/{name}", topic_types()[name][0], "cdr")
+            fault = f"{path} has {scenario.topic} and no topic {tracks[name].topic}: record it as well"
+            lacking[space] = tracks, names, BagError(fault)
+        elif len(own) == 2 and space not in whole:
+            whole[space] = tracks, names, None
+        elif len(own) == 2 and (scenario.key in told) == (whole[space][0][SCENARIO].key in told):
+            several = [whole[space][0][SCENARIO], scenario]
+            whole[space] = tracks, names, _several(path, SCENARIO, several)
     every = whole and whole | lacking
-    return [every[namespace] for namespace in sorted(every)]
+    return [every[space] for space in sorted(every)]
 
 
-def _beside(contents: McapContents, namespace: str) -> Tracks:
-    """Pose and twist in a namespace, as far as they are there."""
-    return {name: track for name in (POSE, TWIST) if (track := _track(contents, name, f"{namespace}/{name}"))}
+def _truth(contents: McapContents, scenario: RawTrack, names: Mapping[str, str]) -> tuple[str, Tracks]:
+    """Namespace, pose and twist of a scenario, as far as they are there: those that it names, or the nearest above."""
+    own = _tracks(contents, {name: names.get(name, "") for name in (POSE, TWIST)})
+    if len(own) == 2:
+        return own[POSE].topic.rpartition("/")[0], own
+    space = scenario.topic
+    while space:
+        space = space.rpartition("/")[0]
+        if own := _tracks(contents, {name: f"{space}/{name}" for name in (POSE, TWIST)}):
+            return space, own
+    return "", {}
 
 
-def _above(topic: str) -> Iterator[str]:
-    """The namespaces that a topic is in, the innermost first."""
-    while topic:
-        topic = topic.rpartition("/")[0]
-        yield topic
-
-
-def _ours(path: Path, contents: McapContents, scenarios: list[RawTrack]) -> RawTrack:
-    """The topic of scenarios among several topics of texts."""
-    telling = telling_of_bodies(path, contents, [track for track in scenarios if track.count])
-    own = [track for track in scenarios if track.key in telling]
-    if len(own) != 1:
-        raise _several(path, SCENARIO, own or scenarios)
-    return own[0]
+def _tracks(contents: McapContents, topics: Mapping[str, str]) -> Tracks:
+    """Tracks of the topics, by their relative names, that are there."""
+    return {name: track for name, topic in topics.items() if (track := _track(contents, name, topic))}
 
 
 def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:
@@ -184,30 +195,42 @@ def _find(path: Path, contents: McapContents, name: str, near: str | None) -> Ra
     inside = [track for track in named if near is not None and track.topic.startswith(f"{near}/")]
     found = inside if len(inside) == 1 else named or alike  # remapped
     if not named and len(alike) != 1:
-        told = ": body, motion, frames" if name == SCENARIO else ""
-        there = shortened(listed([topic for topic, _ in contents.tracks]), _LONGEST_LIST)
-        remedy = _remedy(path, f"record it; there are {there}" if there else "record it; there is no topic at all")
-        raise BagError(f"{path} has no topic .../{name} ({_types(name)}{told}): {remedy}")
-    if len(found) == 1:
-        return found[0]
-    if name == SCENARIO:
-        return _ours(path, contents, found)
-    raise _several(path, name, found)
+        raise _missing(path, contents, name)
+    if len(found) > 1 and name == SCENARIO:
+        told = told_topics(path, contents, found)
+        found = [track for track in found if track.key in told] or found
+    if len(found) > 1:
+        raise _several(path, name, found)
+    return found[0]
+
+
+def _missing(path: Path, contents: McapContents, name: str) -> BagError:
+    """Error for a topic that is not there, or not of its type."""
+    for track in contents.tracks.values():
+        if _last(track.topic) == name:
+            kind = f"of {track.message_type}" if track.message_type else "without a type"
+            return BagError(f"{path}: topic {track.topic} is {kind}: record it as {' or '.join(topic_types()[name])}")
+    told = ": body, motion, frames" if name == SCENARIO else ""
+    there = shortened(listed([topic for topic, _ in contents.tracks]), _MAX_LIST) or "no topic at all"
+    remedy = _remedy(path, f"record it; there {'is' if len(contents.tracks) < 2 else 'are'} {there}")
+    return BagError(f"{path} has no topic .../{name} ({_types(name)}{told}): {remedy}")
 
 
 def _remedy(path: Path, otherwise: str) -> str:
     """Remedy where a topic is missing: it may be in another file of a bag that was split."""
-    whole, missing = whole_of(path), missing_beside(path)
+    whole = whole_of(path)
     if whole is not None:
         return f"it is one file of a bag that was split: give the folder {whole}"
+    missing = missing_beside(path)
     if missing is not None:
         return f"restore file {missing} of a bag that was split, if it is one of that, or record it"
     return otherwise
 
 
-def _several(path: Path, name: str, found: list[RawTrack]) -> BagError:
+def _several(path: Path, name: str, found: list[RawTrack]) -> ChoiceError:
     topics = listed([track.topic for track in found])
-    return BagError(f"{path} has several topics .../{name}: {topics}: {_choice(name, found[0].topic)}")
+    said = f"{path} has several topics .../{name}: {topics}: say which, as by {{choice}}"
+    return ChoiceError(said, name, found[0].topic)
 
 
 def require_topics(topics: Mapping[str, str]) -> None:
@@ -224,27 +247,19 @@ def require_topics(topics: Mapping[str, str]) -> None:
             raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, topic_types(), 'topics of a body')}")
 
 
-def for_python(error: BagError) -> BagError:
-    """An error of `bodies`, with the argument ``topics`` in place of that of the command line."""
-    return BagError(re.sub(r"--topic (\S+?):=([^\s:]+)", r'topics={"\1": "\2"}', str(error)))
-
-
-def _choice(name: str, topic: str) -> str:
-    return f"say which, as by --topic {name}:={topic}"
-
-
 def given_track(path: Path, contents: McapContents, name: str, topic: str) -> RawTrack:
     """The track of a topic that the user named."""
     track = _track(contents, name, topic)
     if track is not None and track.count:
         return track
-    if track is not None:
-        raise BagError(f"{path}: --topic {name}:={topic}: it has no message: record it while the body is published")
-    types, known = _types(name), [track.topic for track in _of_types(contents, name)]
-    others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
-    what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
-    hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
-    raise BagError(f"{path}: --topic {name}:={topic}: {what}: {hint}")
+    said = "it has no message: record it while the body is published"
+    if track is None:
+        types, known = _types(name), [track.topic for track in _of_types(contents, name)]
+        others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
+        what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
+        hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
+        said = f"{what}: {hint}"
+    raise ChoiceError(f"{path}: {{choice}}: {said}", name, topic)
 
 
 def _track(contents: McapContents, name: str, topic: str) -> RawTrack | None:
@@ -266,19 +281,31 @@ def _last(name: str) -> str:
     return name.rpartition("/")[2]
 
 
-def _body(path: Path, contents: McapContents, tracks: Tracks, given: Tracks, fault: str, *, alone: bool) -> Body:
+def _body(
+    path: Path,
+    contents: McapContents,
+    tracks: Tracks,
+    names: Mapping[str, str],
+    fault: BagError | None,
+    given: Tracks,
+    *,
+    alone: bool,
+) -> Body:
     silent = [tracks[name].topic for name in BODY_TOPICS if not tracks[name].count]
-    if silent and not fault:
-        fault = f"{path} has no message on {silent[0]}: {_remedy(path, 'record it while the body is published')}"
-    if fault and alone:
-        raise BagError(fault)
-    sensors = {name: given.get(name) or _sensor(contents, name, tracks, alone=alone) for name in SENSOR_TOPICS}
+    if silent and fault is None:
+        remedy = _remedy(path, "record it while the body is published")
+        fault = BagError(f"{path} has no message on {silent[0]}: {remedy}")
+    if fault is not None and alone:
+        raise fault
+    told = _tracks(contents, {name: names[name] for name in names.keys() & SENSOR_TOPICS.keys()})
+    found = {name: given.get(name) or told.get(name) for name in SENSOR_TOPICS}
+    sensors = {name: track or _sensor(contents, name, tracks, alone=alone) for name, track in found.items()}
     there = {name: track for name, track in sensors.items() if track is not None and track.count}
     return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in BODY_TOPICS}, **there}, fault)
 
 
 def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTrack | None:
-    """The track of what a sensor of the body reads; of a body that is alone in any namespace but another's."""
+    """The track of what a sensor reads in the body's namespace; of a body that is alone the only one of that name."""
     last = name.removeprefix("~/")
     private = last != name  # of the node, one name below its namespace
     beside = tracks[SCENARIO if private else POSE].topic.rpartition("/")[0]
