@@ -72,7 +72,7 @@ def _compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[
 
 
 def _giving(function: Callable[..., Any]) -> Callable[..., Any]:
-    """What tells numba the function to compile, whatever the types of its arguments."""
+    """Function that tells numba which one to compile, whatever the types of its arguments."""
     return lambda *_, **__: function
 
 
