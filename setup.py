@@ -34,11 +34,10 @@ ROS_NAMES = [
     f"league = {NAME}.cli.league:main",
 ]
 
-# Windows has no flock, and integers of NumPy 1 have 32 bits there. ROS and its keys of rosdep need neither.
+# Integers of NumPy 1 have 32 bits on Windows, where ROS and its keys of rosdep do not matter.
 ON_WINDOWS = "; sys_platform == 'win32'"
 # The lower bounds are what apt gives on Ubuntu 24.04 (ROS 2 Jazzy) wherever it has the library.
 REQUIRES = [
-    f"filelock>=3.12{ON_WINDOWS}",
     "lz4>=4.0",
     "mcap>=1.5",
     "matplotlib>=3.6.3",
@@ -96,7 +95,6 @@ EXTRAS = {
         "colcon-core",
         "colcon-ros",
         "evo",
-        "filelock>=3.12",
         "hypothesis",
         "mcap-ros2-support",
         "mpmath",

@@ -38,7 +38,6 @@ LIBRARIES = {
     "colcon_core",
     "colcon_ros",
     "evo",
-    "filelock",
     "mcap_ros2",
     "mpmath",
     "plotly",

@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 
 from lie_rigid_body.campaign.definition import Campaign
 from lie_rigid_body.campaign.run import Row, carry_out, carry_out_elsewhere
-from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError
+from lie_rigid_body.foundation.errors import BagError, LieRigidBodyError
 from lie_rigid_body.foundation.wording import shown
 from lie_rigid_body.system.interpreters import Interpreter, Interpreters
 from lie_rigid_body.system.output_file import write_file
@@ -68,8 +68,6 @@ def on_a_cluster(
 
     Raises
     ------
-    InputError
-        If it is no address.
     BagError
         If no scheduler answers there, or no longer.
     """
@@ -77,10 +75,11 @@ def on_a_cluster(
 
     try:
         client = Client(address)
-    except ValueError as error:
-        raise InputError(f"--scheduler {shown(address)}: {error}: give an address such as tcp://host:8786") from None
-    except OSError as error:
-        raise BagError(f"no Dask scheduler answers at {shown(address)}: {error}: start one there") from None
+    except (OSError, ValueError) as error:
+        raise BagError(
+            f"no Dask scheduler answers at {shown(address)}: {error}: start one there, or give an address such as "
+            "tcp://host:8786"
+        ) from None
     waiting = iter(runs)
     with client:
         while some := [*islice(waiting, SUBMITTED)]:

@@ -34,9 +34,9 @@ from lie_rigid_body.foundation.errors import InputError
 )
 def main(given: argparse.Namespace) -> int:
     """Run the verb with the given arguments, or those of the process, and return the exit status."""
-    for name, extra in {"pyarrow": "campaign", **({"distributed": "cluster"} if given.scheduler else {})}.items():
-        if not find_spec(name):
-            raise InputError(f"campaign needs {name}: pip install 'lie-rigid-body[{extra}]'")
+    name, extra = ("distributed", "cluster") if given.scheduler else ("pyarrow", "campaign")
+    if not find_spec(name):
+        raise InputError(f"campaign needs {name}: pip install 'lie-rigid-body[{extra}]'")
 
     from lie_rigid_body.cli.campaign_runs import run_campaign
 

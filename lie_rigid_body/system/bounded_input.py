@@ -20,8 +20,6 @@ LONGEST_NUMBER: Final = 1000
 """Largest length of a number in YAML, characters: of parts with colons between them it is computed part by part."""
 LARGEST_CHUNK: Final = 256 * 2**20
 """Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
-LARGEST_ATTACHMENT: Final = LARGEST_CHUNK
-"""Largest size of an attachment of a bag, bytes."""
 LONGEST_NAME: Final = 4096
 """Largest length of a name in a bag, such as that of a topic, a type, a frame or a library, characters."""
 LARGEST_DEFINITION: Final = 2**20

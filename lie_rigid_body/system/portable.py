@@ -1,4 +1,4 @@
-"""Parts of an operating system that not all have: locks, the cores of a process, links, owners and modes of folders.
+"""Parts of an operating system that not all have: the cores of a process, links, owners and modes of folders.
 
 Each part is asked for by its name, not by that of the system.
 """
@@ -8,47 +8,11 @@ from __future__ import annotations
 import math
 import os
 import stat
-from contextlib import ExitStack
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import Final
 
 MOST_PROCESSES: Final = 9999
 """Largest number of processes that a caller may ask for."""
-
-
-def lock(file: IO[Any], *, wait: bool = False) -> ExitStack:
-    """Lock an open file for this process alone, until it ends or closes what is returned.
-
-    The lock is `flock` where there is one, and a file of the same name and ``.lock`` elsewhere. It outlives the closing
-    of the file, which some systems can replace or remove only then.
-
-    Parameters
-    ----------
-    file : file
-    wait : bool, optional
-        Whether to wait for another process that has it.
-
-    Raises
-    ------
-    BlockingIOError
-        If another process has it, and is not waited for.
-    OSError
-        If there are no locks in that folder.
-    """
-    with ExitStack() as held:
-        try:
-            import fcntl
-        except ImportError:
-            from filelock import FileLock, Timeout
-
-            try:
-                held.enter_context(FileLock(f"{file.name}.lock").acquire(timeout=-1 if wait else 0))
-            except Timeout:
-                raise BlockingIOError(f"{file.name} is locked") from None
-        else:
-            same = held.enter_context(open(os.dup(file.fileno()), "rb", buffering=0))
-            fcntl.flock(same, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        return held.pop_all()
 
 
 def cores() -> int:

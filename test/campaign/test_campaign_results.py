@@ -110,13 +110,11 @@ def test_a_cluster_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path, bag
 
 
 @NEEDS_DASK
-@pytest.mark.parametrize(("address", "error"), [("nonsense://1", InputError), ("tcp://127.0.0.1:1", BagError)])
-def test_where_no_scheduler_answers_the_campaign_ends(
-    address: str, error: type[Exception], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("address", ["nonsense://1", "tcp://127.0.0.1:1"])
+def test_where_no_scheduler_answers_the_campaign_ends(address: str, tmp_path: Path) -> None:
     import dask
 
-    with dask.config.set({"distributed.comm.timeouts.connect": "0.1s"}), pytest.raises(error):
+    with dask.config.set({"distributed.comm.timeouts.connect": "0.1s"}), pytest.raises(BagError):
         next(on_a_cluster(Campaign(1, 1, 1.0), [0], tmp_path, address, keep=True))
 
 

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import re
-import runpy
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-import setuptools
 import yaml
-from packaging.requirements import Requirement
 
 import lie_rigid_body
 from lie_rigid_body.sensors import SENSORS
@@ -27,7 +23,6 @@ CHANGELOG = ROOT / "CHANGELOG.rst"
 WITHOUT_KEY = {"distributed", "flint", "lz4", "mcap", "numba", "plotly", "pyarrow", "simulation_interfaces"}
 WITHOUT_KEY |= {"pandas", "zstandard"}
 WITHOUT_KEY |= {"hypothesis", "pytest"}  # by `testing`, which only tests import
-WITHOUT_KEY |= {"filelock"}  # where there is no flock, which the node has
 FOR_TYPES_ALONE = {"_typeshed", "typing_extensions"}
 KEY_OF = {name: f"python3-{name}" for name in ("matplotlib", "numpy", "scipy", "tqdm")}
 KEY_OF |= {"mpl_toolkits": "python3-matplotlib", "yaml": "python3-yaml"}
@@ -69,18 +64,6 @@ def test_what_is_imported_is_a_dependency() -> None:
     wanted |= {message_type.partition("/")[0] for message_type in SENSORS.topics.values()}  # imported by these names
     wanted |= {"tf2_ros", "nav_msgs"}  # a program of the one is started; topics of the other may be evaluated
     assert wanted == {str(dependency.text) for dependency in MANIFEST.findall("exec_depend")}
-
-
-@pytest.mark.parametrize("system", ["linux", "darwin", "win32"])
-def test_locks_need_a_library_where_there_is_no_flock(system: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Elsewhere it would be a dependency without a key of rosdep."""
-    given: dict[str, Any] = {}
-    monkeypatch.chdir(ROOT)
-    monkeypatch.setattr(setuptools, "setup", given.update)
-    runpy.run_path("setup.py")
-    required = map(Requirement, given["install_requires"])
-    needed = {one.name for one in required if not one.marker or one.marker.evaluate({"sys_platform": system})}
-    assert ("filelock" in needed) is (system == "win32")
 
 
 def test_the_manifest_is_valid_for_the_build_farm() -> None:

@@ -1,12 +1,10 @@
-"""Names of files, terminals and locks as systems other than POSIX have them."""
+"""Names of files and terminals as systems other than POSIX have them."""
 
 from __future__ import annotations
 
 import io
 import os
-import subprocess
 import sys
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -15,7 +13,7 @@ from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.system import console
 from lie_rigid_body.system.interruption import END_SIGNALS
-from lie_rigid_body.system.portable import cores, lock
+from lie_rigid_body.system.portable import cores
 
 
 @pytest.mark.parametrize(
@@ -52,34 +50,6 @@ def test_a_terminal_of_few_characters_gets_a_bar(
     assert record([str(tmp_path / "run.mcap"), "--duration", "2"]) == 0
     stream.flush()
     assert b"200/200" in stream.buffer.getvalue()  # type: ignore[attr-defined]
-
-
-@pytest.mark.parametrize("fcntl", [True, False])
-def test_a_lock_is_held_by_one_until_it_is_given_up(
-    fcntl: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if not fcntl:
-        pytest.importorskip("filelock")
-        monkeypatch.setitem(sys.modules, "fcntl", None)
-    path = tmp_path / "file"
-    ask = (
-        "import sys\n"
-        + ("" if fcntl else "import filelock\nsys.modules['fcntl'] = None\n")
-        + f"from lie_rigid_body.system.portable import lock\nlock(open({str(path)!r}, 'ab'))"
-    )
-
-    def is_free() -> bool:
-        done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=False)
-        assert done.returncode == 0 or "BlockingIOError" in done.stderr
-        return done.returncode == 0
-
-    with path.open("wb") as file:
-        held = lock(file)
-    assert isinstance(held, ExitStack)
-    assert not is_free()  # though the file is closed
-    held.close()
-    assert is_free()
-    held.close()  # once more, which frees nothing else
 
 
 def test_cores_are_counted_without_an_affinity(monkeypatch: pytest.MonkeyPatch) -> None:
