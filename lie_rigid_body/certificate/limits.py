@@ -55,7 +55,7 @@ def max_attitude_error(scenario: Scenario) -> float:
 
 
 def remedy(scenario: Scenario, error: float, limit: float) -> str:
-    """What would keep a declared stepper within a limit, in words; empty for the closed form.
+    """Advice, in words, how a declared stepper keeps a limit; empty for the closed form.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ def without_lost(begins: Integers, ends: Integers, lost: Lost) -> tuple[Integers
 
 @dataclass(frozen=True)
 class StampFault:
-    """What is wrong with the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
+    """Fault of the stamps of a topic: its kind, how many samples it concerns, the first one, in words."""
 
     kind: str
     count: int

@@ -51,7 +51,7 @@ def _frames(surveyed: Survey) -> LawResult:
 
 
 def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
-    """What is wrong with the scenarios of a bag.
+    """Faults of the scenarios of a bag.
 
     Resets may not be at a sample of the clock before, or their clock neither goes on nor begins anew. The type of the
     twists may be another, and so may the scenario of samples that came before it.
