@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from forging import copy
 from mcap.reader import make_reader
-from mcap.records import Channel, Message, Schema
+from mcap.records import Channel, DataEnd, Message, Schema
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
@@ -103,6 +103,8 @@ def content(path: Path) -> Content:
                 schemas[record.id] = record
             elif isinstance(record, Channel):
                 channels[record.id] = record
+            elif isinstance(record, DataEnd):  # what follows are hints
+                break
             elif isinstance(record, Message):
                 channel = channels[record.channel_id]
                 schema = schemas[channel.schema_id]
