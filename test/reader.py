@@ -33,7 +33,7 @@ PROGRAMS = {
     "pytest": "-m pytest -p no:cacheprovider",
 }
 """Programs of the package, as arguments of this Python."""
-OTHERS = {"echo", "g++", "openssl", "sed", "timeout"}
+OTHERS = {"echo", "g++", "sed", "timeout"}
 
 NOT_RUN = {
     r"make ": "sets up environments, and runs this suite: the workflow test.yml does",

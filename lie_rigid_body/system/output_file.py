@@ -56,7 +56,7 @@ class OutputFile:
         self._is_whole = False
         try:
             self._target = self._place(overwrite)
-            self.replaces = self._target.exists()
+            self.replaces = overwrite and self._target.exists()
             self._written = self._target
             if self.replaces:
                 self._written = self._target.with_name(_PART.format(secrets.token_hex(8)))

@@ -98,7 +98,11 @@ def objects(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
 
 def errors() -> list[Exception]:
     kinds = [kind for kind in vars(errors_room).values() if inspect.isclass(kind) and issubclass(kind, Exception)]
-    return [kind("rate", "0 is too low") if kind is ParameterError else kind("x" * 10_000) for kind in kinds]
+    arguments = {
+        ParameterError: ("rate", "0 is too low"),
+        errors_room.ChoiceError: ("two bodies: {choice}", "pose", "/a/pose"),
+    }
+    return [kind(*arguments.get(kind, ("x" * 10_000,))) for kind in kinds]
 
 
 def of_a_run(path: Path) -> list[Any]:

@@ -72,7 +72,7 @@ FAULTS = "/lie_rigid_body/faults"
 
 
 @pytest.fixture(scope="module")
-def fault_models(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def faulty(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("sensors") / "faulty.mcap"
     simulate(duration=1.0, rate=10.0, imu_rate=50.0, imu_dropout_probability=0.3, imu_latency=0.01).to_bag(path)
     return path

@@ -80,7 +80,7 @@ def growth(step_ns: int, numbers: list[int], count: int) -> np.ndarray:
 @pytest.mark.long
 def test_angle_and_momentum_drift_like_a_random_walk():
     exponents = growth(
-        LONG_STEP_NS, [1000, 10_000, 100_000] if MovingChart(BODY, START).compile() else [100, 1000, 10_000], 8
+        LONG_STEP_NS, [1000, 10_000, 100_000] if MovingChart(BODY, START).compile() else [100, 1000, 10_000], 32
     )
     assert 0.3 < exponents.min() < exponents.max() < 0.7
 
