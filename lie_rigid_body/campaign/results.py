@@ -111,7 +111,10 @@ class Results:
             If its file cannot be written.
         """
         try:
-            write_file(self._path(row.run), _json(vars(row)), overwrite=True)
+            # under its name only when it is whole: a run that is killed meanwhile is done again
+            part = self._path(row.run).with_suffix(".part")
+            write_file(part, _json(vars(row)), overwrite=True)
+            part.replace(self._path(row.run))
         except BagError as error:
             raise BagError(f"{error}; {RESUMED}") from None
         self.finished.add(row.run)
