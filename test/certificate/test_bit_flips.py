@@ -9,6 +9,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,8 @@ UNCERTIFIED = {"software", "motion", "method", "max_step", "gravity"}
 """Names of the scenario that docs/reference/fields.md says are not certified, or that no reading of this one shows."""
 OUTCOMES = {"refused", "a law is broken", "nothing that is certified changes"}
 Content = dict[str, list[list[Any]]]
+TEXTS: dict[str, bytes] = {}
+"""Definitions of the types, by name, of whole bags, which are read first: a certificate does not speak of them."""
 
 
 def own(compression: str, folder: Path) -> Path:
@@ -100,7 +103,7 @@ def content(path: Path) -> Content:
     with path.open("rb") as stream:
         for record in StreamReader(stream).records:
             if isinstance(record, Schema):
-                schemas[record.id] = record
+                schemas[record.id] = replace(record, data=TEXTS.setdefault(record.name, record.data))
             elif isinstance(record, Channel):
                 channels[record.id] = record
             elif isinstance(record, DataEnd):  # what follows are hints
