@@ -111,10 +111,7 @@ class Results:
             If its file cannot be written.
         """
         try:
-            # under its name only when it is whole: a run that is killed meanwhile is done again
-            part = self._path(row.run).with_suffix(".part")
-            write_file(part, _json(vars(row)), overwrite=True)
-            part.replace(self._path(row.run))
+            write_file(self._path(row.run), _json(vars(row)), overwrite=True)
         except BagError as error:
             raise BagError(f"{error}; {RESUMED}") from None
         self.finished.add(row.run)
@@ -126,11 +123,11 @@ class Results:
         return lacking
 
     def remove_parts(self) -> None:
-        """Remove the bags of runs that are not finished, such as those of processes that were interrupted."""
+        """Remove the bags of runs that are not finished and the parts of files, left by processes that were killed."""
         for path in (self.folder / BAGS).glob("*.mcap"):
             if path.is_file() and path.stem.isdecimal() and int(path.stem) not in self.finished:
                 path.unlink()
-        for path in (self.folder / BAGS).glob(".*.part"):
+        for path in self.folder.glob("*/.*.part"):
             path.unlink()
 
     def write_table(self) -> Path:

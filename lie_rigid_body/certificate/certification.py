@@ -92,7 +92,8 @@ class Certificate(Shown):
 
     def __repr__(self) -> str:
         """The verdict, and of what; no call, as only `certify` makes one."""
-        samples, segments = sum(segment.samples for segment in self.segments), len(self.segments)
+        samples = sum(segment.samples for segment in self.segments)
+        segments = len(self.segments)
         what = f"{counted(samples, 'sample')} in {counted(segments, 'segment')}"
         return f"<Certificate: {_verdict(self.laws, self.attitude_accuracy)}; {what}>"
 

@@ -98,10 +98,15 @@ class LawTally:
     """
 
     def __init__(self, name: str, unit: str, what: str, noun: str = "sample", watch: Watch | None = None) -> None:
-        self.name, self._unit, self._what, self._noun, self._watch = name, unit, what, noun, watch
+        self.name = name
+        self._unit = unit
+        self._what = what
+        self._noun = noun
+        self._watch = watch
         self._checked = self._broken = self._last = 0
         self._first = list[int]()
-        self._largest, self._farthest = _Worst(), _Worst()
+        self._largest = _Worst()
+        self._farthest = _Worst()
 
     def add(
         self, residuals: Array, limits: Array | float | Callable[[], Array], samples: Integers, stamps_ns: Integers
@@ -132,7 +137,8 @@ class LawTally:
         if holds.all():
             self._largest.add(residuals, residuals, limits, samples, stamps_ns)
         else:
-            broken, weights = ~holds, np.where(np.isnan(residuals), np.inf, residuals)
+            broken = ~holds
+            weights = np.where(np.isnan(residuals), np.inf, residuals)
             self._largest.add(weights, residuals, limits, samples, stamps_ns)
             beyond = np.divide(weights, limits, out=np.where(broken, np.inf, 0.0), where=limits > 0.0)
             self._farthest.add(beyond, residuals, limits, samples, stamps_ns)
@@ -142,7 +148,8 @@ class LawTally:
 
     def result(self) -> LawResult:
         """The result for all residuals so far."""
-        broken, checked = self._broken, self._checked
+        broken = self._broken
+        checked = self._checked
         at = self._farthest if broken else self._largest
         numbers = {"worst": f"{at.residual:.3g}", "limit": f"{at.limit:.2g}", "count": f"{broken} of {checked}"}
         message = self._what.format(**numbers, where=self._where(at.sample)) if broken else ""
@@ -163,11 +170,16 @@ class _Worst:
 
     def __init__(self) -> None:
         self._weight = -np.inf
-        self.residual, self.limit, self.sample, self.stamp_ns = 0.0, 0.0, 0, 0
+        self.residual = 0.0
+        self.limit = 0.0
+        self.sample = 0
+        self.stamp_ns = 0
 
     def add(self, weights: Array, residuals: Array, limits: Array, samples: Integers, stamps_ns: Integers) -> None:
         i = int(np.argmax(weights))
         if weights[i] > self._weight:
             self._weight = float(weights[i])
-            self.residual, self.limit = float(residuals[i]), float(limits[i])
-            self.sample, self.stamp_ns = int(samples[i]), int(stamps_ns[i])
+            self.residual = float(residuals[i])
+            self.limit = float(limits[i])
+            self.sample = int(samples[i])
+            self.stamp_ns = int(stamps_ns[i])

@@ -69,8 +69,10 @@ class Expected:
         return distance.take(at), lambda: allowed.take(at)
 
     def _allowed(self, recorded: Array) -> Array:
-        read, values = self.converter.read, self.values
-        low, high = read(self.signal - self.uncertainty), read(self.signal + self.uncertainty)
+        read = self.converter.read
+        values = self.values
+        low = read(self.signal - self.uncertainty)
+        high = read(self.signal + self.uncertainty)
         allowed = np.where(recorded > values, high - values, values - low)
         if self.converter.resolution:
             allowed = np.where((recorded == values) | (read(recorded) == recorded), allowed, 0.0)

@@ -86,7 +86,8 @@ class TopicLaws:
 
     def take(self, placed: PlacedMessages) -> None:
         """Count the next messages, and judge the fields that are the same in all."""
-        messages, told = placed.messages, self._told
+        messages = placed.messages
+        told = self._told
         kinds = [(frame, rest) == (told.frame, told.rest) for frame, rest in messages.kinds]
         alike = np.array(kinds, dtype=bool)[messages.kind]
         alike &= (messages.values[:, told.fixed] == told.values[told.fixed]).all(axis=1)
@@ -99,10 +100,14 @@ class TopicLaws:
         inside = np.flatnonzero((at >= 0) & (at < len(block.times_ns)))
         if not len(inside):
             return 0
-        own, rows = _as_slice(inside), _as_slice(at[inside])
-        values, numbers, times_ns = placed.messages.values[own], placed.numbers[own], placed.times_ns[own]
+        own = _as_slice(inside)
+        rows = _as_slice(at[inside])
+        values = placed.messages.values[own]
+        numbers = placed.numbers[own]
+        times_ns = placed.times_ns[own]
         for law, (_, _, array, columns) in zip(self._values, self._told.readings, strict=True):
-            expected, recorded = block.arrays[array][rows], values[:, columns]
+            expected = block.arrays[array][rows]
+            recorded = values[:, columns]
             law.add(*expected.residuals(recorded), numbers, times_ns)
             self.is_exact &= same_bits(recorded, expected.values)
         self._arrived.extend(numbers[block.lost[rows]].tolist())
@@ -247,14 +252,18 @@ class SegmentSensor:
     @property
     def lost(self) -> Lost | None:
         """A function that tells which readings the scenario loses; None if it loses none."""
-        delivery, start_ns, first, clock = self._delivery, self._segment.start_ns, self.first, self.clock
+        delivery = self._delivery
+        start_ns = self._segment.start_ns
+        first = self.first
+        clock = self.clock
         if delivery is None:
             return None
         return lambda numbers: (numbers >= first) & delivery.lost(numbers - first, grid(clock, numbers) - start_ns)
 
     def add(self, placed: Mapping[str, PlacedMessages]) -> int:
         """Check the next messages, by topic; return how many were not logged at the arrival of their readings."""
-        off, groups = 0, defaultdict[Replay, dict[str, PlacedMessages]](dict)
+        off = 0
+        groups = defaultdict[Replay, dict[str, PlacedMessages]](dict)
         for name, own in placed.items():
             topic = self.topics[name]
             groups[self._replay_of(topic, int(own.numbers.min()))][name] = own
@@ -314,7 +323,8 @@ def _told(scenario: Scenario, name: str) -> dict[str, _Told]:
     found = {}
     for topic in SENSORS[name].topics:
         encoder = ReadingEncoder(topic, scenario.sensors.on[name], scenario)
-        numbers, varying = np.array(encoder.numbers), varying_fields(topic.message_type)
+        numbers = np.array(encoder.numbers)
+        varying = varying_fields(topic.message_type)
         columns = {field: value_columns(topic, field) for field in encoder.fields}
         fixed = ~np.isin(np.arange(np.count_nonzero(varying)), [place for own in columns.values() for place in own])
         readings = tuple((each.quantity, each.unit, each.array, _as_slice(own)) for each, own in columns.items())
@@ -324,6 +334,7 @@ def _told(scenario: Scenario, name: str) -> dict[str, _Told]:
 
 def _as_slice(indices: Integers) -> slice | Integers:
     """Indices as a slice where they follow each other, which copies nothing."""
-    first, last = int(indices[0]), int(indices[-1])
+    first = int(indices[0])
+    last = int(indices[-1])
     follow = last - first + 1 == len(indices) and (np.diff(indices) == 1).all()
     return slice(first, last + 1) if follow else indices

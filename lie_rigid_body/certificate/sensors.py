@@ -188,7 +188,8 @@ class SensorLaws:
 
     def _of_segments(self, sampled: list[int], notes: dict[int, list[str]]) -> dict[int, tuple[LawResult, ...]]:
         """The laws of each segment by its place, and notes about them; those of some places have samples."""
-        begun, found = set[str](), {}
+        begun = set[str]()
+        found = {}
         ends = {
             relative: place
             for (place, _), sensor in sorted(self._sensors.items())
@@ -196,7 +197,8 @@ class SensorLaws:
             if topic.tally.count
         }
         for place in sorted({*sampled, *(place for place, _ in (*self._sensors, *self._strays))}):
-            laws, on = list[LawResult](), self._segments[place].scenario.sensors.on
+            laws = list[LawResult]()
+            on = self._segments[place].scenario.sensors.on
             for name, sensor in SENSORS.items():
                 if name not in on:
                     begun -= {topic.name for topic in sensor.topics}
@@ -218,9 +220,12 @@ class SensorLaws:
         sensor = self._sensor(place, name)
         if not sensor.topics:
             return
-        own, faults, checked = self._own, list[StampFault](), 0
+        own = self._own
+        faults = list[StampFault]()
+        checked = 0
         for relative, topic in sensor.topics.items():
-            tally, has_ended = topic.tally, not own and place >= ends.get(relative, 0)
+            tally = topic.tally
+            has_ended = not own and place >= ends.get(relative, 0)
             whole = own or relative in begun
             end = sensor.last_due(tally.high, self._end_ns, is_last=is_last, is_whole=own)
             last = tally.high if has_ended else end
@@ -284,7 +289,8 @@ class SensorLaws:
                 yield f"{name}, which the scenario has: not in the bag"
             if sensor is not None and name in self._unclear:
                 yield f"{sensor.topic}: a reset changes the sensor's clock, and stamps do not tell which one shows them"
-        early, faults = sum(clocks.early for clocks in self._clocks.values()), self._faults
+        early = sum(clocks.early for clocks in self._clocks.values())
+        faults = self._faults
         if early and not self._own:
             yield f"readings before the first scenario's start: {early}"
         if faults is not None and faults.is_too_long(self._horizon_ns):

@@ -83,7 +83,8 @@ def without_lost(begins: Integers, ends: Integers, lost: Lost) -> tuple[Integers
     numbers = np.concatenate(kept)
     breaks = np.flatnonzero(np.diff(numbers) != 1)
     rest = behind > done  # runs that were not looked up, the first of them perhaps in part
-    first, last = numbers[np.append(0, breaks + 1)[: len(numbers)]], numbers[np.append(breaks, -1)[: len(numbers)]]
+    first = numbers[np.append(0, breaks + 1)[: len(numbers)]]
+    last = numbers[np.append(breaks, -1)[: len(numbers)]]
     begun = np.maximum(begins, ends + 1 - (behind - done))
     return np.concatenate([first, begun[rest]]), np.concatenate([last, ends[rest]])
 
@@ -185,12 +186,20 @@ class StampTally:
     def __init__(
         self, clock: SampleClock, noun: str = "sample", shown: Callable[[Integers], Integers] = lambda times: times
     ) -> None:
-        self._clock, self._noun, self._shown = clock, noun, shown
-        self.count, self.low, self.high = 0, 0, -1
+        self._clock = clock
+        self._noun = noun
+        self._shown = shown
+        self.count = 0
+        self.low = 0
+        self.high = -1
         self._previous = 0
         self._there = NumberRuns()
-        self._displaced, self._earliest, self._pairs = 0, int(np.iinfo(np.int64).max), list[str]()
-        self._off, self._farthest, self._worst = 0, 0, (0, 0)
+        self._displaced = 0
+        self._earliest = int(np.iinfo(np.int64).max)
+        self._pairs = list[str]()
+        self._off = 0
+        self._farthest = 0
+        self._worst = (0, 0)
 
     def add(self, stamps_ns: Integers) -> None:
         """Take the stamps that come next in the file."""
@@ -198,11 +207,14 @@ class StampTally:
             return
         found = number_samples(self._clock, stamps_ns)
         if not self.count:
-            self._previous, self.low, self.high = int(found[0]), int(found[0]), int(found[0]) - 1
+            self._previous = int(found[0])
+            self.low = int(found[0])
+            self.high = int(found[0]) - 1
         self._take_grid(found, stamps_ns)
         self._take_order(np.concatenate([[self._previous], found]))
         self._there.add(found)
-        self.low, self.high = min(self.low, int(found.min())), max(self.high, int(found.max()))
+        self.low = min(self.low, int(found.min()))
+        self.high = max(self.high, int(found.max()))
         self._previous = int(found[-1])
         self.count += len(found)
 
@@ -211,7 +223,8 @@ class StampTally:
         self._off += int(np.count_nonzero(off))
         i = int(off.argmax())
         if off[i] > self._farthest:
-            self._farthest, self._worst = int(off[i]), (int(found[i]), int(stamps_ns[i]))
+            self._farthest = int(off[i])
+            self._worst = (int(found[i]), int(stamps_ns[i]))
 
     def _take_order(self, numbers: Integers) -> None:
         at = np.flatnonzero(np.diff(numbers) < 0)

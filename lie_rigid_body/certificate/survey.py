@@ -103,7 +103,8 @@ class SegmentTally:
 
     def result(self, following: int | None, *, late_start: bool, open_end: bool, cut_off: bool) -> SurveyedSegment:
         """The segment, before one that starts at ``following``, ns."""
-        segment, is_last = self.segment, following is None
+        segment = self.segment
+        is_last = following is None
         law = stamp_law(
             segment,
             following,
@@ -218,7 +219,9 @@ class Surveyor:
 
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
         self._declared = declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
-        self._bag, self._own, self._counts = bag, bag.as_written, Counts()
+        self._bag = bag
+        self._own = bag.as_written
+        self._counts = Counts()
         self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
         self.segments = tuple(_with_inertia(segment, inertia) for segment in declared.values())
         self._tallies = [SegmentTally(place, segment) for place, segment in enumerate(self.segments)]
@@ -268,7 +271,9 @@ class Surveyor:
                 yield segment.start_ns
 
     def _surveyed(self) -> Iterator[SurveyedSegment]:
-        bag, own, late_start = self._bag, self._own, not self._own
+        bag = self._bag
+        own = self._own
+        late_start = not self._own
         cut_off = bag.was_cut_off and bag.expected_samples is None  # else the cut was behind the last sample
         seen = {i for i, tally in enumerate(self._tallies) if not tally.is_empty}
         for i, following in segments_with_samples(self.segments, seen, whole=own):

@@ -128,13 +128,16 @@ class FaultLaw:
 
     def _missing(self, expected: Iterable[Fault], until_ns: int) -> list[Fault]:
         """Faults that the bag lacks; those that the scenarios make are taken out of what it told."""
-        missing, absent, begun = list[Fault](), list[Fault](), self._is_whole
+        missing = list[Fault]()
+        absent = list[Fault]()
+        begun = self._is_whole
         for fault in expected:
             key = replace(fault, size=None)
             if key in self._told and _are_alike(fault, self._told[key][1]):
                 del self._told[key]
                 missing += absent
-                begun, absent = True, []
+                begun = True
+                absent = []
             elif begun and (not self._is_whole or fault.begin_ns <= until_ns):
                 absent.append(fault)
         return missing + absent if self._is_whole else missing

@@ -334,7 +334,8 @@ def _refuse_sizes(largest: Array) -> None:
 
 def _refuse_open(algebra: MatrixLieAlgebra) -> None:
     """Refuse generators that are not closed, with the commutator farthest outside the span."""
-    T, size = algebra.generators, frobenius(algebra.generators)
+    T = algebra.generators
+    size = frobenius(algebra.generators)
     commutators = [t @ T - T @ t for t in T]
     off = np.stack([algebra.off_span(each) for each in commutators])
     allowed = SPAN_TOLERANCE * np.outer(size, size)

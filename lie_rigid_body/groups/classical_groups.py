@@ -177,7 +177,8 @@ def _su_generators(n: int) -> Matrix:
     rows = iter(T)
     for j in range(1, n):
         for i in range(j):
-            symmetric, antisymmetric = next(rows), next(rows)
+            symmetric = next(rows)
+            antisymmetric = next(rows)
             symmetric[i, j] = symmetric[j, i] = -0.5j
             antisymmetric[i, j], antisymmetric[j, i] = -0.5, 0.5
         next(rows)[range(j + 1), range(j + 1)] = -0.5j * np.sqrt(2.0 / (j * (j + 1))) * np.array([1.0] * j + [-j])

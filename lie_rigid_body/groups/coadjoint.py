@@ -43,7 +43,8 @@ def ad_star(group: MatrixLieGroup, rate: ArrayLike, momentum: ArrayLike) -> Arra
     -------
     ndarray, shape (..., d)
     """
-    w, p = of_kind(group, MatrixLieGroup).as_components(rate, "rates"), group.as_components(momentum, "momenta")
+    w = of_kind(group, MatrixLieGroup).as_components(rate, "rates")
+    p = group.as_components(momentum, "momenta")
     require_batches(rate=w.shape[:-1], momentum=p.shape[:-1])
     turning = np.tensordot(w, group.structure_constants, axes=1)
     return np.asarray((turning @ p[..., np.newaxis])[..., 0])

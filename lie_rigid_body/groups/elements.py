@@ -143,7 +143,8 @@ class GeneratedElements(Elements):
 
     def _off_normaliser(self, A: Matrix) -> Array:
         """Largest distance of A Tᵃ A⁻¹ from the algebra, relative to Tᵃ, shape (...)."""
-        T, each = self._algebra.generators, A[..., np.newaxis, :, :]
+        T = self._algebra.generators
+        each = A[..., np.newaxis, :, :]
         off = self._algebra.off_span(each @ T @ np.linalg.inv(each)) / frobenius(T)
         return np.asarray(off.max(axis=-1))
 

@@ -61,13 +61,15 @@ def chart_reach(group: MatrixLieGroup, direction: ArrayLike) -> ChartReach:
     -------
     ChartReach
     """
-    X, ad = of_kind(group, MatrixLieGroup).hat(direction), group.ad(direction)
+    X = of_kind(group, MatrixLieGroup).hat(direction)
+    ad = group.ad(direction)
     eigenvalues = np.linalg.eigvals(ad)
     with np.errstate(over="ignore", invalid="ignore"):  # what leaves double precision is refused below
         apart = np.abs(eigenvalues[..., :, np.newaxis] - eigenvalues[..., np.newaxis, :])
         near = apart <= _SPLIT * np.abs(eigenvalues).max(axis=-1, initial=0.0)[..., np.newaxis, np.newaxis]
         means = (near @ eigenvalues[..., np.newaxis])[..., 0] / near.sum(axis=-1)
-    both, round_off = np.stack([eigenvalues, means]), _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
+    both = np.stack([eigenvalues, means])
+    round_off = _REAL_PART * np.linalg.norm(ad, axis=(-2, -1))[..., np.newaxis]
     turn = np.where(np.abs(both.real) <= round_off, np.abs(both.imag), 0.0).max(axis=(0, -1))
     return ChartReach(group.elements.one_to_one(X), multiple_until(2.0 * np.pi, turn, ad))
 

@@ -136,8 +136,10 @@ class GroupMovingChart:
         steps_through(int(times.max(initial=begin)), begin, self._max_step)
         flat = np.atleast_1d(times).tolist()
         group = self._lagrangian.group
-        n, d = group.size, group.dimension
-        elements, momenta = np.empty((len(flat), n, n), group.generators.dtype), np.empty((len(flat), d))
+        n = group.size
+        d = group.dimension
+        elements = np.empty((len(flat), n, n), group.generators.dtype)
+        momenta = np.empty((len(flat), d))
         for i, t in enumerate(flat):
             self._reached = reached = self._advanced(t)  # at once, as a signal may raise an exception anywhere
             elements[i], momenta[i] = reached.element, reached.momentum

@@ -73,7 +73,8 @@ def quadratic_casimirs(group: MatrixLieGroup) -> Array:
     ndarray, shape (k, d, d)
         A basis of them, of Frobenius norm 1; a function of their span, by `canonical_basis`.
     """
-    f, symmetric = of_kind(group, MatrixLieGroup).structure_constants, _symmetric_basis(group.dimension)
+    f = of_kind(group, MatrixLieGroup).structure_constants
+    symmetric = _symmetric_basis(group.dimension)
     # d/dt p·Cp along ad*_{Tᵃ} p has the coefficients f[a,b,c] Cᵇᵈ of p_c p_d, symmetrised
     change = np.einsum("abc,kbd->kacd", f, symmetric)
     conditions = (change + np.swapaxes(change, -1, -2)).reshape(len(symmetric), -1)
@@ -246,10 +247,12 @@ def manakov_integrals(momentum: ArrayLike, second_moment: ArrayLike) -> Array:
     InputError
         If K is no second moment, or P not antisymmetric of the same size.
     """
-    k, p = second_moment_matrix(second_moment), _antisymmetric_matrices(momentum)
+    k = second_moment_matrix(second_moment)
+    p = _antisymmetric_matrices(momentum)
     if p.shape[-2:] != k.shape:
         raise ParameterError("P", f"shape {p.shape} does not go with K of shape {k.shape}: give both of the same body")
-    square, n = k @ k, k.shape[0]
+    square = k @ k
+    n = k.shape[0]
     words = [np.broadcast_to(np.eye(n), p.shape)]
     integrals = []
     for power in range(1, n + 1):

@@ -113,7 +113,8 @@ def require_metric(metric: ArrayLike, dimension: int, name: str = "metric") -> A
     refuse_whole(name, metric, "inertia")
     m = symmetric_matrix(name, real_array(name, metric, (dimension, dimension)))
     own = eigenvalues(m)
-    least, largest = own[0], own[-1]
+    least = own[0]
+    largest = own[-1]
     if not least > ROUND_OFF * largest:
         raise ParameterError(
             name,

@@ -43,7 +43,8 @@ def product(*groups: MatrixLieGroup) -> MatrixLieGroup:
     T = np.zeros((d, sum(g.size for g in groups), sum(g.size for g in groups)), dtype)
     for group, rows, block in zip(groups, _slices(g.dimension for g in groups), _blocks(groups), strict=True):
         T[rows, block, block] = group.generators
-    name, metric = " × ".join(g.name for g in groups), block_diag(*(g.trace_metric for g in groups))
+    name = " × ".join(g.name for g in groups)
+    metric = block_diag(*(g.trace_metric for g in groups))
     return MatrixLieGroup(T, name, metric, ProductElements(groups), groups)
 
 

@@ -143,14 +143,16 @@ def steady_rotation(lagrangian: Lagrangian, rate: ArrayLike) -> RelativeEquilibr
     """
     w = of_kind(lagrangian, Lagrangian).group.as_components(rate, "rates").copy()
     resolution = max(ROUND_OFF, _unsteadiness(lagrangian, w))
-    momentum, f = lagrangian.momenta(w), lagrangian.group.structure_constants
+    momentum = lagrangian.momenta(w)
+    f = lagrangian.group.structure_constants
     directions = coadjoint_directions(lagrangian.group, momentum)
     size = float(np.linalg.norm(momentum) * np.abs(f).max(initial=0.0))
     if not np.isfinite(size):
         raise ParameterError("rates", "their squares are beyond double precision, 1.8e308: give smaller numbers")
     tangent, algebra, normal = _orbit(directions, STEADY_TOLERANCE * size)
     whole = linearisation(lagrangian, w)
-    linear, off = tangent.T @ whole @ tangent, normal.T @ whole @ normal
+    linear = tangent.T @ whole @ tangent
+    off = normal.T @ whole @ normal
     curvature, scale = _energy_curvature(lagrangian, w, directions)
     signs = _signs(algebra.T @ curvature @ algebra, resolution * scale)
     eigenvalues = np.linalg.eigvals(linear).astype(np.complex128)

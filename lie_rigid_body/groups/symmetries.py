@@ -79,10 +79,12 @@ def conserved_momenta(group: MatrixLieGroup, metric: ArrayLike, *, tolerance: fl
     InputError
         If M is not symmetric positive definite of size d.
     """
-    m, f = require_metric(metric, of_kind(group, MatrixLieGroup).dimension), group.structure_constants
+    m = require_metric(metric, of_kind(group, MatrixLieGroup).dimension)
+    f = group.structure_constants
     # generators scaled to unit inertia: in a badly scaled basis small entries of the condition would pass for round-off
     size = np.sqrt(np.diag(m))
-    m, f = m / np.outer(size, size), f * size / np.multiply.outer(size, size)[:, :, None]
+    m = m / np.outer(size, size)
+    f = f * size / np.multiply.outer(size, size)[:, :, None]
     # entry [c, a, b] of f[c,a,d] Mᵈᵇ is the coefficient of ωᶜωᵇ in d/dt pᵃ, symmetrised in c and b
     change = f @ m
     condition = change + np.swapaxes(change, 0, 2)

@@ -114,8 +114,12 @@ def rotate(q: ArrayLike, v: ArrayLike) -> Array:
     """
     x, y, z, w = _components(q)
     v = vectors.as_vectors(v)
-    vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
-    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    vx = v[..., 0]
+    vy = v[..., 1]
+    vz = v[..., 2]
+    tx = 2.0 * (y * vz - z * vy)
+    ty = 2.0 * (z * vx - x * vz)
+    tz = 2.0 * (x * vy - y * vx)
     return np.stack(
         [
             vx + (w * tx + (y * tz - z * ty)),
@@ -159,7 +163,8 @@ def log(q: ArrayLike) -> Array:
     q = _quaternions(q)
     q = np.where(np.signbit(q[..., 3:]), -q, q)
     # arctan2 of a strided array, on NumPy 1.26 with AVX-512, has other last bits where its result lies behind it
-    vector, w = q[..., :3], q[..., 3].copy()
+    vector = q[..., :3]
+    w = q[..., 3].copy()
     sine = vectors.norm(vector)
     safe = np.where(sine == 0.0, 1.0, sine)
     ratio = np.where(sine == 0.0, 2.0, 2.0 * np.arctan2(sine, w) / safe)

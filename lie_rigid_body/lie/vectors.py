@@ -46,7 +46,9 @@ def matrix_polynomial(v: Array, linear: Array, quadratic: Array | float) -> Arra
     -------
     ndarray, shape (..., 3, 3)
     """
-    x, y, z = v[..., 0], v[..., 1], v[..., 2]
+    x = v[..., 0]
+    y = v[..., 1]
+    z = v[..., 2]
     m = np.empty((*v.shape, 3))
     m[..., 0, 0] = 1.0 - quadratic * (y * y + z * z)
     m[..., 1, 1] = 1.0 - quadratic * (x * x + z * z)

@@ -77,7 +77,8 @@ def symmetric_matrix(name: str, value: ArrayLike) -> Array:
         If the argument is not a finite square matrix, or not symmetric within round-off.
     """
     matrix = real_array(name, value, ("n", "n"))
-    gap, limit = float(np.abs(matrix - matrix.T).max()), ROUND_OFF * float(np.abs(matrix).max())
+    gap = float(np.abs(matrix - matrix.T).max())
+    limit = ROUND_OFF * float(np.abs(matrix).max())
     if gap > limit:
         raise ParameterError(
             name,

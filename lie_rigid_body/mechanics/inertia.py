@@ -129,5 +129,7 @@ def apply_tensor(tensor: Array, vectors: Array) -> Array:
     -------
     ndarray, shape (..., 3)
     """
-    x, y, z = vectors[..., 0:1], vectors[..., 1:2], vectors[..., 2:3]
+    x = vectors[..., 0:1]
+    y = vectors[..., 1:2]
+    z = vectors[..., 2:3]
     return np.asarray(x * tensor[..., 0] + y * tensor[..., 1] + z * tensor[..., 2])

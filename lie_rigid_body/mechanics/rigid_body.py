@@ -153,5 +153,6 @@ class RigidBody(Immutable):
         ndarray, shape (...)
             J.
         """
-        p, w = self.body_momentum(states), states.body_rate
+        p = self.body_momentum(states)
+        w = states.body_rate
         return np.asarray(0.5 * (w[..., 0] * p[..., 0] + w[..., 1] * p[..., 1] + w[..., 2] * p[..., 2]))

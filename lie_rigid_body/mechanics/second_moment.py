@@ -62,7 +62,8 @@ def require_semidefinite(name: str, matrix: Array, scale: float) -> None:
     """
     if not np.isfinite([scale, *matrix.flat]).all():
         raise ParameterError(name, "a sum of its entries is beyond double precision, 1.8e308: give smaller numbers")
-    smallest, limit = float(np.linalg.eigvalsh(matrix)[0]), -ROUND_OFF * abs(scale)
+    smallest = float(np.linalg.eigvalsh(matrix)[0])
+    limit = -ROUND_OFF * abs(scale)
     if smallest < limit:
         raise ParameterError(
             name,
@@ -123,7 +124,8 @@ def second_moment_about(second_moment: ArrayLike, mass: float, centre: ArrayLike
     ParameterError
         If sizes differ, or K is less than m c cᵀ, which no distribution of this mass and centre has.
     """
-    K, m = second_moment_matrix(second_moment), float(real_array("mass", mass, ()))
+    K = second_moment_matrix(second_moment)
+    m = float(real_array("mass", mass, ()))
     c, o = (real_array(name, point, (len(K),)) for name, point in (("centre", centre), ("origin", origin)))
     require_semidefinite("second moment about the centre of mass", K - m * np.outer(c, c), float(np.trace(K)))
     # written without c cᵀ, which would cancel

@@ -136,7 +136,8 @@ def cylinder(mass: float, radius: float, height: float) -> MassMoments:
     ParameterError
         If the mass or a length is not positive.
     """
-    r, h = positive("radius", radius, "m"), positive("height", height, "m")
+    r = positive("radius", radius, "m")
+    h = positive("height", height, "m")
     return _centred(mass, np.array([r**2 / 4, r**2 / 4, h**2 / 12]))
 
 

@@ -75,7 +75,8 @@ def conserved_body_axes(body: RigidBody) -> Array:
     ndarray, shape (k, 3)
         Orthonormal rows, body frame: none for an asymmetric top, its axis for a symmetric one, three for a sphere.
     """
-    kind, axis = kind_of_top(body), symmetry_axis(body)
+    kind = kind_of_top(body)
+    axis = symmetry_axis(body)
     if kind == "spherical":
         return np.eye(3)
     return np.empty((0, 3)) if axis is None else body.principal_axes[:, [axis]].T.copy()
@@ -117,11 +118,13 @@ class SymmetricTop:
         axis = symmetry_axis(body)
         if axis is None:
             return None
-        along, across = float(body.principal_moments[axis]), float(body.principal_moments[1])
+        along = float(body.principal_moments[axis])
+        across = float(body.principal_moments[1])
         rates = [float(rate) for rate in start.body_rate @ body.principal_axes]
         axial = rates.pop(axis)
         transverse = math.hypot(*rates)
-        tilt, body_cone = math.atan2(across * transverse, abs(along * axial)), math.atan2(transverse, abs(axial))
+        tilt = math.atan2(across * transverse, abs(along * axial))
+        body_cone = math.atan2(transverse, abs(axial))
         return cls(
             axial_rate_rad_s=axial,
             transverse_rate_rad_s=transverse,

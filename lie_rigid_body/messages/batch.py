@@ -89,10 +89,13 @@ class ReadingEncoder:
     """
 
     def __init__(self, topic: Topic, model: SensorModel, scenario: Scenario) -> None:
-        self.topic, self.frame = topic, scenario.frame(topic.frame)
-        self.numbers, self.fields = fixed_numbers(topic, model), told_fields(topic, model)
+        self.topic = topic
+        self.frame = scenario.frame(topic.frame)
+        self.numbers = fixed_numbers(topic, model)
+        self.fields = told_fields(topic, model)
         places = [numbers_of(topic, field) for field in self.fields]
-        self._layout, self._widths = Layout(header(self.frame), self.numbers, places), list(map(len, places))
+        self._layout = Layout(header(self.frame), self.numbers, places)
+        self._widths = list(map(len, places))
 
     def encode(self, samples: SensorSamples) -> Payloads:
         """Encode one message for each reading."""
@@ -113,7 +116,8 @@ def fixed_numbers(topic: Topic, model: SensorModel) -> list[float]:
 
 def told_fields(topic: Topic, model: SensorModel) -> tuple[Field, ...]:
     """Fields of a topic that a sensor tells: all but those whose covariance says that they are not given."""
-    places, numbers = definitions.places(topic.message_type), fixed_numbers(topic, model)
+    places = definitions.places(topic.message_type)
+    numbers = fixed_numbers(topic, model)
     is_told = [not f.covariance or numbers[places[f.covariance].start] != NOT_GIVEN for f in topic.fields]
     return tuple(compress(topic.fields, is_told))
 
@@ -201,7 +205,8 @@ class Messages:
         """Join messages of one topic and one template."""
         if len(parts) == 1:
             return parts[0]
-        template, words = parts[0].payloads.template, np.concatenate([part.payloads.words for part in parts])
+        template = parts[0].payloads.template
+        words = np.concatenate([part.payloads.words for part in parts])
         return cls(parts[0].topic, np.concatenate([part.times_ns for part in parts]), Payloads(template, words))
 
 
@@ -263,7 +268,9 @@ class Gathering:
 
     def take(self) -> list[Messages]:
         """Take all messages that wait, by topic, in the order in which messages of equal times come."""
-        parts, self._parts, self.message_count = self._parts, {}, 0
+        parts = self._parts
+        self._parts = {}
+        self.message_count = 0
         order = dict.fromkeys((POSE, TWIST, *SENSOR_TOPICS, *parts))
         return [Messages.joined(parts[topic]) for topic in order if topic in parts]
 

@@ -124,7 +124,8 @@ def _alike(rows: Bytes, *, stamped: bool) -> list[Integers | slice]:
 def _decode_alike(
     rows: Bytes, indices: Integers, first: int, stamped: bool, stamps: Integers, values: Array, frames: _FrameNames
 ) -> None:
-    head, at = rows[0].tobytes(), int(indices[0])
+    head = rows[0].tobytes()
+    at = int(indices[0])
     order = byte_order(head, first + at)
     length = _word(head, 12, order, first + at) if stamped else 0
     if length > LONGEST_NAME:
@@ -280,12 +281,15 @@ class _Fields:
     """The fields of one payload, read in order."""
 
     def __init__(self, payload: bytes, index: int) -> None:
-        self._payload, self._index, self._at = payload, index, 4
+        self._payload = payload
+        self._index = index
+        self._at = 4
         self._order = byte_order(payload, index)
 
     def read(self, found: dict[Frames, FramedNumbers], count: int) -> None:
         """Read a header, a child frame and so many numbers."""
-        sec, nanosec = self.word("i"), self.word()
+        sec = self.word("i")
+        nanosec = self.word()
         if nanosec >= NS:
             raise BagError(f"message {self._index} has a stamp of {nanosec} nanosec, not below 1e9")
         frames = (self._text(), self._text())

@@ -58,8 +58,10 @@ class Template:
         self._data = data
         self._parts = [(at, 8 * count) for at, count in runs]
         # the words of a row as they follow each other, and as they lie in it
-        names, kinds = [f"{at}" for at, _ in self._parts], [f"V{size}" for _, size in self._parts]
-        self._packed, offsets = np.dtype({"names": names, "formats": kinds}), [at for at, _ in self._parts]
+        names = [f"{at}" for at, _ in self._parts]
+        kinds = [f"V{size}" for _, size in self._parts]
+        self._packed = np.dtype({"names": names, "formats": kinds})
+        offsets = [at for at, _ in self._parts]
         self._placed = np.dtype({"names": names, "formats": kinds, "offsets": offsets, "itemsize": len(data)})
 
     @property
@@ -82,12 +84,14 @@ class Template:
         """
         if len(words) <= _FEW:
             return self._few(words)
-        data, size = self._many(words).tobytes(), self.size
+        data = self._many(words).tobytes()
+        size = self.size
         return (data[i : i + size] for i in range(0, len(data), size))
 
     def _few(self, words: Integers) -> Iterator[bytes]:
         """Make rows one by one: a call of NumPy costs more than a row."""
-        content, begin = words.tobytes(), 0
+        content = words.tobytes()
+        begin = 0
         for _ in range(len(words)):
             row = bytearray(self._data)
             for at, size in self._parts:
@@ -98,7 +102,8 @@ class Template:
     def _many(self, words: Integers) -> NDArray[np.void]:
         """Make rows as items of an array, shape (N,)."""
         rows = np.full(len(words), np.void(self._data))
-        placed, packed = rows.view(self._placed), np.ascontiguousarray(words).view(self._packed)[:, 0]
+        placed = rows.view(self._placed)
+        packed = np.ascontiguousarray(words).view(self._packed)[:, 0]
         for name in self._packed.names or ():
             placed[name] = packed[name]
         return rows

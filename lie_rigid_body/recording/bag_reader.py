@@ -198,7 +198,8 @@ class Bag(BagFacts):
         besides = (*map(_not_chosen, others), *_others(contents, [*found, *others]))
         bags: dict[str, Bag | BagError] = {}
         for body in found:
-            bag, name = cls.__new__(cls), body.name or "/"
+            bag = cls.__new__(cls)
+            name = body.name or "/"
             try:
                 bag._take(files, contents, body)
             except BagError as error:
@@ -214,11 +215,15 @@ class Bag(BagFacts):
     def _take(self, files: BagFiles, contents: McapContents, body: Body) -> None:
         if body.fault is not None:
             raise body.fault
-        self._path, self._contents, self._progress = files.path, contents, files.progress
+        self._path = files.path
+        self._contents = contents
+        self._progress = files.progress
         for track in body.tracks.values():
             require_cdr(self._path, track)
         pose, twist, scenario = (body.tracks[name] for name in BODY_TOPICS)
-        self._tracks, self.pose_count, self.twist_count = body.tracks, pose.count, twist.count
+        self._tracks = body.tracks
+        self.pose_count = pose.count
+        self.twist_count = twist.count
         super().__init__(
             pose_topic=pose.topic,
             twist_topic=twist.topic,
@@ -251,7 +256,8 @@ class Bag(BagFacts):
         while some := list(itertools.islice(told, _TEXTS_AT_ONCE)):
             take({FAULTS_TOPIC: some})
         for readings in self._decoded([name for name in sensors if name != FAULTS_TOPIC]):
-            poses, twists = readings.pop(POSE), readings.pop(TWIST)
+            poses = readings.pop(POSE)
+            twists = readings.pop(TWIST)
             take(readings)
             yield poses, twists
 
@@ -267,7 +273,8 @@ class Bag(BagFacts):
 
     def _batched(self, keys: Mapping[str, TrackKey]) -> Iterator[dict[str, list[RawMessages]]]:
         """Messages by their relative names, in whole parts of the files, as many at a time as a batch has at least."""
-        waiting, count = {name: list[RawMessages]() for name in keys}, 0
+        waiting = {name: list[RawMessages]() for name in keys}
+        count = 0
         parts = self._contents.read({*keys.values()}, self._progress)
         while (found := next(parts, None)) is not None:
             for name, key in keys.items():
@@ -277,7 +284,8 @@ class Bag(BagFacts):
             del found
             if count >= _BATCH:
                 yield waiting
-                waiting, count = {name: [] for name in keys}, 0
+                waiting = {name: [] for name in keys}
+                count = 0
         yield waiting
 
     def _faults(self) -> Iterator[tuple[int, str]]:
@@ -289,7 +297,9 @@ class Bag(BagFacts):
         names = [name for name in self.sensors if name != FAULTS_TOPIC]
         parts = list(self._decoded(names))
         whole = {name: TopicMessages.joined([part[name] for part in parts]) for name in (POSE, TWIST, *names)}
-        poses, twists, readings = whole.pop(POSE), whole.pop(TWIST), dict[str, OfSensor](whole)
+        poses = whole.pop(POSE)
+        twists = whole.pop(TWIST)
+        readings = dict[str, OfSensor](whole)
         if FAULTS_TOPIC in self.sensors:
             readings[FAULTS_TOPIC] = [*self._faults()]
         facts = {each.name: getattr(self, each.name) for each in fields(BagFacts)}
@@ -321,7 +331,8 @@ def read_scenarios(path: Path, contents: McapContents, track: RawTrack) -> list[
 
     A topic of other texts may be without end.
     """
-    kept, distinct = list[tuple[int, str]](), dict[str, str]()
+    kept = list[tuple[int, str]]()
+    distinct = dict[str, str]()
     for time, text in texts_on(path, contents, track):
         is_new = text not in distinct
         kept.append((time, distinct.setdefault(text, text)))

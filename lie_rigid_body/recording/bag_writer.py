@@ -121,7 +121,10 @@ class BagWriter:
         end: str | None = METADATA,
         rescued: bool = True,
     ) -> None:
-        self._stamped_twist, self._end, self._compression, self._rescued = stamped_twist, end, compression, rescued
+        self._stamped_twist = stamped_twist
+        self._end = end
+        self._compression = compression
+        self._rescued = rescued
         twist = definitions.TWIST_STAMPED if stamped_twist else definitions.BARE_TWIST
         named = {POSE: pose_topic, TWIST: twist_topic, _SCENARIO: scenario_topic, **(sensor_topics or {})}
         named |= {topic: topic for topic in others or {}}
@@ -131,7 +134,8 @@ class BagWriter:
         self._counts = dict.fromkeys(self._names, 0)
         self._channels: dict[str, int] = {}
         self._gathered = Gathering()
-        self._flushes, self._synced = 0, -_SYNC_AT_LEAST
+        self._flushes = 0
+        self._synced = -_SYNC_AT_LEAST
         self._open = True
         self._file = OutputFile(path, overwrite=overwrite)
         self.path = self._file.path
@@ -153,7 +157,8 @@ class BagWriter:
         return {topic: self._names[topic] for topic in self._channels}
 
     def _add_channel(self, topic: str) -> None:
-        number, kind = len(self._channels) + 1, self._types[topic]
+        number = len(self._channels) + 1
+        kind = self._types[topic]
         schema = Schema(number, definitions.definition(kind).encode(), "ros2msg", kind)
         qos = definitions.offered_qos_profiles(latched=topic in _LATCHED, depth=_LATCHED.get(topic, _SAMPLE_DEPTH))
         channel = Channel(number, self._names[topic], "cdr", {"offered_qos_profiles": qos}, number)

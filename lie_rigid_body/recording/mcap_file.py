@@ -69,9 +69,11 @@ def laid_out(
     places = np.empty_like(order)
     places[order] = bounds[:-1]
     data = np.empty(bounds[-1], dtype=np.uint8)
-    first, begin = dict[str, int](), 0
+    first = dict[str, int]()
+    begin = 0
     for messages, count in zip(topics, lengths, strict=True):
-        channel, own = channels[messages.topic], places[begin : begin + count]
+        channel = channels[messages.topic]
+        own = places[begin : begin + count]
         template = _record(channel, messages.payloads.template)
         template.put(data, own, _record_words(channel, counts[messages.topic], messages))
         first[messages.topic] = int(np.searchsorted(bounds, own.min()))
@@ -134,7 +136,9 @@ class ChunkBuilder:
     """
 
     def __init__(self, size: int, full: Callable[[RawChunk], object]) -> None:
-        self._size, self._full, self._chunk = size, full, RawChunk([], [])
+        self._size = size
+        self._full = full
+        self._chunk = RawChunk([], [])
 
     def add(self, record: McapRecord) -> None:
         """Add a schema or a channel."""
@@ -142,7 +146,8 @@ class ChunkBuilder:
 
     def add_messages(self, data: NDArray[np.uint8], bounds: Integers) -> None:
         """Add messages that begin, and the last of which ends, at some bytes of the data."""
-        begin, count = 0, len(bounds) - 1
+        begin = 0
+        count = len(bounds) - 1
         while begin < count:
             # the first that ends beyond the size is the last of the chunk
             there = len(self._chunk)
@@ -160,7 +165,8 @@ class ChunkBuilder:
     def finish(self) -> None:
         """End the present chunk, if it has messages."""
         if self._chunk.starts:
-            chunk, self._chunk = self._chunk, RawChunk([], [])
+            chunk = self._chunk
+            self._chunk = RawChunk([], [])
             self._full(chunk)
 
 
@@ -221,7 +227,8 @@ class McapFile:
         # a chunk may be large: its record is not made as a whole
         head = record_bytes(replace(chunk, data=b""))[RECORD_HEAD.size : -8] + len(chunk.data).to_bytes(8, "little")
         length = len(head) + len(chunk.data)
-        parts, indexes = [RECORD_HEAD.pack(Opcode.CHUNK, length) + head, chunk.data], dict[int, int]()
+        parts = [RECORD_HEAD.pack(Opcode.CHUNK, length) + head, chunk.data]
+        indexes = dict[int, int]()
         end = self._position + RECORD_HEAD.size + length
         for channel, rows in table.index.items():
             indexes[channel], size = end, rows.nbytes
@@ -249,7 +256,9 @@ class McapFile:
     def finish(self) -> None:
         """Write the summary. The stream stays open."""
         self._write(record_bytes(DataEnd(self._crc)))
-        start, groups, offsets = self._position, b"", b""
+        start = self._position
+        groups = b""
+        offsets = b""
         for opcode, records in self.summary.groups().items():
             group = record_bytes(*records)
             offsets += record_bytes(SummaryOffset(opcode, start + len(groups), len(group)))

@@ -36,7 +36,8 @@ def recover_folder(broken: Path, fixed: Path) -> dict[Path, Recovery | NothingWh
     """
     files = recording_files(broken)
     _make(broken, fixed)
-    found, whole = dict[Path, Recovery | NothingWholeError](), 0
+    found = dict[Path, Recovery | NothingWholeError]()
+    whole = 0
     try:
         for file in files:
             try:

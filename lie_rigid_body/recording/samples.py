@@ -54,7 +54,8 @@ class Block:
     def joined(cls, blocks: Sequence[Block]) -> Block:
         """Samples of blocks that follow each other, or of none."""
         none = np.empty(0, dtype=np.int64)
-        attitudes, rates = ([b.states.attitude_xyzw for b in blocks], [b.states.body_rate for b in blocks])
+        attitudes = [b.states.attitude_xyzw for b in blocks]
+        rates = [b.states.body_rate for b in blocks]
         return cls(
             np.concatenate([none, *(b.samples for b in blocks)]),
             np.concatenate([none, *(b.stamps_ns for b in blocks)]),
@@ -77,7 +78,8 @@ def _together(pose: TopicMessages, twist: TopicMessages) -> tuple[Block, Integer
     if not np.array_equal(pose.stamps_ns, twist.stamps_ns):
         alone = np.setxor1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True)
         _, *both = np.intersect1d(pose.stamps_ns, twist.stamps_ns, assume_unique=True, return_indices=True)
-        pose, twist = pose[both[0]], twist[both[1]]
+        pose = pose[both[0]]
+        twist = twist[both[1]]
     states = State.trusted(pose.values[:, 3:].copy(), twist.values[:, 3:].copy())  # behind the translations
     return Block(np.zeros_like(pose.stamps_ns), pose.stamps_ns, states), alone
 
@@ -101,7 +103,8 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
         At the end, if bare twists in order are not as many as poses.
     """
     by_log: bool | None = True if bag.stamped or bag.as_written else None
-    stamps, waiting = np.empty(0, dtype=np.int64), list[TopicMessages]()
+    stamps = np.empty(0, dtype=np.int64)
+    waiting = list[TopicMessages]()
     for poses, twists in batches:
         if by_log is None and len(twists):
             first_ns = twists.log_times_ns[:1]
@@ -109,10 +112,12 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
         if by_log:
             yield poses, twists
             continue
-        stamps, rest = np.concatenate([stamps, poses.stamps_ns]), TopicMessages.joined([*waiting, twists])
+        stamps = np.concatenate([stamps, poses.stamps_ns])
+        rest = TopicMessages.joined([*waiting, twists])
         both = min(len(stamps), len(rest))
         yield poses, replace(rest[:both], stamps_ns=stamps[:both])
-        stamps, waiting = stamps[both:], [rest[both:]]
+        stamps = stamps[both:]
+        waiting = [rest[both:]]
     if not by_log and (len(stamps) or any(map(len, waiting))):
         raise BagError(
             f"{bag.name}: {bag.twist_count} twists without stamps cannot be paired with {bag.pose_count} poses: "
@@ -202,7 +207,8 @@ def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segmen
         See `declared_segments` and `require_samples`.
     """
     declared = [*declared_segments((text for _, text in bag.scenario_texts), bag.name).values()]
-    blocks, seen = list[Block](), set[int]()
+    blocks = list[Block]()
+    seen = set[int]()
     for topics, block, _ in paired(bag, declared, bag.batches()):
         blocks.append(block)
         seen.update(i for topic in topics for i, _ in segment_parts(declared, topic.stamps_ns))

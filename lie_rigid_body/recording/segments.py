@@ -51,7 +51,8 @@ def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict
     distinct = len({*texts})
     if distinct > MOST_SEGMENTS:
         raise BagError(f"{bag} declares {distinct} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
-    segments, latest = dict[str, Segment](), dict[int, str]()
+    segments = dict[str, Segment]()
+    latest = dict[int, str]()
     try:
         for text in texts:
             segment = segments.get(text) or Segment.from_json(text)
@@ -132,7 +133,8 @@ def number_samples(clock: SampleClock, stamps_ns: Integers) -> Integers:
 
 def grid(clock: SampleClock, numbers: Integers) -> Integers:
     """The exact stamps of samples by their numbers, ns."""
-    low, high = int(numbers.min()), int(numbers.max())
+    low = int(numbers.min())
+    high = int(numbers.max())
     if high - low > 4 * numbers.size + 1000:  # far-off stamps: no table of all between
         return np.array([clock.stamp_ns(int(k)) for k in numbers], dtype=np.int64)
     return clock.stamps_ns(low, high - low + 1)[numbers - low]
@@ -212,7 +214,8 @@ class SensorClocks:
 
     def _read(self, place: int, stamps_ns: Integers) -> tuple[Integers, Integers]:
         """Numbers of the readings of a segment that are nearest to stamps, and times with what is off, ns."""
-        segment, model = self._segments[place], self._models[place]
+        segment = self._segments[place]
+        model = self._models[place]
         clock = segment.clock() if model is None else SampleClock(segment.scenario.epoch_ns, model.rate)
         delivery = self._deliveries[place]
         near = stamps_ns if delivery is None else delivery.measured_ns(stamps_ns, clock.epoch_ns)

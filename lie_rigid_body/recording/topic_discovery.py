@@ -254,7 +254,8 @@ def given_track(path: Path, contents: McapContents, name: str, topic: str) -> Ra
         return track
     said = "it has no message: record it while the body is published"
     if track is None:
-        types, known = _types(name), [track.topic for track in _of_types(contents, name)]
+        types = _types(name)
+        known = [track.topic for track in _of_types(contents, name)]
         others = [track.message_type for track in contents.tracks.values() if track.topic == topic]
         what = f"topic {topic} is of {_last(others[0])}, not {types}" if others else f"there is no topic {topic}"
         hint = suggestion(topic, known, f"topics of {types}") if known else f"no topic is of {types}"
@@ -295,6 +296,9 @@ def _body(
     if silent and fault is None:
         remedy = _remedy(path, "record it while the body is published")
         fault = BagError(f"{path} has no message on {silent[0]}: {remedy}")
+    unknown = listed(sorted(names.keys() - topic_types().keys()))
+    if unknown and fault is None:
+        fault = BagError(f"{path}: {tracks[SCENARIO].topic} names topics that no body has, {unknown}: restore the bag")
     if fault is not None and alone:
         raise fault
     told = _tracks(contents, {name: names[name] for name in names.keys() & SENSOR_TOPICS.keys()})

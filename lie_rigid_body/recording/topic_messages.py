@@ -119,7 +119,8 @@ class TopicMessages:
     @classmethod
     def none_of(cls, message_type: str) -> TopicMessages:
         """Messages of a topic of which there is none."""
-        none, width = np.empty(0, dtype=np.int64), np.count_nonzero(varying_fields(message_type))
+        none = np.empty(0, dtype=np.int64)
+        width = np.count_nonzero(varying_fields(message_type))
         return cls(none, none, np.empty((0, width)), (), none)
 
 
@@ -171,10 +172,12 @@ def _decoded(path: Path, topic: str, message_type: str, found: RawMessages, firs
     varying = varying_fields(message_type)
     with decoding(path, topic, found):
         decoded = _columns(found, len(varying), stamped=message_type != BARE_TWIST, first=first)
-    stamps, frame_ids = decoded.stamps_ns, decoded.frame_ids or (None,)
+    stamps = decoded.stamps_ns
+    frame_ids = decoded.frame_ids or (None,)
     values = decoded.numbers if varying.all() else decoded.numbers[:, varying]
     rest = decoded.numbers[:, ~varying].view(np.int64)
-    at, kind = np.zeros(min(1, len(rest)), dtype=np.int64), np.zeros(len(rest), dtype=np.int64)
+    at = np.zeros(min(1, len(rest)), dtype=np.int64)
+    kind = np.zeros(len(rest), dtype=np.int64)
     if decoded.frames.any() or (rest != rest[:1]).any():
         keys = np.column_stack([decoded.frames, rest])
         whole = np.ascontiguousarray(keys).view(f"V{keys.itemsize * keys.shape[1]}")[:, 0]
@@ -337,7 +340,8 @@ def _attitudes(topic: str, message_type: str, found: RawMessages) -> dict[Frames
             for frames, own in framed.items()
         }
     count, _, covariance = _LAYOUTS[message_type]
-    read, tracks = _columns(found, count), dict[Frames, AttitudeTrack]()
+    read = _columns(found, count)
+    tracks = dict[Frames, AttitudeTrack]()
     assert read.stamps_ns is not None
     gives = np.ones(len(found), dtype=np.bool_)
     if message_type == IMU and covariance:

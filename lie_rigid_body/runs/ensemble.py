@@ -220,7 +220,8 @@ class BlindScenario(Scenario):
         """What a filter may know of a scenario, and some of what is withheld that it is given."""
         withheld = {*WITHHELD}.difference(given)
         told = {name: value for name, value in scenario.parameters().items() if name not in withheld}
-        known, blind = Scenario.from_parameters(told), object.__new__(cls)
+        known = Scenario.from_parameters(told)
+        blind = object.__new__(cls)
         vars(blind).update({f.name: getattr(known, f.name) for f in fields(known) if f.name not in withheld})
         vars(blind)["sensor_parameters"] = tuple(pair for pair in known.sensor_parameters if pair[0] not in withheld)
         return blind

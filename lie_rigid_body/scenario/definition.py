@@ -189,7 +189,8 @@ class Scenario:
     @_computed_once
     def rate_bound(self) -> float:
         """Bound Ω of the body rate along the motion, rad/s, from ½ I₁|ω|² ≤ H and I₁|ω| ≤ |L|, whichever is tighter."""
-        body, start = self.body(), self.start()
+        body = self.body()
+        start = self.start()
         smallest = float(body.principal_moments[0])
         by_energy = math.sqrt(2.0 * float(body.kinetic_energy(start)) / smallest)
         by_momentum = float(norm(body.body_momentum(start))) / smallest
@@ -230,7 +231,8 @@ class Scenario:
         rate : float, optional
             Samples per second, by default those of the truth or of the fastest sensor.
         """
-        at_most, steps = whole_number("at_most", at_most, 1), whole_number("steps", steps, 1)
+        at_most = whole_number("at_most", at_most, 1)
+        steps = whole_number("steps", steps, 1)
         return max(1, min(at_most, steps // self.steps_per_sample(max(self.rates) if rate is None else rate)))
 
     @property
@@ -243,7 +245,8 @@ class Scenario:
             require_frame_name(name, getattr(self, name))
         self._require_distinct_frames()
         with np.errstate(all="ignore"):  # what goes wrong is said below
-            body, start = self.body(), self._valid_start()
+            body = self.body()
+            start = self._valid_start()
             _require_normal(body, start)
         fastest = self.rate_bound()
         if self.motion == "moving_chart":
@@ -302,7 +305,8 @@ def _require_normal(body: RigidBody, start: State) -> None:
             f"principal moments {numerals(body.principal_moments)}, or their inverses, are beyond double precision: "
             "give moments between 1e-300 and 1e300 kg m²",
         )
-    energy, momentum = body.kinetic_energy(start), norm(body.body_momentum(start))
+    energy = body.kinetic_energy(start)
+    momentum = norm(body.body_momentum(start))
     if not all(value == 0.0 or _is_normal(value) for value in (energy, momentum)):
         raise ParameterError(
             "initial_body_rate",

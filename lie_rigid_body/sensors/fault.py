@@ -121,7 +121,8 @@ class Window:
         ParameterError
             If it ends before it begins.
         """
-        begin, end = values["fault_begin"], values["fault_end"]
+        begin = values["fault_begin"]
+        end = values["fault_end"]
         if 0.0 < end <= begin:
             raise ParameterError("fault_end", f"{end:g} s is not after fault_begin, {begin:g} s: give more, or 0")
         return cls(nanoseconds(begin), nanoseconds(end) if end else END_OF_TIME)
@@ -164,7 +165,8 @@ class IntermittentFault:
             If the duration is longer than the interval, or the interval is too short.
         """
         name = name or f"{sensor}_{kind}"
-        interval, duration = values[f"{name}_interval"], values[f"{name}_duration"]
+        interval = values[f"{name}_interval"]
+        duration = values[f"{name}_duration"]
         if not interval:
             return None
         if interval < MIN_INTERVAL_S:
@@ -200,7 +202,8 @@ class IntermittentFault:
 
     def between(self, begin_ns: int, end_ns: int) -> Iterator[tuple[int, int, int]]:
         """Number, begin and end of each episode that begins in a stretch of time without its end, ns."""
-        begin_ns, end_ns = max(begin_ns, self.window.begin_ns), min(end_ns, self.window.end_ns)
+        begin_ns = max(begin_ns, self.window.begin_ns)
+        end_ns = min(end_ns, self.window.end_ns)
         if begin_ns >= end_ns:
             return
         low, high = ((time - self.window.begin_ns) // self.interval_ns for time in (begin_ns, end_ns - 1))

@@ -98,8 +98,10 @@ class ImuModel(SensorModel):
         """The vertical, where something holds the body."""
         if not self.support:
             return ()
-        triad, up = self.accelerometer, (0.0, 0.0, self.support)
-        noise, step = triad.noise_density * math.sqrt(self.rate), triad.bias_random_walk / math.sqrt(self.rate)
+        triad = self.accelerometer
+        up = (0.0, 0.0, self.support)
+        noise = triad.noise_density * math.sqrt(self.rate)
+        step = triad.bias_random_walk / math.sqrt(self.rate)
         return (VectorMeasurement(up, noise, triad.turn_on_bias, step, triad.linear_errors),)
 
     def refusal(self, fastest: float) -> ParameterError | None:
@@ -163,7 +165,8 @@ class IntegratedRate:
                 f"stamps_ns: {times[worst + 1]} follows {times[worst]}: an integrated rate needs stamps that rise, "
                 "the first one above before_ns"
             )
-        self._times, self._attitudes = times[-1:], attitudes[-1:]
+        self._times = times[-1:]
+        self._attitudes = attitudes[-1:]
         turns = quaternion.log(quaternion.multiply(quaternion.conjugate(attitudes[:-1]), attitudes[1:]))
         return np.asarray(turns / (intervals / 1e9)[:, np.newaxis])
 
@@ -230,7 +233,8 @@ class Imu(Instrument):
     """
 
     def __init__(self, model: ImuModel, body: RigidBody) -> None:
-        self._model, self._integrates = model, model.gyro_rate == "integrated"
+        self._model = model
+        self._integrates = model.gyro_rate == "integrated"
         self._force = SpecificForce(body, model.lever_arm, model.support)
         self._gyro = Triad(model.gyro, model.rate, model.seed, *_OF_GYRO)
         self._accelerometer = Triad(model.accelerometer, model.rate, model.seed, *_OF_ACCELEROMETER)

@@ -142,7 +142,8 @@ class MagnetometerModel(SensorModel):
     @property
     def measurement_models(self) -> tuple[VectorMeasurement, ...]:
         """The magnetic field, if there is one. An estimator is granted to know how large the iron's errors may be."""
-        noise, hard = self.noise_density * math.sqrt(self.rate), max(map(abs, self.hard_iron))
+        noise = self.noise_density * math.sqrt(self.rate)
+        hard = max(map(abs, self.hard_iron))
         soft = float(np.abs(np.array(self.soft_iron).reshape(3, 3) - np.eye(3)).max())
         return (VectorMeasurement(self.field, noise, hard, 0.0, linear_errors(matrix=soft)),) if any(self.field) else ()
 
@@ -158,7 +159,8 @@ class Magnetometer(Instrument):
     """
 
     def __init__(self, model: MagnetometerModel, body: RigidBody | None = None) -> None:
-        self._model, self._soft_iron = model, np.array(model.soft_iron).reshape(3, 3)
+        self._model = model
+        self._soft_iron = np.array(model.soft_iron).reshape(3, 3)
         self._noise = WhiteNoise(
             model.seed, NoiseSource.MAGNETOMETER_WHITE, model.noise_density * math.sqrt(model.rate)
         )
@@ -166,7 +168,8 @@ class Magnetometer(Instrument):
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
         """Readings before the converter; see `Instrument.measure`."""
-        model, count = self._model, len(times_ns)
+        model = self._model
+        count = len(times_ns)
         world_field = np.broadcast_to(model.field, (count, 3))
         if model.disturbance is not None:
             world_field = world_field + model.disturbance.field(times_ns)

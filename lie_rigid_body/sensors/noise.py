@@ -35,9 +35,16 @@ class NoiseSource(IntEnum):
     Sources of faults have numbers above 255; see `fault.stream`.
     """
 
-    GYRO_TURN_ON, GYRO_WALK, GYRO_WHITE = 1, 2, 3
-    ACCELEROMETER_TURN_ON, ACCELEROMETER_WALK, ACCELEROMETER_WHITE = 4, 5, 6
-    MAGNETOMETER_WHITE, ORIENTATION_WHITE, ATTITUDE_SENSOR_WHITE, SUN_SENSOR_WHITE = 7, 8, 9, 10
+    GYRO_TURN_ON = 1
+    GYRO_WALK = 2
+    GYRO_WHITE = 3
+    ACCELEROMETER_TURN_ON = 4
+    ACCELEROMETER_WALK = 5
+    ACCELEROMETER_WHITE = 6
+    MAGNETOMETER_WHITE = 7
+    ORIENTATION_WHITE = 8
+    ATTITUDE_SENSOR_WHITE = 9
+    SUN_SENSOR_WHITE = 10
 
 
 class Draws:
@@ -54,8 +61,10 @@ class Draws:
     """
 
     def __init__(self, seed: int, source: int, width: int = _WORDS_PER_COUNT) -> None:
-        self._key, self._width = np.array([seed, source], dtype=np.uint64), width
-        self._words, self._taken = np.random.Philox(key=self._key), 0
+        self._key = np.array([seed, source], dtype=np.uint64)
+        self._width = width
+        self._words = np.random.Philox(key=self._key)
+        self._taken = 0
 
     def following(self, first: int, count: int) -> Array:
         """Numbers that belong to ``count`` whole numbers from ``first`` on, shape (count, width)."""
@@ -71,7 +80,8 @@ class Draws:
         """Numbers that belong to some whole numbers, shape (N, width)."""
         if not len(numbers):
             return np.empty((0, self._width))
-        low, high = int(numbers.min()), int(numbers.max())
+        low = int(numbers.min())
+        high = int(numbers.max())
         if high - low < 4 * len(numbers) + _FEW:
             return self.following(low, high - low + 1)[numbers - low]
         return np.concatenate([self.following(int(number), 1) for number in numbers])
@@ -97,7 +107,8 @@ class WhiteNoise:
     """
 
     def __init__(self, seed: int, source: int, sigma: float) -> None:
-        self.sigma, self._draws = sigma, Draws(seed, source, width=3)
+        self.sigma = sigma
+        self._draws = Draws(seed, source, width=3)
 
     def draw(self, first: int, count: int) -> Array:
         """The vectors of ``count`` whole numbers from ``first`` on, shape (count, 3)."""

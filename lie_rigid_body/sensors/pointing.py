@@ -44,7 +44,8 @@ class OrientationModel:
     @property
     def covariance(self) -> tuple[float, ...]:
         """Covariance of n, of small rotations about the fixed axes of the world, rad², row by row."""
-        inclination, heading = self.inclination_noise**2, self.heading_noise**2
+        inclination = self.inclination_noise**2
+        heading = self.heading_noise**2
         return (inclination, 0.0, 0.0, 0.0, inclination, 0.0, 0.0, 0.0, heading)
 
     def signal(self, states: State, noise: WhiteNoise, first: int) -> Signal:
@@ -103,7 +104,8 @@ class AttitudeSensorModel(SensorModel):
         attitude_xyzw : ndarray, shape (N, 4)
             Readings.
         """
-        across, along = self.cross_boresight_noise**2, self.roll_noise**2
+        across = self.cross_boresight_noise**2
+        along = self.roll_noise**2
         sight = quaternion.rotate(attitude_xyzw, np.array(self.boresight))
         return np.asarray(across * np.eye(3) + (along - across) * (sight[:, :, np.newaxis] * sight[:, np.newaxis]))
 
@@ -134,7 +136,8 @@ class AttitudeSensor(Instrument):
     """
 
     def __init__(self, model: AttitudeSensorModel, body: RigidBody | None = None) -> None:
-        self._model, self._boresight = model, np.array(model.boresight)
+        self._model = model
+        self._boresight = np.array(model.boresight)
         self._noise = WhiteNoise(model.seed, NoiseSource.ATTITUDE_SENSOR_WHITE, 1.0)
 
     def signals(self, times_ns: Integers, states: State, first: int) -> dict[str, Signal]:
@@ -143,7 +146,8 @@ class AttitudeSensor(Instrument):
         across = self._model.cross_boresight_noise
         about = self._model.roll_noise
         if across or about:
-            drawn, b = self._noise.draw(first, len(times_ns)), self._boresight
+            drawn = self._noise.draw(first, len(times_ns))
+            b = self._boresight
             roll = drawn[:, 0] * b[0] + drawn[:, 1] * b[1] + drawn[:, 2] * b[2]
             error = across * drawn + (about - across) * roll[:, np.newaxis] * b
             attitude = quaternion.multiply(attitude, quaternion.exp(error))

@@ -161,7 +161,8 @@ class SensorModel:
         ParameterError
             If a value is invalid, or a jitter holds up more than `MAX_HELD_UP` readings.
         """
-        own, parts = values_of(cls, sensor, values), cls.parts(sensor, values)
+        own = values_of(cls, sensor, values)
+        parts = cls.parts(sensor, values)
         delivery = TransportFaults.from_values(sensor, values)
         jitter = delivery.latency_jitter if delivery else 0.0
         if own["rate"] * jitter > MAX_HELD_UP:

@@ -42,7 +42,8 @@ class Converter:
         ParameterError
             If the resolution is too fine for double precision, or coarser than the range.
         """
-        found, name = cls(**values_of(cls, sensor, values)), f"{sensor}_resolution"
+        found = cls(**values_of(cls, sensor, values))
+        name = f"{sensor}_resolution"
         step = found.resolution
         if 0.0 < step < MIN_RESOLUTION:
             raise ParameterError(

@@ -74,7 +74,8 @@ class TriadFaults(FaultModel):
 
     def drift(self, times_ns: Integers) -> Array:
         """What the drift with temperature adds to the bias at some times since the segment's start, shape (N, 3)."""
-        age, duration = times_ns - self.window.begin_ns, nanoseconds(self.temperature_drift_duration)
+        age = times_ns - self.window.begin_ns
+        duration = nanoseconds(self.temperature_drift_duration)
         share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
         return np.asarray(share[:, np.newaxis] * self.drifted)
 
@@ -98,7 +99,8 @@ class TriadFaults(FaultModel):
         for row, column in np.argwhere(spikes).tolist():
             time = int(times_ns[row])
             yield Fault("spike", self.sensor, AXES[column], time, time, float(spikes[row, column]))
-        bursts, saturation = (self.noise_burst, self.noise_burst_density), (self.saturation, self.saturation_level)
+        bursts = (self.noise_burst, self.noise_burst_density)
+        saturation = (self.saturation, self.saturation_level)
         for episodes, size in (bursts, (self.stuck, None), saturation):
             if episodes is not None:
                 for number, begin, end in episodes.between(begin_ns, end_ns):
@@ -133,7 +135,8 @@ def linear_errors(*, scale: float = 0.0, misalignment: float = 0.0, matrix: floa
     ndarray, shape (c, 3, 3)
         Those whose standard deviation is not 0.
     """
-    axes, entries = np.eye(3), np.eye(9).reshape(9, 3, 3)
+    axes = np.eye(3)
+    entries = np.eye(9).reshape(9, 3, 3)
     sizes = ((scale, axes[:, :, np.newaxis] * axes[:, np.newaxis]), (misalignment, so3.hat(axes)), (matrix, entries))
     return np.concatenate([size * kind for size, kind in sizes if size] or [np.zeros((0, 3, 3))])
 
@@ -151,14 +154,16 @@ class TriadFaultInjector:
     """
 
     def __init__(self, model: TriadFaults, rate: float, converter: Converter) -> None:
-        self._model, self._converter = model, converter
+        self._model = model
+        self._converter = converter
         sigma = model.noise_burst_density * math.sqrt(rate)
         self._burst = WhiteNoise(model.seed, stream(model.sensor, "noise_burst", 1), sigma)
         self._last: Array | None = None
 
     def disturbed(self, first: int, times_ns: Integers, signal: Array) -> Array:
         """The signal of readings with bursts, spikes, saturation and what is stuck, shape (N, 3)."""
-        model, count = self._model, len(times_ns)
+        model = self._model
+        count = len(times_ns)
         if model.noise_burst is not None:
             inside = model.noise_burst.at(times_ns)[:, np.newaxis] >= 0
             signal = signal + np.where(inside, self._burst.draw(first, count), 0.0)
@@ -286,7 +291,8 @@ class Triad:
         start = WhiteNoise(seed, turn_on, model.turn_on_bias).draw(0, 1)[0]
         self._bias = RandomWalk(start, WhiteNoise(seed, walk, model.bias_random_walk / math.sqrt(rate)))
         self._noise = WhiteNoise(seed, white, model.noise_density * math.sqrt(rate))
-        self._model, self._sensitivity = model, model.sensitivity
+        self._model = model
+        self._sensitivity = model.sensitivity
         self._faulty = None if model.faults is None else TriadFaultInjector(model.faults, rate, model.converter)
 
     def signals(self, first: int, times_ns: Integers, truth: Array, interval: float = 0.0) -> tuple[Signal, Signal]:

@@ -89,8 +89,11 @@ class _SegmentFaults:
     """The faults of one segment, found some time before they are taken."""
 
     def __init__(self, segment: Segment) -> None:
-        self.start_ns, self.end_ns = segment.start_ns, 2 * MAX_EPOCH_NS
-        self._segment, self._known_ns, self._ready = segment, segment.start_ns, list[Fault]()
+        self.start_ns = segment.start_ns
+        self.end_ns = 2 * MAX_EPOCH_NS
+        self._segment = segment
+        self._known_ns = segment.start_ns
+        self._ready = list[Fault]()
         self._faulty = [sensor for sensor in segment.scenario.sensors.on.values() if sensor.fault_models]
         fastest = max((sensor.rate for sensor in self._faulty), default=1.0)
         self.most_per_second = max((rate for sensor in self._faulty for rate in _rates(sensor)), default=0.0)
@@ -102,12 +105,14 @@ class _SegmentFaults:
             self._ready += sorted((fault for sensor in self._faulty for fault in self._of(sensor, end_ns)), key=_BEGIN)
             self._known_ns = end_ns
         count = bisect_right(self._ready, until_ns, key=_BEGIN)
-        taken, self._ready = self._ready[:count], self._ready[count:]
+        taken = self._ready[:count]
+        self._ready = self._ready[count:]
         return taken
 
     def _of(self, sensor: SensorModel, end_ns: int) -> Iterator[Fault]:
         """Faults of a sensor from the time until which all are known to another, ns."""
-        start_ns, begin_ns = self._segment.start_ns, self._known_ns
+        start_ns = self._segment.start_ns
+        begin_ns = self._known_ns
         clock = SampleClock(self._segment.scenario.epoch_ns, sensor.rate)
         first = clock.count_until(begin_ns - 1)
         times = clock.stamps_ns(first, clock.count_until(end_ns - 1) - first) - start_ns
@@ -141,7 +146,9 @@ class _RunningSegment:
     """
 
     def __init__(self, segment: Segment, motion: Callable[[], Motion]) -> None:
-        scenario, self.segment, self.end_ns = segment.scenario, segment, 2 * MAX_EPOCH_NS
+        scenario = segment.scenario
+        self.segment = segment
+        self.end_ns = 2 * MAX_EPOCH_NS
         ahead = partial(scenario.batch_size, LOOK_AHEAD, STEPS_AHEAD)
         self.clock = segment.clock()
         states = partial(_states, motion(), segment.start_ns)
@@ -263,7 +270,8 @@ class Simulation:
             If the next ones have no stamp in ROS. Then nothing is taken.
         """
         at_most = whole_number("at_most", at_most, 1)
-        running, fault_end_ns = self._oldest(), self._faults.end_ns(at_most)
+        running = self._oldest()
+        fault_end_ns = self._faults.end_ns(at_most)
         stamp_ns = min(stamp_ns, running.end_ns, fault_end_ns, max(self.next_stamp_ns, MAX_EPOCH_NS))
         for queue in running.queues:
             if queue.count_until(stamp_ns) > at_most:
@@ -312,9 +320,11 @@ class Simulation:
         Segment
             The new one.
         """
-        first, epoch_ns = self.next_sample, self.segment.scenario.epoch_ns
+        first = self.next_sample
+        epoch_ns = self.segment.scenario.epoch_ns
         if scenario.rate != self.segment.scenario.rate:
-            first, epoch_ns = 0, int(self.clock.stamps_ns(first, 1)[0])
+            epoch_ns = int(self.clock.stamps_ns(first, 1)[0])
+            first = 0
         self._begin(scenario.resampled(epoch_ns=epoch_ns), first)
         return self.segment
 
@@ -351,8 +361,10 @@ class MemoizedMotion:
     """
 
     def __init__(self, motion: Motion, latest: LastCall) -> None:
-        self._motion, self._latest = copy.copy(motion), latest
-        self._calls, self._in_step = 0, True
+        self._motion = copy.copy(motion)
+        self._latest = latest
+        self._calls = 0
+        self._in_step = True
 
     def at(self, t_ns: ArrayLike) -> State:
         """The states at the given times, ns."""
@@ -365,7 +377,9 @@ class MemoizedMotion:
             return cast(State, latest.states)
         states = self._motion.at(t_ns)
         if self._in_step:
-            latest.number, latest.t_ns, latest.states = self._calls, np.array(t_ns), states
+            latest.number = self._calls
+            latest.t_ns = np.array(t_ns)
+            latest.states = states
             latest.motion = copy.copy(self._motion)
         return states
 
@@ -384,7 +398,8 @@ def motions_of(scenario: Scenario, clocks: Mapping[float, LastCall] | None = Non
     """
     rates = scenario.rates
     shared = {rate: LastCall() for rate in rates} if clocks is None else clocks
-    start, turns = scenario.make_motion(), iter(rates)
+    start = scenario.make_motion()
+    turns = iter(rates)
     return lambda: MemoizedMotion(start, shared[next(turns)])
 
 

@@ -122,7 +122,9 @@ class SampleQueue(Generic[R]):
         look_ahead: int,
         arrivals: Arrivals | None = None,
     ) -> None:
-        self._clock, self._arrivals, self._next = clock, arrivals or clock, first
+        self._clock = clock
+        self._arrivals = arrivals or clock
+        self._next = first
         self._compute: Callable[[Integers], R] = compute
         self._look_ahead = look_ahead
         self._ready: R = compute(np.empty(0, dtype=np.int64))
@@ -159,7 +161,8 @@ class SampleQueue(Generic[R]):
     def take(self, count: int) -> R:
         """The next ``count`` samples."""
         self.prepare(count)
-        taken, self._ready = self._ready[:count], self._ready[count:]
+        taken = self._ready[:count]
+        self._ready = self._ready[count:]
         return taken
 
 
@@ -186,7 +189,8 @@ class Measurement:
     """
 
     def __init__(self, segment: Segment, name: str, motion: Motion) -> None:
-        scenario, start_ns = segment.scenario, segment.start_ns
+        scenario = segment.scenario
+        start_ns = segment.start_ns
         self._start_ns = start_ns
         self._motion = motion
         self.model = scenario.sensors.on[name]
@@ -201,7 +205,8 @@ class Measurement:
 
     def samples(self, measured_ns: Integers) -> SensorSamples:
         """The next readings, which are measured at some times, ns."""
-        number, times = self.next, measured_ns - self._start_ns
+        number = self.next
+        times = measured_ns - self._start_ns
         arrived = self._arrived(number, measured_ns)  # first, as it may be refused
         self.next += len(times)
         readings = self._instrument.measure(times, self._motion.at(times), number - self.first)
@@ -209,7 +214,8 @@ class Measurement:
 
     def replay(self, count: int) -> tuple[Integers, Booleans, dict[str, Signal]]:
         """When the next readings arrive, ns, which of them are lost, and their signals by array."""
-        number, measured_ns = self.next, self.clock.stamps_ns(self.next, count)
+        number = self.next
+        measured_ns = self.clock.stamps_ns(self.next, count)
         times = measured_ns - self._start_ns
         self.next += count
         signals = self._instrument.signals(times, self._motion.at(times), number - self.first)

@@ -47,7 +47,8 @@ class SampleClock:
 
     def stamp_ns(self, number: int) -> int:
         """The stamp of one sample, ns; extrapolated for negative numbers."""
-        n, d = self.period_ns.numerator, self.period_ns.denominator
+        n = self.period_ns.numerator
+        d = self.period_ns.denominator
         quotient, remainder = divmod(2 * number * n + d, 2 * d)
         return self.epoch_ns + quotient - (remainder == 0 and quotient % 2 == 1)  # ties to even
 
@@ -65,7 +66,9 @@ class SampleClock:
         -------
         ndarray of int64, shape (count,)
         """
-        n, d, last = self.period_ns.numerator, self.period_ns.denominator, self.stamp_ns(first + count - 1)
+        n = self.period_ns.numerator
+        d = self.period_ns.denominator
+        last = self.stamp_ns(first + count - 1)
         if count and last > MAX_EPOCH_NS:
             raise ParameterError(
                 "epoch_ns",
@@ -149,7 +152,8 @@ class Segment:
             content = _parsed(text)
         except ValueError as error:
             raise InputError(f"the scenario message is not the JSON that lie_rigid_body writes: {error}") from None
-        first, start = content.pop("first_sample"), content.pop("start_ns")
+        first = content.pop("first_sample")
+        start = content.pop("start_ns")
         content.pop("software", None)
         content.pop("topics", None)
         for name, value in (("first_sample", first), ("start_ns", start)):
@@ -221,8 +225,12 @@ class Arrivals:
     """
 
     def __init__(self, clock: SampleClock, first: int, start_ns: int, delivery: TransportFaults) -> None:
-        self._clock, self._first, self._start_ns, self._delivery = clock, first, start_ns, delivery
-        self._latency_ns, self._jitter_ns = nanoseconds(delivery.latency), nanoseconds(delivery.latency_jitter)
+        self._clock = clock
+        self._first = first
+        self._start_ns = start_ns
+        self._delivery = delivery
+        self._latency_ns = nanoseconds(delivery.latency)
+        self._jitter_ns = nanoseconds(delivery.latency_jitter)
 
     def stamp_ns(self, number: int) -> int:
         """Time at which one reading arrives, ns."""

@@ -35,13 +35,16 @@ class OutputFile:
     path : str or Path
     overwrite : bool
         Whether a regular file of that name may be replaced.
+    whole : bool, optional
+        Whether a file that may be replaced is written beside its place even where no older one has it, so that nobody
+        finds part of it under its name.
 
     Attributes
     ----------
     stream : file
         Stream to write to.
     replaces : bool
-        Whether an older file waits to be replaced.
+        Whether it is written beside its place.
 
     Raises
     ------
@@ -51,17 +54,18 @@ class OutputFile:
         If the file cannot be created, saying why and what to do.
     """
 
-    def __init__(self, path: str | Path, *, overwrite: bool) -> None:
+    def __init__(self, path: str | Path, *, overwrite: bool, whole: bool = False) -> None:
         self.path = as_path(path)
         self._is_whole = False
         try:
             self._target = self._place(overwrite)
-            self.replaces = overwrite and self._target.exists()
+            exists = self._target.exists()
+            self.replaces = overwrite and (exists or whole)
             self._written = self._target
             if self.replaces:
                 self._written = self._target.with_name(_PART.format(secrets.token_hex(8)))
             self.stream: BinaryIO = open(self._written, "xb")  # noqa: SIM115 closed by commit or discard
-            if self.replaces:  # without the bits by which a program runs as its owner
+            if exists:  # without the bits by which a program runs as its owner
                 os.chmod(self._written, self._target.stat().st_mode & 0o777)
         except FileExistsError:
             raise ExistsError(
@@ -162,7 +166,7 @@ def written(path: str | Path, *, overwrite: bool) -> Iterator[BinaryIO]:
     BagError
         If it exists and may not be replaced, or cannot be written.
     """
-    out = OutputFile(path, overwrite=overwrite)
+    out = OutputFile(path, overwrite=overwrite, whole=True)
     try:
         yield out.stream
         out.commit()

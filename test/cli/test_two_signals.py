@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import sys
 import time
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +17,7 @@ from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.recording.bag_reader import read_bag
 from said import numbers
 from sampled import sampled
-from two_signals import PAIRS, VERB, WITHOUT_NUMBA, ended_by_the_second, full_pipe, started, struck
+from two_signals import PAIRS, STRUCK, STRUCK_WITHOUT_NUMBA, VERB, ended_by_the_second, full_pipe, started, struck
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
 CAMPAIGN = "{runs: 500, seed: 7, duration: 8.0, vary: {initial_attitude_xyzw: {distribution: uniform_rotation}}}"
@@ -58,7 +59,7 @@ def prepared(folder: Path, bag: Path) -> Path:
 def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
     """Strike one verb once, and look at what it leaves."""
     random = Random(f"{name} {seed}")
-    command = [*VERB[: 1 if not numba else None], *(() if numba else ("-c", WITHOUT_NUMBA)), *LONG_WORK[name].split()]
+    command = [sys.executable, "-c", STRUCK if numba else STRUCK_WITHOUT_NUMBA, *LONG_WORK[name].split()]
     pair = PAIRS[seed % len(PAIRS)]
     status, out, err = struck(command, folder, random, LONGEST_S.get(name, 2.0), pair)
     if name in ENDS_WITH and status == 0:  # done before the first signal came

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 from random import Random
@@ -15,17 +16,17 @@ from simulator_process import LAST_LINE, assignments, without_lateness
 from lie_rigid_body.recording.bag_reader import read_bag
 from said import numbers
 from sampled import sampled
-from two_signals import DEADLINE, PAIRS, VERB, ended_by_the_second, fill, full_pipe, started, struck
+from two_signals import DEADLINE, PAIRS, STRUCK, VERB, ended_by_the_second, fill, full_pipe, started, struck
 
 pytestmark = pytest.mark.ros
 INT, TERM = signal.SIGINT, signal.SIGTERM
-EVALUATE = [*VERB, "evaluate", "--ros-args", "-r", "estimate:=/nobody"]
+EVALUATE = ["evaluate", "--ros-args", "-r", "estimate:=/nobody"]
 
 
 def simulated(folder: Path, seed: int) -> None:
     """Strike the simulator once, and look at what it leaves."""
     bag, random = folder / f"{seed}.mcap", Random(f"sim {seed}")
-    command = [*VERB, "sim", *assignments(rate=1000.0, record_path=bag)]
+    command = [sys.executable, "-c", STRUCK, "sim", *assignments(rate=1000.0, record_path=bag)]
     status, out, err = struck(command, folder, random, 4.0, PAIRS[seed % len(PAIRS)])
     assert (status, without_lateness(err.splitlines())) == (0, [])
     if bag.exists() and (said := numbers(out.splitlines()[-1])[0]):
@@ -34,7 +35,8 @@ def simulated(folder: Path, seed: int) -> None:
 
 def evaluated(folder: Path, seed: int) -> None:
     """Strike the evaluator once, before anything came that it could score."""
-    status, out, err = struck(EVALUATE, folder, Random(f"evaluate {seed}"), 4.0, PAIRS[seed % len(PAIRS)])
+    command = [sys.executable, "-c", STRUCK, *EVALUATE]
+    status, out, err = struck(command, folder, Random(f"evaluate {seed}"), 4.0, PAIRS[seed % len(PAIRS)])
     first, *last = [line for line in err.splitlines() if LAST_LINE[:-1] not in line]
     assert (status, out, last) == (130, "", []), err
     assert first.startswith("lie-rigid-body evaluate: error: "), err
@@ -74,7 +76,7 @@ def test_a_later_signal_ends_a_simulator_that_closes_for_ever(
 
 def test_a_later_signal_ends_an_evaluator_that_cannot_close(tmp_path: Path) -> None:
     with full_pipe() as write:
-        process = started(EVALUATE, tmp_path, write)
+        process = started([*VERB, *EVALUATE], tmp_path, write)
         try:
             time.sleep(1.0)
             assert ended_by_the_second(process, (INT, TERM, INT)) == -INT
