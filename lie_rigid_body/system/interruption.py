@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import math
 import signal
 import threading
@@ -50,7 +51,8 @@ class Interruption:
         Parameters
         ----------
         to_the_end : bool
-            Whether to note them also afterwards, until the interpreter ends, which keeps the exit status.
+            Whether to note them also afterwards, until the interpreter ends, and then to ignore them, which keeps
+            the exit status.
             Else the handlers are again what they were.
         """
         if cls._current is not None or not _in_main_thread():
@@ -63,6 +65,8 @@ class Interruption:
         taken = [n for n, f in former.items() if f in defaults or (f == signal.SIG_IGN and n.name != "SIGHUP")]
         for number in taken:
             signal.signal(number, interruption._handle)
+            if to_the_end:  # the interpreter gives back every handler before it ends, and a late signal would decide
+                atexit.register(signal.signal, number, signal.SIG_IGN)
         try:
             yield interruption
         finally:
