@@ -1,4 +1,4 @@
-"""What is wrong with an attitude filter that can be run again: its mistakes by repair, its abilities by probes.
+"""Diagnosis of an attitude filter that can be run again: its mistakes by repairs, its abilities by probes.
 
 A filter is run on readings of perfect sensors. Where it errs, its readings and its estimate are repaired from outside,
 and the repair that makes the error vanish names the mistake.

@@ -110,7 +110,7 @@ class ErrorOverTime:
 
 @dataclass(frozen=True)
 class FilterDiagnosis(Shown):
-    """What is wrong with a filter, and what it can do.
+    """Diagnosis of a filter: its mistakes, and the probes of what it can do.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class FilterDiagnosis(Shown):
 
     @property
     def sentences(self) -> list[str]:
-        """What a person needs to know first."""
+        """Headline for a person: the mistakes, or that there is none, and the probes that failed."""
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
         said = (
@@ -178,7 +178,7 @@ class FilterDiagnosis(Shown):
         }
 
     def __str__(self) -> str:
-        """What a person needs to know first; `lie_rigid_body.report.filters` makes the tables."""
+        """Headline for a person; `lie_rigid_body.report.filters` makes the tables."""
         return "\n".join(self.sentences)
 
 
@@ -341,7 +341,7 @@ def instead_of(named: Trial, others: Sequence[Trial], code: str) -> tuple[str, .
 
 
 def _notes(search: Search) -> Iterator[Note]:
-    """What helps the filter and is no mistake: later readings of the vectors, and the other kind of gyro."""
+    """Notes on what helps the filter and is no mistake: later vector readings, and the other kind of gyro."""
     chosen = search.chosen
     alike = [trial for trial in search.trials if trial.codes == chosen.codes]
     without = min((t.error for t in alike if JOINT not in t.repairs), default=0.0)

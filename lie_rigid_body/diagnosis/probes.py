@@ -31,7 +31,7 @@ VECTOR_ERROR: Final = 0.05
 SLOW: Final = 0.06
 """Factor of the rates in a slow motion."""
 WRONG_SIGN: Final = "as where a correction has the wrong sign"
-"""What is said of a filter that makes small errors large."""
+"""Words for a filter that makes small errors large."""
 WITHOUT_REPAIR: Final = ("stuck", "mixed", "gaps", "turn_rate", "turn_axes")
 """Findings of `evaluate` that no repair undoes: they are told where nothing helps."""
 SEEDS: Final = 12
@@ -76,7 +76,7 @@ class ProbeRow(NamedTuple):
     judge: Callable[[Search, Sequence[Answer]], Judged]
 
     def told(self, search: Search, answers: Sequence[Answer | FilterError]) -> Probe:
-        """What is told of the answers; a filter that fails in a probe fails the probe."""
+        """Result of the probe by the filter's answers; a filter that raises an error fails the probe."""
         try:
             for each in answers:
                 if isinstance(each, FilterError):
@@ -119,7 +119,7 @@ def _follows(search: Search, answers: Sequence[Answer]) -> Judged:
 
 
 def _without_repair(search: Search, track: Matched) -> str:
-    """What is known of an error that no repair mends."""
+    """Sentences about an error that no repair removes."""
     if search.is_by_chance:
         return f"; two equal runs differ by {with_unit(float(np.degrees(search.scatter)))}: no repair is looked for"
     if search.change:
@@ -387,7 +387,7 @@ NOTES: Final = (
 
 
 def told(search: Search, rows: Iterable[ProbeRow]) -> Iterator[Probe]:
-    """What is told of probes; those without courses, as of a covariance where there is none, are left out."""
+    """Results of probes; those without courses, as of a covariance where there is none, are left out."""
     asked = [(row, courses) for row in rows if (courses := row.courses(search))]
     answers = search.ask([Job(course, search.chosen.repairs) for _, courses in asked for course in courses])
     return (row.told(search, [next(answers) for _ in courses]) for row, courses in asked)

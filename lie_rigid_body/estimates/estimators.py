@@ -28,7 +28,7 @@ from lie_rigid_body.system.interpreters import STARTING_S, Interpreter, Interpre
 T = TypeVar("T")
 Estimator: TypeAlias = Callable[[Run], Any]
 Job = Callable[[Estimator], T]
-"""What is to be done with an estimator; it is pickled for another process, and so is its result."""
+"""Work to be done with an estimator; it is pickled for another process, and so is its result."""
 
 MEND_IT: Final = "mend it"
 """Remedy at the end of an error line about an estimator that cannot be imported."""

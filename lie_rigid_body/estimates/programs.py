@@ -259,7 +259,7 @@ class Reading(NamedTuple):
 
 
 class Answered(NamedTuple):
-    """What a node has published: the full name and the type of its topic, and the messages."""
+    """Publications of a node: the full name and the type of its topic, and the messages."""
 
     topic: str
     message_type: str

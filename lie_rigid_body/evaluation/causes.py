@@ -34,7 +34,7 @@ UP: Final = np.array([0.0, 0.0, 1.0])
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
-"""What is said of a cause that a mistake at the input of the filter may feign."""
+"""Words for a cause that a mistake at the input of the filter may imitate."""
 
 
 @dataclass(frozen=True, eq=False)

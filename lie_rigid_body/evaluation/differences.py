@@ -62,7 +62,7 @@ class Difference:
         return self.low > 0.0 or self.high < 0.0
 
     def sentence(self, first: str, second: str, unit: str = "°") -> str:
-        """What may be said of two estimates of these names."""
+        """Sentence about the difference of two estimates of these names."""
         if not np.isfinite(self.low):
             few = "few common samples" if self.runs == 1 else f"few common runs ({self.runs})"
             return f"{first} and {second}: too {few} to tell a difference"

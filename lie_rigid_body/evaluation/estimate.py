@@ -1,4 +1,4 @@
-"""What an estimator returns: attitudes, and what else it tells."""
+"""Result of an estimator: attitudes, and if it has them covariances and gyro biases."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class ScoreOptions:
 
 @dataclass(frozen=True, eq=False)
 class SensorLimits:
-    """What the sensors of a run tell about any estimate of it.
+    """Limits that the sensors of a run set to any estimate of it.
 
     Attributes
     ----------

@@ -127,7 +127,7 @@ def shaped(name: str, value: ArrayLike, shape: Shape, dtype: DTypeLike = np.floa
 
 
 def _misfit(given: NDArray[Any], shape: Shape, *, is_real: bool) -> str:
-    """What is wrong with an array of another shape, or with a complex one, and its remedy."""
+    """Fault of an array that has another shape, or is complex, and the remedy."""
     form = f"({', '.join('…' if axis is ... else str(axis) for axis in shape)}{',' * (len(shape) == 1)})"
     remedy = f"give {'real ' * is_real}numbers of shape {form}"
     if _fits(given.shape, shape):

@@ -355,7 +355,7 @@ def _not_chosen(body: Body) -> str:
 
 
 def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
-    """What a bag holds besides some bodies, in words."""
+    """Contents of a bag besides some bodies, in words."""
     own = [track for body in known for track in body.tracks.values()]
     shared = {track.topic for track in own}
     besides = [track for track in contents.tracks.values() if not any(track is each for each in own)]

@@ -25,14 +25,14 @@ _OTHER_FORMATS: Final = {
     b"#ROSBAG V2.0": "it is a ROS 1 bag: convert it with 'mcap convert'",
     ZSTD_MAGIC: "it is zstd-compressed as a whole: unpack it with 'unzstd'",
 }
-"""What files are that are no MCAP files, and what to do with them, by their first bytes."""
+"""Formats of files that are no MCAP files, and the remedies, by their first bytes."""
 _PIECE: Final = 2**17
 """Bytes that are decompressed at a time: the largest block of zstd. With a damaged block those before it are not
 lost."""
 
 
 def other_format(data: bytes) -> str:
-    """What a file of such first bytes is, and what to do with it; empty if that is not known."""
+    """Format of a file of such first bytes, and the remedy; empty if it is not known."""
     return next((text for magic, text in _OTHER_FORMATS.items() if data.startswith(magic)), "")
 
 
@@ -63,7 +63,7 @@ def decompress_partial(chunk: Chunk) -> bytes:
 
 
 def _of_zstd(data: bytes, size: int) -> Iterator[bytes]:
-    """What frames of zstd hold; zstandard's own ``decompress`` would believe the size that the frame declares."""
+    """Content of frames of zstd; zstandard's own ``decompress`` would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
     source = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)

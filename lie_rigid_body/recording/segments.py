@@ -225,7 +225,7 @@ class SensorClocks:
         return numbers, measured + stamps_ns - self._shown_ns(place, measured)
 
     def _shown_ns(self, place: int, measured_ns: Integers) -> Integers:
-        """What the clock shows at some times in a segment, ns."""
+        """Times that the sensor's clock shows at some times in a segment, ns."""
         delivery = self._deliveries[place]
         epoch_ns = self._segments[place].scenario.epoch_ns
         return measured_ns if delivery is None else measured_ns + delivery.error_ns(measured_ns, epoch_ns)

@@ -1,4 +1,4 @@
-"""What the records of an MCAP file declare and count: what its messages are read by, and the summary at its end."""
+"""Declarations and counts of an MCAP file: channels and schemas of its messages, and the summary at its end."""
 
 from __future__ import annotations
 

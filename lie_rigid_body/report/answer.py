@@ -87,7 +87,7 @@ class Details:
 _NUMBER: Final = re.compile(r"(?:[-+]?\d\S*(?: \S+)?)?")
 """A number, perhaps with its unit, or nothing."""
 Part: TypeAlias = Conclusion | Sentences | Table | Picture | Details
-"""What an answer is made of."""
+"""Parts that an answer is made of."""
 
 
 def as_text(parts: Iterable[Part], title: str = "") -> str:

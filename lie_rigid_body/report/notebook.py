@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: its answer without pictures."""
+"""HTML that a notebook shows of a result: its answer without pictures."""
 
 from __future__ import annotations
 

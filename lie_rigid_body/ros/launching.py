@@ -20,7 +20,7 @@ _OF_LAUNCH: Final = ("launch-prefix", "launch-prefix-filter")
 
 
 def descriptions() -> dict[str, str]:
-    """What each parameter of the node means, by its name, which is that of a launch argument as well."""
+    """Descriptions of the node's parameters by their names, which are those of launch arguments as well."""
     return {parameter.name: parameter.description for parameter in PARAMETERS}
 
 

@@ -31,7 +31,7 @@ which participants listen (DDSI-RTPS 2.5, 9.6.2.3)."""
 
 
 def played(estimator: NodeEstimator, readings: Sequence[Reading]) -> Answered | str:
-    """What a node answers, or why it does not."""
+    """Answer of a node, or the reason why there is none."""
     with tempfile.TemporaryFile() as output, tempfile.TemporaryDirectory() as logs:
         try:
             with own_domain() as domain:

@@ -47,7 +47,7 @@ _REMEDIES: Final = {
     "(?i)security": "mend the keys in ROS_SECURITY_KEYSTORE, or set ROS_SECURITY_ENABLE to false",
     "peer": "name machines that are known as ROS_STATIC_PEERS",
 }
-"""What to do about a refusal of ROS, by words of it."""
+"""Remedies for refusals of ROS, by words of their messages."""
 
 
 @contextmanager

@@ -105,7 +105,7 @@ def _in_turn(parts: Sequence[CramerRaoBound]) -> CramerRaoBound | None:
 def sensor_limits(
     segments: Sequence[Segment], truth: Truth, bounded_ns: int | None = None, gyro: Array | None = None
 ) -> SensorLimits:
-    """What the sensors of a run tell about any estimate of it.
+    """Limits that the sensors of a run set to any estimate of it.
 
     Parameters
     ----------

@@ -217,7 +217,7 @@ class BlindScenario(Scenario):
     @classmethod
     @lru_cache(maxsize=32)  # a filter is run many times on few scenarios
     def of(cls, scenario: Scenario, given: tuple[str, ...] = ()) -> BlindScenario:
-        """What a filter may know of a scenario, and some of what is withheld that it is given."""
+        """Scenario as a filter may know it, with those of the withheld parameters that it is given."""
         withheld = {*WITHHELD}.difference(given)
         told = {name: value for name, value in scenario.parameters().items() if name not in withheld}
         known = Scenario.from_parameters(told)

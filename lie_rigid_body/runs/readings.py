@@ -75,7 +75,7 @@ class SensorArrays:
 
     @property
     def arrays(self) -> dict[str, Array | None]:
-        """What it reads, and the biases in it, by their names; None for what is not known."""
+        """Readings and the biases in them, by their names; None for what is not known."""
         return {name: array for name, array in vars(self).items() if name not in ("t_ns", "arrival_ns")}
 
     def to_dataframe(self) -> DataFrame:

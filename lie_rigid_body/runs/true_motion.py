@@ -53,7 +53,7 @@ class TrueMotion:
         return ScenarioTruth.of_samples(self.segments, stamps, attitude)
 
     def notes_on(self, track: AttitudeTrack) -> Iterator[str]:
-        """What a reader of the score of some attitudes should know, one sentence each."""
+        """Notes for a reader of the score of some attitudes, one sentence each."""
         if self.poses is None:
             start = self.segments[0].start_ns
             first = int(track.stamps_ns[0])

@@ -73,14 +73,14 @@ class TriadFaults(FaultModel):
         return noise.draw(0, 1).reshape(3)
 
     def drift(self, times_ns: Integers) -> Array:
-        """What the drift with temperature adds to the bias at some times since the segment's start, shape (N, 3)."""
+        """Change of the bias with temperature at some times since the segment's start, unit, shape (N, 3)."""
         age = times_ns - self.window.begin_ns
         duration = nanoseconds(self.temperature_drift_duration)
         share = np.clip(age / duration, 0.0, 1.0) if duration else np.where(age >= 0, 1.0, 0.0)
         return np.asarray(share[:, np.newaxis] * self.drifted)
 
     def spikes(self, first: int, times_ns: Integers) -> Array:
-        """What spikes add to some readings, shape (N, 3), unit; see `TransportFaults.lost` for the arguments."""
+        """Spikes in some readings, shape (N, 3), unit; see `TransportFaults.lost` for the arguments."""
         spikes = np.zeros((len(times_ns), 3))
         if self.spike_probability:
             drawn = self.draws("spike").following(first, len(times_ns))

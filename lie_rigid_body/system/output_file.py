@@ -183,7 +183,7 @@ def reason(error: Exception) -> str:
 
 
 def remedy(error: OSError) -> str:
-    """What to do about an error of writing."""
+    """Remedy for an error of writing."""
     return "make room" if error.errno in NO_ROOM else "look after the disk"
 
 

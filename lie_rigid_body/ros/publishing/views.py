@@ -1,4 +1,4 @@
-"""What RViz and Foxglove show: ``/tf``, the body's frame in the world, and ``markers``.
+"""Topics that RViz and Foxglove show: ``/tf``, the body's frame in the world, and ``markers``.
 
 The body is a box, its angular momentum and velocity are arrows, and the polhode is a line.
 """
