@@ -32,6 +32,8 @@ CELLS = [[cell.strip() for cell in line.split("|")[1:-1]] for line in PAGE.split
 ROWS = {first.strip("()"): others for first, *others in CELLS}
 LINK = re.compile(r"\[`?([^\]`]+)`?\]\(([^)]*)\)")
 
+WITHOUT_NUMBERS = {"E12", "E14"}
+"""Errata that one line says."""
 WITHOUT_EQUATION = {
     "MassMoments.dimension",
     "MassMoments.first_moment",
@@ -59,15 +61,9 @@ def named(path: str) -> Any:
     return found
 
 
-def run(heading: str) -> dict[str, Any]:
-    names: dict[str, Any] = {}
-    exec(compile(SECTIONS[heading], heading, "exec"), names)
-    return names
-
-
 @pytest.mark.parametrize("heading", [h for h, code in SECTIONS.items() if code and h not in ERRATA.values()])
 def test_each_section_runs_on_its_own(heading):
-    run(heading)
+    exec(compile(SECTIONS[heading], heading, "exec"), {})
 
 
 def test_the_table_has_every_equation_in_its_order():
@@ -107,17 +103,14 @@ def test_every_erratum_is_reached_from_the_table_and_every_link_of_the_page_ends
     assert set(re.findall(r"\]\(#([^)]*)\)", PAGE)) <= anchors
 
 
-@pytest.mark.parametrize("number", ERRATA)
+@pytest.mark.parametrize("number", sorted(ERRATA.keys() - WITHOUT_NUMBERS))
 def test_an_erratum_is_measured(number):
-    """The page asserts it as well; here it is held without trust in its assertions."""
-    names = run(ERRATA[number])
+    names: dict[str, Any] = {}
+    exec(compile(SECTIONS["Errata"] + SECTIONS[ERRATA[number]], number, "exec"), names)
     measured, printed, corrected = (np.asarray(names[name]) for name in ("measured", "printed", "corrected"))
     gap = np.abs(measured - printed).max()
     assert gap > 1e-2
     assert np.abs(measured - corrected).max() < 1e-4 * gap
-    code = SECTIONS[ERRATA[number]]
-    assert "assert not np.allclose(measured, printed" in code
-    assert "assert np.allclose(measured, corrected" in code
 
 
 def functions(module: Any) -> dict[str, Any]:
