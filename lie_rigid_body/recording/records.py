@@ -337,13 +337,13 @@ def find_messages(data: bytes, hints: Integers = NO_HINTS) -> MessageTable:
             return find_messages(data)
         if position != behind[gap]:
             end = position
-    found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]))
+    found = np.sort(np.concatenate([hinted.starts, np.frombuffer(starts, dtype=np.int64)]), kind="stable")
     return MessageTable(data[:end], found, tuple(definitions))
 
 
 def _hinted(data: bytes, hints: Integers) -> MessageTable:
     """Table of the messages to which hints point, perhaps within each other; empty if what stands there is none."""
-    table = MessageTable(data, np.sort(hints))
+    table = MessageTable(data, np.sort(hints, kind="stable"))  # which merges what is in order already
     is_within = len(hints) and table.starts[0] >= 0 and table.starts[-1] <= len(data) - HEAD.itemsize
     least = HEAD.itemsize - RECORD_HEAD.size
     if is_within and ((table.heads["opcode"] == Opcode.MESSAGE) & (table.heads["length"] >= least)).all():
