@@ -183,9 +183,7 @@ def add_increment(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
 
 
 @kernel
-def step_rotation(
-    before: Three, after: Three, half_inertia: Three
-) -> tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]:
+def step_rotation(before: Three, after: Three, half_inertia: Three) -> Four:
     """The vector part ρ of the step's quaternion, and 1 − ρ₀, from the momenta before and after it and ½d."""
     v1 = scaled_sum(before[0], after[0], half_inertia[0])
     v2 = scaled_sum(before[1], after[1], half_inertia[1])
@@ -197,10 +195,26 @@ def step_rotation(
     # 1 − ρ₀² and 1 − ρ₀
     t = (s + s_lo) / square
     less = t / (1.0 + scalar)
+    # a steady rotation repeats them: t(1 − t) = s, and less (2 − less) = t
+    t_lo = rest_of_root(t, 1.0, s, s_lo)
+    less_lo = rest_of_root(less, 2.0, t, t_lo)
     # 1/ρ₀ − 1 = s/(ρ₀³(1 + ρ₀)), as ½s, which is exact, and what is left: ½s (2 − ρ₀³ − ρ₀⁴)/(ρ₀³(1 + ρ₀))
     rest = 0.5 * (s_lo + s * (3.0 * t + less - t * (less + t)) / (square * (scalar + square)))
     half = 0.5 * s
-    return times_one_plus(v1, half, rest), times_one_plus(v2, half, rest), times_one_plus(v3, half, rest), less
+    return (
+        times_one_plus(v1, half, rest),
+        times_one_plus(v2, half, rest),
+        times_one_plus(v3, half, rest),
+        (less, less_lo),
+    )
+
+
+@kernel
+def rest_of_root(x: Number, k: Number, c: Number, c_lo: Number) -> Number:
+    """What is missing in x as the root of x (k − x) = c, by one step of Newton's method."""
+    square, square_lo = two_product(x, x)
+    total, total_lo = two_sum(c, square)
+    return ((total - k * x) + (total_lo + square_lo + c_lo)) / (k - 2.0 * x)
 
 
 @kernel
@@ -231,7 +245,7 @@ def times_one_plus(value: DoubleDouble, hi: Number, lo: Number) -> DoubleDouble:
 
 
 @kernel
-def step_attitude(q: Four, r: tuple[DoubleDouble, DoubleDouble, DoubleDouble, Number]) -> Four:
+def step_attitude(q: Four, r: Four) -> Four:
     """The attitude q ⊗ (ρ, ρ₀) after the step, as q − (1 − ρ₀) q + q ⊗ (ρ, 0): Hamilton's product, scalar last."""
     x, y, z, w = q
     a, b, c, less = r
@@ -255,7 +269,7 @@ def sum_of_products(
     d: DoubleDouble,
     e: DoubleDouble,
     f: DoubleDouble,
-    less: Number,
+    less: DoubleDouble,
 ) -> DoubleDouble:
     """The value (1 − less) + ab + cd + ef."""
     p, p_lo = two_product(a[0], b[0])
@@ -267,4 +281,6 @@ def sum_of_products(
     p_lo += a[0] * b[1] + a[1] * b[0]
     q_lo += c[0] * d[1] + c[1] * d[0]
     r_lo += e[0] * f[1] + e[1] * f[0]
-    return two_sum(total, ((value[1] - less * value[0]) + (e1 + e2 + e3)) + (p_lo + q_lo + r_lo))
+    taken, rest = two_product(less[0], value[0])
+    rest += less[1] * value[0] + less[0] * value[1]
+    return two_sum(total, ((value[1] - taken) + (e1 + e2 + e3)) + (p_lo + q_lo + r_lo - rest))
