@@ -111,6 +111,11 @@ class Case:
         known = {*CONVENTIONS, *CONSTANTS, *NO_REPAIR}
         return frozenset(name.split(",")[0] for name in self.kind if name in known)
 
+    @property
+    def is_far(self) -> bool:
+        """Whether a lag is far; every other one that is the only mistake."""
+        return len(self.kind) == 1 and self.number // len(KINDS) % 2 == 1
+
     def rng(self) -> np.random.Generator:
         """Random numbers of this case alone."""
         return np.random.default_rng([25, self.number])
@@ -306,8 +311,10 @@ def honest(name: str, r: Readings, rng: np.random.Generator) -> Array:
     return quaternion.multiply(turn, r.truth_xyzw) if on_world else quaternion.multiply(r.truth_xyzw, turn)
 
 
-def wrong(code: str, r: Readings, stamps: Array, q: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Stamps and attitudes with one mistake."""
+def wrong(
+    code: str, r: Readings, stamps: Array, q: Array, rng: np.random.Generator, *, far: bool = False
+) -> tuple[Array, Array]:
+    """Stamps and attitudes with one mistake; a lag is of some samples, or of a tenth of the run or more."""
     sign = 1.0 if rng.random() < 0.5 else -1.0
     if code in CONVENTIONS:
         return stamps, CONVENTIONS[code](q)
@@ -324,7 +331,7 @@ def wrong(code: str, r: Readings, stamps: Array, q: Array, rng: np.random.Genera
         axis = np.array([np.cos(angle), np.sin(angle), rng.normal() * 0.3])
         return stamps, quaternion.multiply(quaternion.exp(size * axis / np.linalg.norm(axis)), q)
     if code in {"lagging", "leading"}:
-        count = int(rng.choice([2, 3, 5, 10, 20]))
+        count = int(rng.choice([100, 150, 200, 300, 400] if far else [2, 3, 5, 10, 20]))
         if code == "lagging":
             return stamps[count:], q[: len(q) - count]
         return stamps[: len(stamps) - count], q[count:]
@@ -409,7 +416,7 @@ def prepared(case: Case) -> tuple[Readings, Array, Array, bool, str, float]:
     settled = float(np.sqrt(np.mean(error[len(error) // 4 :] ** 2)))
     for code in case.kind:
         before, old = q, stamps
-        stamps, q = wrong(code, r, stamps, q, rng)
+        stamps, q = wrong(code, r, stamps, q, rng, far=case.is_far)
         if code not in {"gaps", "not_unit"}:
             shared = np.isin(stamps, old)
             if code == "clock_rate":

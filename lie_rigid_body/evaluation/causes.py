@@ -33,6 +33,8 @@ UP: Final = np.array([0.0, 0.0, 1.0])
 """Vertical of the world, its z axis."""
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
 """Quaternion of no turn."""
+MIN_COVERED: Final = 0.25
+"""Smallest share of the samples that a constant of the stamps puts within the truth's times."""
 FEIGNED: Final = "a mistake in its readings does the same, which lie-rigid-body diagnose tells"
 """Words for a cause that a mistake at the input of the filter may imitate."""
 
@@ -201,18 +203,30 @@ def vector(c: Array) -> Array:
     return -quaternion.log(np.roll(c, -1))
 
 
-def _misses(track: Matched, undo: Callable[[Matched, Array], Matched], values: Array) -> Array:
-    """Sum of the squared halves of the errors, rad², that a constant of the stamps leaves, for each of some values."""
+def _misses(track: Matched, undo: Callable[[Matched, Array], Matched], values: Array, covered: float) -> Array:
+    """Mean squared half of the error, rad², that a constant of the stamps leaves, for each of some values.
+
+    It is infinite where a smaller share of the samples than `covered` is within the truth's times.
+    """
     stamps = np.stack([undo(track, np.array([value])).stamps_ns for value in values])
+    known = track.truth.covers(stamps)
     truth = track.truth.at(np.clip(stamps, track.truth.first_ns, track.truth.last_ns))
     cosine = np.einsum("lni,ni->ln", truth, track.attitude_xyzw)
-    return np.asarray(np.sum(np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2, axis=1))
+    squared = np.arccos(np.minimum(np.abs(cosine), 1.0)) ** 2
+    misses = np.sum(squared, axis=1, where=known) / np.maximum(known.sum(axis=1), 1)
+    return np.where(known.mean(axis=1) >= covered, misses, np.inf)
 
 
-def fitted_in_time(cause: Cause, values: Array, tracks: MatchedRuns, most: int = 200) -> Array:
+def fitted_in_time(
+    cause: Cause, values: Array, tracks: MatchedRuns, most: int = 200, covered: float = MIN_COVERED
+) -> Array:
     """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values."""
-    start = values[[np.argmin(sum(_misses(track.thinned(), cause.undo, values) for track in tracks))]]
-    [(_, found)] = fit([track.thinned(most) for track in tracks], [(cause, start)])
+    misses = sum(_misses(track.thinned(), cause.undo, values, covered) for track in tracks)
+    found = values[[np.argmin(misses)]]
+    for _ in range(2):
+        few = [track.thinned(most) for track in tracks]
+        few = [track[track.truth.covers(cause.undo(track, found).stamps_ns)] for track in few]
+        [(_, found)] = fit(few, [(cause, found)])
     return found
 
 

@@ -1,7 +1,7 @@
-"""The clock of an estimate's stamps: its lag with a standard error, or another rate.
+"""The clock of an estimate's stamps: its lag with a standard error, a far lag, or another rate.
 
-A lag is told where it is real, and slow errors cannot look like it. Another rate, as by a mistaken period or a replay
-at another speed, is looked for where nothing else explains a large error.
+A lag is told where it is real, and slow errors cannot look like it. Another clock, as by a mistaken period, a replay at
+another speed or the time of day beside a replay, is looked for where nothing else explains a large error.
 """
 
 from __future__ import annotations
@@ -11,7 +11,18 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from lie_rigid_body.evaluation.causes import BY_CODE, UP, Part, derivative, fit, fitted_in_time, late, undone, weights
+from lie_rigid_body.evaluation.causes import (
+    BY_CODE,
+    MIN_COVERED,
+    UP,
+    Part,
+    derivative,
+    fit,
+    fitted_in_time,
+    late,
+    undone,
+    weights,
+)
 from lie_rigid_body.evaluation.explanations import (
     BOTH,
     FULL,
@@ -25,6 +36,7 @@ from lie_rigid_body.evaluation.explanations import (
 from lie_rigid_body.evaluation.matched import (
     MIN_SAMPLES,
     NEGLIGIBLE,
+    SPIN,
     Matched,
     constant_attitude_misfit,
     floored,
@@ -45,10 +57,16 @@ MAX_INFLATION: Final = 10.0
 """Largest variance inflation factor with which the motion separates a lag from constant turns."""
 MIN_BODY_RATE: Final = 1e-6
 """Least body rate, rad/s, at which the motion determines a lag."""
-MAX_LEFT_BY_RATE: Final = float(np.radians(5.0))
+MAX_LEFT_BY_CLOCK: Final = float(np.radians(5.0))
 """Largest RMS error, rad, that another clock may leave in a quarter of a run: any clock fits a little."""
-MIN_COVERED: Final = 0.9
+MIN_COVERED_BY_RATE: Final = 0.9
 """Smallest share of the samples that the rate of another clock puts within the truth's times."""
+MAX_LAG_STEP: Final = 0.2
+"""Largest turn of the body, rad, from one far lag that is tried to the next."""
+MAX_LAGS: Final = 5000
+"""Largest number of far lags that are tried; where it takes more, none is."""
+EVEN_SPIN: Final = 0.98
+"""Squared length of the mean axis of rotation above which lags a whole turn apart look alike."""
 MIN_OFF: Final = 2e-3
 """Smallest difference of a clock's rate from 1 that is named: a lag explains a smaller one as well."""
 CLOCK_RATIO: Final = 1.5
@@ -169,38 +187,62 @@ def standard_error(track: Matched, parts: Sequence[Part]) -> float:
     return max(*map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))
 
 
-def other_rate(track: Matched, most: int = 300) -> tuple[Part, Matched] | None:
-    """Fit the rate of another clock, by which an estimate follows the truth from its first stamp on.
+def other_clock(track: Matched, beyond_s: float, most: int = 300) -> tuple[Part, Matched] | None:
+    """Find another clock by which an estimate follows the truth: of another rate, or late or ahead by a far lag.
 
     Parameters
     ----------
     track : Matched
         All samples, also those outside of the truth's times.
+    beyond_s : float
+        Lags up to this were judged before, s.
     most : int
-        Number of samples of the fit.
+        Number of samples that are judged.
 
     Returns
     -------
     tuple of Part and Matched, or None
-        The rate, and the samples that it puts within the truth's times. None if it leaves much error in a quarter of
-        the run but the first: beside that by the given stamps, and beside the turn of the body. None as well where the
-        body turns about one axis and the scale of a gyro may do the same.
+        The clock that leaves the least error, and the samples that it puts within the truth's times.
     """
     few = track.thinned(most)
+    truth = track.truth
+    some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
+    step_s = MAX_LAG_STEP / max(float(norm(truth.states(some)[1]).max()), 1e-9)
+    begin_s = (int(few.stamps_ns[0]) - truth.last_ns) / 1e9
+    end_s = (int(few.stamps_ns[-1]) - truth.first_ns) / 1e9
+    if len(few.stamps_ns) < MIN_SAMPLES:
+        return None
     cause = BY_CODE["clock_rate"]
-    part = cause, fitted_in_time(cause, RATES, [few])
+    parts = [(cause, fitted_in_time(cause, RATES, [few], covered=MIN_COVERED_BY_RATE))]
+    if end_s - begin_s <= MAX_LAGS * step_s:
+        lags = np.arange(begin_s, end_s, step_s)
+        parts.append(late(float(fitted_in_time(BY_CODE["lagging"], lags[np.abs(lags) > beyond_s], [few])[0])))
+    found = [(part, undone(track, [part]).known()) for part in parts if _explains(few, part, beyond_s)]
+    return min(found, key=lambda clock: rms(clock[1].error().total), default=None)
+
+
+def _explains(few: Matched, part: Part, beyond_s: float) -> bool:
+    """Whether another clock leaves little error in each quarter of the run but the first.
+
+    Little is: beside the error by the given stamps, and beside the turn of the body. A body that turns about one axis
+    does not tell a rate from the scale of a gyro, and an even spin not a lag from one of whole turns more.
+    """
     moved = undone(few, [part]).known()
     own = few.known()
-    if len(moved.stamps_ns) < max(MIN_SAMPLES, MIN_COVERED * len(few.stamps_ns)) or abs(part[1][0] - 1.0) < MIN_OFF:
-        return None
+    is_rate = part[0].code == "clock_rate"
+    number = float(part[1][0])
+    if len(moved.stamps_ns) < max(MIN_SAMPLES, (MIN_COVERED_BY_RATE if is_rate else MIN_COVERED) * len(few.stamps_ns)):
+        return False
+    if abs(number - 1.0) < MIN_OFF if is_rate else abs(number) <= beyond_s:
+        return False
     truth, rate = moved.truth.states(moved.stamps_ns)
     before = quarters(own) if len(own.stamps_ns) >= MIN_SAMPLES else np.ones(3)
-    most_left = min((0.5 * UNLIKE) ** 2 * constant_attitude_misfit(truth), np.sin(0.5 * MAX_LEFT_BY_RATE) ** 2)
+    most_left = min((0.5 * UNLIKE) ** 2 * constant_attitude_misfit(truth), np.sin(0.5 * MAX_LEFT_BY_CLOCK) ** 2)
     if np.any(quarters(moved) > floored(np.minimum(SHARE**2 * before, most_left))):
-        return None
-    if is_single_axis(rate):
-        seconds = float(part[1][0])  # of the truth in a second of the stamps
-        spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (track.truth.last_ns - track.truth.first_ns)
-        if max(seconds, 1.0 / seconds) < CLOCK_RATIO or spanned < MIN_SPANNED:
-            return None
-    return part, undone(track, [part]).known()
+        return False
+    if not is_single_axis(rate, SPIN if is_rate else EVEN_SPIN):
+        return True
+    if not is_rate:
+        return abs(number) * float(norm(rate).max()) < np.pi
+    spanned = int(moved.stamps_ns[-1] - moved.stamps_ns[0]) / (moved.truth.last_ns - moved.truth.first_ns)
+    return max(number, 1.0 / number) >= CLOCK_RATIO and spanned >= MIN_SPANNED

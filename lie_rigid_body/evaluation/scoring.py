@@ -16,12 +16,12 @@ from numpy.typing import ArrayLike
 from lie_rigid_body.evaluation import remarks
 from lie_rigid_body.evaluation.arguments import quantity, unit
 from lie_rigid_body.evaluation.attitudes import Truth, period_ns
-from lie_rigid_body.evaluation.causes import Part, fit, undone
-from lie_rigid_body.evaluation.clock import Lag, lag_of, other_rate
+from lie_rigid_body.evaluation.causes import Part, fit, late, undone
+from lie_rigid_body.evaluation.clock import Lag, lag_of, other_clock, standard_error
 from lie_rigid_body.evaluation.consistency import consistency_of
 from lie_rigid_body.evaluation.cramer_rao_bound import CramerRaoBound
 from lie_rigid_body.evaluation.estimate import Estimate
-from lie_rigid_body.evaluation.explanations import Evidence, Explanation
+from lie_rigid_body.evaluation.explanations import TIE, Evidence, Explanation
 from lie_rigid_body.evaluation.matched import MIN_SAMPLES, Matched
 from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, BoundComparison, Finding, Score
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
@@ -116,7 +116,8 @@ def evaluate(
     converged_deg : float, optional
         Total error below which the estimate counts as converged, degrees.
     longest_lag_s : float, optional
-        Longest lag that is looked for, s; at most a quarter of the run. By default 1 s.
+        Longest lag that is looked for, s; at most a quarter of the run. By default 1 s, and a farther one where nothing
+        else explains a large error.
     diagnosed : bool
         Whether lag and mistaken conventions are looked for, which takes most of the time.
 
@@ -286,12 +287,19 @@ def diagnose(
     inner = track[truth.covers(stamps - margin) & truth.covers(stamps + margin)]
     evidence = Evidence(inner, longest_s, left_by_sensors) if len(inner.stamps_ns) >= MIN_SAMPLES else None
     named, of_sensors, at_limit = evidence.choice() if evidence else (None, False, False)
-    lost = unlike and not (named and named.causes) and not (evidence and evidence.follows())
-    other = other_rate(whole) if lost else None
-    if other:
+    causes = {*named.causes} if named else set[str]()
+    lost = unlike and not causes and not (evidence and evidence.follows())
+    # a motion that nearly repeats has a near lag or a turn for each far lag
+    near = unlike and longest_lag_s is None and bool({"world_turned", "body_mounting", "lag"} & causes)
+    is_short = longest_lag_s is None and at_limit
+    beyond_s = 0.9 * longest_s if longest_lag_s is None else np.inf
+    other = other_clock(whole, beyond_s) if lost or near or is_short else None
+    most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
+    if other and rms(other[1].error().total) <= most:
         part, moved = other
         after = np.degrees(moved.error().total)
-        return Lag(), (_finding(part, _errors(whole, []), after, whole.known()),), False
+        lag = Lag() if part[0].code == "clock_rate" else Lag(float(part[1][0]), standard_error(moved, [late(0.0)]))
+        return lag, (_finding(part, _errors(whole, []), after, whole.known()),), False
     if not evidence or not named:
         return Lag(), (), False
     lag = Lag() if at_limit else lag_of(inner, named, longest_s, period_ns(stamps) / 1e9)

@@ -293,7 +293,8 @@ def test_a_lag_is_found_as_far_as_it_is_looked_for(lag_s):
     score = evaluate(stamps, late, SLOW_TRUTH, longest_lag_s=5.0)
     assert score.lag_s == pytest.approx(lag_s, abs=1e-6)
     assert [code for code in codes(score) if code != "gaps"] == ["lagging" if lag_s > 0 else "leading"]
-    assert evaluate(stamps, late, SLOW_TRUTH).lag_s is None
+    assert evaluate(stamps, late, SLOW_TRUTH).lag_s == pytest.approx(lag_s, abs=1e-6)
+    assert evaluate(stamps, late, SLOW_TRUTH, longest_lag_s=1.0).lag_s is None
 
 
 def test_at_the_limit_of_the_search_neither_a_lag_nor_a_mounting_is_told():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from motions import CLOCK, MOTIONS, turns
 from lie_rigid_body import ClosedForm, RigidBody, State, simulate
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, evaluate
 from lie_rigid_body.evaluation.causes import CAUSES
-from lie_rigid_body.evaluation.clock import other_rate
+from lie_rigid_body.evaluation.clock import other_clock
 from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.lie import quaternion
@@ -53,6 +54,42 @@ def test_a_clock_of_another_rate_is_told_with_the_factor(motion, times, said):
     assert score.findings[0].rms_deg_after == pytest.approx(np.sqrt(3.0), rel=0.15)
 
 
+@pytest.mark.parametrize("shift_s", [-7.0, -5.0, 3.0, 5.0])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_stamps_that_are_off_by_half_of_the_run_are_a_lag_and_nothing_else(motion, shift_s):
+    estimate, truth = of_ten(motion)
+    score = evaluate(TEN + round(shift_s * 1e9), estimate, truth)
+    assert list(told(score)) == ["lagging" if shift_s > 0.0 else "leading"]
+    assert score.lag_s == pytest.approx(shift_s, abs=0.02)
+    assert score.lag_s is not None
+    assert score.lag_standard_error_s is not None
+    assert abs(score.lag_s - shift_s) < 4.0 * score.lag_standard_error_s
+
+
+def test_a_slow_body_by_stamps_that_are_off_and_without_noise():
+    run = simulate("tumbling_cubesat", duration=10.0, rate=20.0)
+    score = run.score(run.truth.attitude_xyzw, run.t_ns + 5_000_000_000)
+    assert list(told(score)) == ["lagging"]
+    assert score.lag_s == pytest.approx(5.0, abs=1e-6)
+
+
+def test_many_wrong_stamps_ask_for_no_more_memory():
+    estimate, truth = of_ten("slow_tumble")
+    stamps = np.concatenate([TEN[:70] - 10**16, TEN[70:]])
+    tracemalloc.start()
+    other_clock(Matched(stamps, estimate, truth), 1.0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 20e6
+
+
+def test_a_clock_whose_fit_leaves_the_truth_is_none():
+    run = simulate("tumbling_cubesat", duration=4.0)
+    truth = SampledTruth(run.t_ns[:74], run.truth.attitude_xyzw[:74])
+    stamps = np.arange(370) * 10_000_000 + int(run.t_ns[0])
+    assert set(told(evaluate(stamps, np.tile([0.0, 0.0, 0.0, 1.0], (370, 1)), truth))) <= {"stuck"}
+
+
 @pytest.mark.parametrize("every", [10, 50])
 def test_an_estimate_at_another_rate_than_the_truth_is_by_the_same_clock(every):
     run = simulate("dzhanibekov", duration=10.0, rate=100.0)
@@ -68,7 +105,7 @@ def test_a_truth_is_asked_within_its_times_only():
         return sampled.at(t_ns)
 
     truth = ExactTruth(attitude, sampled.first_ns, sampled.last_ns)
-    assert other_rate(Matched(2 * TEN, estimate, truth)) is not None
+    assert other_clock(Matched(2 * TEN, estimate, truth), 1.0) is not None
     assert truth.first_ns <= min(asked) <= max(asked) <= truth.last_ns
 
 
