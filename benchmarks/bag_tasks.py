@@ -33,7 +33,7 @@ NOISE: Final = {
     "accelerometer_bias_random_walk": 1e-4,
     "magnetometer_noise_density": 1e-8,
 }
-MINUTE, HOUR, DAY = 60, 3600, 86_400
+MINUTE, HOUR = 60, 3600
 _PLAIN_SECONDS: Final = MINUTE
 """Of the run that the library writes or reads: what a message costs it does not depend on how many there are."""
 _BATCH: Final = 8192
@@ -59,13 +59,13 @@ class Run:
     @property
     def text(self) -> str:
         """Its length in words."""
-        lengths = {MINUTE: "a minute", 10 * MINUTE: "ten minutes", HOUR: "an hour", DAY: "a day"}
+        lengths = {MINUTE: "a minute", 10 * MINUTE: "ten minutes", HOUR: "an hour"}
         return f"{lengths.get(self.duration, f'{self.duration} s')} at {self.rate:g} Hz"
 
 
 NOISY: Final = "and IMU, bias, magnetometer with noise"
 SENSORS: Final = ("pose, twist", "and IMU, bias, magnetometer", NOISY)
-LENGTHS: Final = ((1000.0, MINUTE), (1000.0, 10 * MINUTE), (1000.0, HOUR), (100.0, DAY))
+LENGTHS: Final = ((1000.0, 10 * MINUTE), (1000.0, HOUR))
 
 
 def runs(longest: int) -> Iterator[Run]:
@@ -187,7 +187,7 @@ def _with_memory(function: Callable[..., T], given: tuple[Any, ...]) -> tuple[T,
     return result, int(peak[1]) / 1024  # that of getrusage is at least the parent's
 
 
-def arguments(about: str | None, *, longest: int = DAY) -> argparse.Namespace:
+def arguments(about: str | None, *, longest: int = HOUR) -> argparse.Namespace:
     """The arguments that these benchmarks have in common."""
     parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
     parser.add_argument("--save", action="store_true", help="write the table of docs/reference/costs.md")

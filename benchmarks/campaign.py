@@ -83,18 +83,18 @@ def main() -> None:
     """Print the costs and their ratio."""
     given = arguments(__doc__, longest=HOUR)
     compile_loops()
-    lines = [("a run of", "processor time", "of the library's writer alone", "memory")]
+    lines = [("a run of", "processor time", "memory")]
     names = {MINUTE: "a minute", 10 * MINUTE: "ten minutes", HOUR: "an hour"}
     of_minute = 0.0
     for duration in (length for length in RUNS if length <= given.longest):
         (ours, plain), memory = alone(costs, duration)
         of_minute = of_minute or plain
         print(f"{names[duration]}: {ours:.3f} s, the library's writer alone {plain:.3f} s", flush=True)
-        lines.append((names[duration], f"{ours / plain:.2f}", "1", f"{memory:.0f} MiB"))
+        lines.append((names[duration], f"{ours / plain:.2f}", f"{memory:.0f} MiB"))
     for estimators, name in (({}, ""), ({"estimators": ESTIMATORS}, ", two filters compared")):
         whole = (whole_command(MANY, estimators) - whole_command(FEW, estimators)) / (MANY - FEW)
         print(f"a minute, by the whole command{name}: {whole:.3f} s", flush=True)
-        lines.append((f"a minute, by the whole command{name}", f"{whole / of_minute:.2f}", "1", ""))
+        lines.append((f"a minute, by the whole command{name}", f"{whole / of_minute:.2f}", ""))
     tell("campaign", lines, save=given.save)
 
 

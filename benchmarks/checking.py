@@ -1,6 +1,6 @@
 """What checking a bag costs, beside reading its messages by the `mcap` library alone.
 
-    python benchmarks/checking.py                      # from a minute to a day, two minutes on an idle machine
+    python benchmarks/checking.py                      # ten minutes and an hour, a minute on an idle machine
     python benchmarks/checking.py --longest 600
     python benchmarks/checking.py --save               # also writes the table of docs/reference/costs.md
 

@@ -1,6 +1,6 @@
 """What recording in bulk costs, simulation included, beside the `mcap` library's writer alone on the same messages.
 
-    python benchmarks/recording.py                     # from a minute to a day, two minutes on an idle machine
+    python benchmarks/recording.py                     # ten minutes and an hour, a minute on an idle machine
     python benchmarks/recording.py --longest 600
     python benchmarks/recording.py --save              # also writes the table of docs/reference/costs.md
 

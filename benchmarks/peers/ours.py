@@ -1,4 +1,4 @@
-"""This package: every stepper of the moving chart, compiled where numba is installed, and the closed form."""
+"""This package: the closed form, and four steppers of the moving chart, compiled where numba is installed."""
 
 from __future__ import annotations
 
@@ -10,22 +10,30 @@ from numpy.typing import NDArray
 
 from lie_rigid_body import ClosedForm, MovingChart, RigidBody, State
 from lie_rigid_body.foundation.errors import LieRigidBodyError
-from lie_rigid_body.motion import METHODS
-from lie_rigid_body.motion.moving_chart import DEFAULT_METHOD, DEFAULT_STEP
+from lie_rigid_body.motion.moser_veselov import MAX_TURN
+from lie_rigid_body.motion.moving_chart import DEFAULT_MAX_STEP, DEFAULT_METHOD
 from peers.contender import Contender, step_text
 from peers.task import ATTITUDE, INERTIA, RATE, Task
 
 BODY: Final = RigidBody(INERTIA)
 START: Final = State(ATTITUDE, RATE)
-STEPS: Final = sorted({0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, DEFAULT_STEP}, reverse=True)
+SHOWN: Final = ("rkmk4", "dmv2", "dmv10", DEFAULT_METHOD)
+"""Steppers that take part; the others are variants of these."""
+STEPS: Final = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)
+UNIT: Final = (DEFAULT_METHOD, 0.001)
+"""Stepper and step, s, whose cost is 1."""
+LONGEST_STEP: Final = MAX_TURN / float(np.linalg.norm(RATE))
+"""About the step of the default stepper where none is asked for, s."""
 
 
 def contenders(task: Task) -> Iterator[Contender]:
-    """The closed form, and each method of the moving chart at each step that fits."""
-    for method in METHODS:
+    """The closed form, the moving chart at its defaults, and each stepper at each step that fits; 1 ms is the unit."""
+    for method in SHOWN:
         MovingChart(BODY, START, method=method).compile()
     yield Contender("ours, closed form", "exact", 0.0, lambda: _closed_form(task), ours=True)
-    for method in METHODS:
+    for method in SHOWN:
+        if method == DEFAULT_METHOD:
+            yield _moving_chart(task, method, DEFAULT_MAX_STEP)
         for step in STEPS:
             if step <= task.smallest_interval:
                 yield _moving_chart(task, method, step)
@@ -42,5 +50,7 @@ def _moving_chart(task: Task, method: str, step: float) -> Contender:
         except LieRigidBodyError:  # the step is too long for the method
             return np.full((len(task.times_ns), 4), np.nan)
 
-    unit = (method, step) == (DEFAULT_METHOD, DEFAULT_STEP)
-    return Contender(f"ours, moving chart {method}", step_text(step), step, run, ours=True, unit=unit)
+    setting = step_text(step) if step else "default"
+    return Contender(
+        f"ours, moving chart {method}", setting, step or LONGEST_STEP, run, ours=True, unit=(method, step) == UNIT
+    )

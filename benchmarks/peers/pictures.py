@@ -18,13 +18,8 @@ Style = tuple[str, str, str]
 
 STYLES: Final = {
     "ours, closed form": ("black", "*", "-"),
-    "ours, moving chart rkmk1": ("#9ECAE1", "v", "-"),
-    "ours, moving chart rkmk2": ("#4292C6", "^", "-"),
     "ours, moving chart rkmk4": ("#08519C", "o", "-"),
     "ours, moving chart dmv2": ("#B2EBF2", "8", "-"),
-    "ours, moving chart dmv4": ("#6FD6E0", "p", "-"),
-    "ours, moving chart dmv6": ("#26B5C4", "H", "-"),
-    "ours, moving chart dmv8": ("#0C8E9B", "8", "-"),
     "ours, moving chart dmv10": ("#04626B", "p", "-"),
     "ours, moving chart dmv20": ("#013338", "H", "-"),
     "MuJoCo, Euler": ("#FDAE6B", "s", "--"),

@@ -24,12 +24,12 @@ def full_table(task: Task, rows: Sequence[Row]) -> str:
 
 def short_table(rows: Sequence[Row]) -> str:
     """One line for each family: what it costs to err by no more than each level, and how accurate it gets."""
-    head = ("relative cost at an error of at most", *(f"{level:.0e} rad" for level in LEVELS), "best error", "at cost")
+    head = ("relative cost at an error, rad, of", *(f"{level:.0e}" for level in LEVELS), "best error, rad", "at cost")
     lines = []
     for family, members in families(rows).items():
         best = min(members, key=lambda row: (row.largest, row.cost))
         reached = [_cheapest(members, level, unit(rows)) for level in LEVELS]
-        lines.append((family, *reached, f"{best.largest:.1e} rad", f"{best.cost / unit(rows):.2g}"))
+        lines.append((family, *reached, f"{best.largest:.1e}", f"{best.cost / unit(rows):.2g}"))
     return markdown([head, *lines])
 
 
