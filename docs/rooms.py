@@ -10,6 +10,7 @@ import ast
 import re
 import textwrap
 from collections.abc import Iterator
+from functools import cache
 from html import escape
 from itertools import pairwise
 from pathlib import Path
@@ -60,6 +61,13 @@ def imports(source: str, module: str, *, is_package: bool = False) -> Iterator[s
             yield from (a.value for a in node.args if isinstance(a, ast.Constant) and isinstance(a.value, str))
 
 
+@cache
+def imported(module: str) -> frozenset[str]:
+    """Every module that a module of the package imports."""
+    path = MODULES[module]
+    return frozenset(imports(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py"))
+
+
 def _name(function: ast.expr) -> str:
     """What is called, without the object that it belongs to."""
     return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
@@ -73,9 +81,8 @@ def room(module: str) -> str:
 def arrows() -> Arrows:
     """Every import between two rooms of the package, but those of what everyone may import."""
     found: Arrows = {room(module): set() for module in MODULES if room(module) not in FOR_ALL}
-    for module, path in MODULES.items():
-        targets = imports(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py")
-        ours = {room(target) for target in targets if target.partition(".")[0] == PACKAGE}
+    for module in MODULES:
+        ours = {room(target) for target in imported(module) if target.partition(".")[0] == PACKAGE}
         found.get(room(module), set()).update(ours - {room(module), *FOR_ALL})
     return found
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Set
-from functools import cache
 from graphlib import CycleError, TopologicalSorter
 
 import pytest
 
-from rooms import MODULES, PACKAGE, imports, room
+from rooms import MODULES, PACKAGE, imported, imports, room
 
 # What each room may import of the package besides itself and what is for all. A room is a folder or a module of the
 # package, and its own __init__ is the room "".
@@ -108,13 +107,6 @@ def side(module: str) -> str:
 
 
 WALLS = (wall_between_rooms, wall_around_system, wall_around_ros, wall_around_mathematics, wall_around_referee)
-
-
-@cache
-def imported(module: str) -> frozenset[str]:
-    """What a module of the package imports."""
-    path = MODULES[module]
-    return frozenset(imports(path.read_text(encoding="utf-8"), module, is_package=path.name == "__init__.py"))
 
 
 def breaches(source: str, module: str, *, is_package: bool = False) -> list[str]:

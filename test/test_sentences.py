@@ -1,9 +1,10 @@
-"""Sentences, of pages and docstrings, and pages that one reads once: at most 30 words, and 2 500 words."""
+"""Words of pages and docstrings: sentences of at most 30, pages of at most 2 500, no riddle, no name of two things."""
 
 from __future__ import annotations
 
 import ast
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from inspect import cleandoc
 from pathlib import Path
@@ -31,6 +32,14 @@ LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
 ROW = re.compile(r"^\s*\|.*$", re.MULTILINE)
 ITEM = re.compile(r"^\s*(?:[-*] |\d+\. |#)", re.MULTILINE)
 END = re.compile(r"\n\s*\n|(?<=[.?!])[*)\"]*\s+")
+RIDDLE = re.compile(r"\s*(Of|That of|Those of|By|Nor|The same|So|Where)\b")
+"""Beginnings that need the line above: a docstring begins with a noun of the field or a verb."""
+
+
+@pytest.fixture(scope="module")
+def trees() -> dict[str, ast.Module]:
+    """The package as syntax trees, which take 80 MB: only the process that reads them makes them."""
+    return {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
 
 
 def sentences(text: str) -> list[list[str]]:
@@ -51,21 +60,25 @@ def test_no_sentence_has_more_words_than_one_reads_at_once(page: Path) -> None:
     assert found == []
 
 
-def docstrings(source: str) -> Iterator[str]:
-    """Docstrings of modules, classes, functions and constants as text, without formulas."""
-    for node in ast.walk(ast.parse(source)):
+def docstrings(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Lines and texts of the docstrings of modules, classes, functions and constants."""
+    for node in ast.walk(tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
-            text = INDENTED.sub("\n\n", cleandoc(node.value.value))
-            # in NumPy's style a name with its type, or a type, stands above what it is
-            text = re.sub(r"^(\S.*)\n    (?=\S)|^(    .*)\n(?=\S)", r"\1\2\n\n", text, flags=re.MULTILINE)
-            yield re.sub(r"^    ", "", text, flags=re.MULTILINE)
+            yield node.lineno, node.value.value
 
 
-def test_no_sentence_of_a_docstring_has_more_words_than_one_reads_at_once() -> None:
+def plain(docstring: str) -> str:
+    """A docstring without formulas; in NumPy's style a name with its type, or a type, stands above what it is."""
+    text = INDENTED.sub("\n\n", cleandoc(docstring))
+    text = re.sub(r"^(\S.*)\n    (?=\S)|^(    .*)\n(?=\S)", r"\1\2\n\n", text, flags=re.MULTILINE)
+    return re.sub(r"^    ", "", text, flags=re.MULTILINE)
+
+
+def test_no_sentence_of_a_docstring_has_more_words_than_one_reads_at_once(trees: dict[str, ast.Module]) -> None:
     found = [
         f"{module}: {' '.join(words)}"
-        for module, path in MODULES.items()
-        for text in docstrings(path.read_text(encoding="utf-8"))
+        for module, tree in trees.items()
+        for text in (plain(docstring) for _, docstring in docstrings(tree))
         for words in sentences(text)
         if len(words) > LONGEST_SENTENCE
     ]
@@ -109,5 +122,65 @@ def test_words_are_counted(text: str, counts: list[int]) -> None:
     ],
 )
 def test_words_of_a_docstring_are_counted(docstring: str, counts: list[int]) -> None:
-    [text] = docstrings(f'def f():\n    """{docstring}"""')
-    assert [len(words) for words in sentences(text) if words] == counts
+    [(_, text)] = docstrings(ast.parse(f'def f():\n    """{docstring}"""'))
+    assert [len(words) for words in sentences(plain(text)) if words] == counts
+
+
+def riddles(tree: ast.AST) -> Iterator[int]:
+    """Lines of the docstrings, of modules, classes, functions and constants, that begin as riddles."""
+    return (line for line, text in docstrings(tree) if RIDDLE.match(text))
+
+
+def twins(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
+    """Names of classes with several homes, leading underscores ignored, and these homes."""
+    homes: dict[str, list[str]] = defaultdict(list)
+    for module, tree in trees.items():
+        for node in tree.body:
+            if isinstance(node, ast.ClassDef):
+                homes[node.name.lstrip("_")].append(module)
+    return {name: modules for name, modules in homes.items() if len(modules) > 1}
+
+
+def pages(tree: ast.AST) -> Iterator[int]:
+    """Lines of texts, docstrings left out, that name a page of the clone: an installed package has none."""
+    read = {node.value for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and node not in read and "docs/" in str(node.value):
+            yield node.lineno
+
+
+def test_no_message_names_a_page_that_an_installed_package_lacks(trees: dict[str, ast.Module]) -> None:
+    assert [f"{module}:{line}" for module, tree in trees.items() for line in pages(tree)] == []
+    assert list(pages(ast.parse('"""See docs/a.md."""\nx = f"{y}: see docs/a.md"'))) == [2]
+
+
+def test_no_docstring_begins_as_a_riddle(trees: dict[str, ast.Module]) -> None:
+    assert [f"{module}:{line}" for module, tree in trees.items() for line in riddles(tree)] == []
+
+
+def test_no_class_name_has_two_homes(trees: dict[str, ast.Module]) -> None:
+    assert twins(trees) == {}
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ('"""Of a motion."""', 1),
+        ('"""The same, for one."""', 1),
+        ('"""\n    Where it ends."""', 1),
+        ('class A:\n    """That of a motion."""', 1),
+        ('def f():\n    """By the step."""', 1),
+        ('LIMIT = 1.0\n"""Nor less."""', 1),
+        ('def f():\n    """So many."""', 1),
+        ('"""Offset of the clock, s."""', 0),
+        ('"""Samples, by number."""', 0),
+        ('x = "Of a motion"', 0),
+    ],
+)
+def test_a_riddle_is_found(source: str, found: int) -> None:
+    assert len(list(riddles(ast.parse(source)))) == found
+
+
+def test_a_twin_is_found() -> None:
+    two = {name: ast.parse("class A: ...") for name in ("one", "other")}
+    assert twins({**two, "third": ast.parse("class _A: ...\nclass B: ...")}) == {"A": ["one", "other", "third"]}

@@ -13,7 +13,7 @@ import yaml
 
 import lie_rigid_body
 from lie_rigid_body.sensors import SENSORS
-from rooms import MODULES, imports
+from rooms import MODULES, imported, imports
 
 ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
@@ -57,8 +57,10 @@ def test_configuration_is_one_set_of_files() -> None:
 
 def test_what_is_imported_is_a_dependency() -> None:
     """In every module of the package, and in the launch files, which start a program of another package."""
-    sources = [path.read_text(encoding="utf-8") for path in (*MODULES.values(), *(ROOT / "launch").glob("*.py"))]
-    found = {name.partition(".")[0] for source in sources for name in imports(source, "lie_rigid_body")}
+    launches = [path.read_text(encoding="utf-8") for path in (ROOT / "launch").glob("*.py")]
+    names = {name for module in MODULES for name in imported(module)}
+    names |= {name for source in launches for name in imports(source, "lie_rigid_body")}
+    found = {name.partition(".")[0] for name in names}
     found -= {*sys.stdlib_module_names, *WITHOUT_KEY, "lie_rigid_body", *FOR_TYPES_ALONE}
     wanted = {KEY_OF.get(name, name) for name in found}
     wanted |= {message_type.partition("/")[0] for message_type in SENSORS.topics.values()}  # imported by these names

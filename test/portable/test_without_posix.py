@@ -14,8 +14,9 @@ from pathlib import Path
 
 import pytest
 
+import every_verb
+
 HERE = Path(__file__).parent
-SCRIPT = HERE / "every_verb.py"
 Python = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -44,17 +45,16 @@ def files(folder: Path) -> dict[str, list[bytes]]:
 @pytest.mark.parametrize(
     "left_out", [("campaign", "plot", "compile"), pytest.param((), marks=pytest.mark.slow)], ids=len
 )
-def test_every_verb_gives_the_same_bytes(tmp_path: Path, without_posix: Python, left_out: tuple[str, ...]) -> None:
+def test_every_verb_gives_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked_here: None, without_posix: Python, left_out: tuple[str, ...]
+) -> None:
     ordinary, portable = tmp_path / "ordinary", tmp_path / "portable"
     ordinary.mkdir()
     portable.mkdir()
-    with subprocess.Popen(
-        [sys.executable, SCRIPT, ordinary, *left_out], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    ) as process:
-        done = without_posix(SCRIPT, portable, *left_out)
-        assert (done.returncode, done.stderr) == (0, "")
-        said = process.communicate()[0]
-    assert process.returncode == 0, said
+    monkeypatch.chdir(ordinary)
+    every_verb.main(ordinary, *left_out)
+    done = without_posix(every_verb.__file__, portable, *left_out)
+    assert (done.returncode, done.stderr) == (0, "")
     here, there = files(ordinary), files(portable)
     differing = {name for name in here.keys() | there.keys() if here.get(name) != there.get(name)}
     assert {name: (here.get(name), there.get(name)) for name in differing} == {}

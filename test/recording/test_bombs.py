@@ -143,7 +143,7 @@ def made(folder: Path, size: int) -> dict[Path, str]:
 
 
 def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for path, said in made(tmp_path, 16 * MIB).items():
+    for path, said in made(tmp_path, 2 * MIB).items():
         status, printed = check([str(path)]), capsys.readouterr()
         assert re.search(said, printed.err or printed.out), printed
         assert (status, printed.err.count("\n")) in ((2, 1), (1, 0)), printed
