@@ -36,7 +36,8 @@ from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
 
-from mutations import Case, Message, drawn, honest, messages_of
+from foreign_bags import Message, messages_of
+from mutations import Case, drawn, honest
 
 KEPT = Path(__file__).parent / "fuzzed"
 SECONDS = 20

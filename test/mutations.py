@@ -10,11 +10,13 @@ from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from random import Random
-from typing import Any, NamedTuple
+from typing import Any
 
 import yaml
 from mcap.reader import make_reader
-from mcap.writer import CompressionType, Writer
+from mcap.writer import CompressionType
+
+from foreign_bags import Message, bag_of, messages_of
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
 WORDS = (0, 1, 2, 3, 37, 255, 256, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 2**64 - 1)
@@ -40,17 +42,6 @@ VALUES: tuple[Any, ...] = (
     "x", "/", "a/b", "\x1b[2J", "\u202e", "é" * 300, [], [0], [1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0], [1e200] * 3, {},
     {"a": 1}, [[1.0]], "moving_chart", "closed_form", "nan", "1e5", "0x10", "1:30", "2001-01-01",
 )  # fmt: skip
-
-
-class Message(NamedTuple):
-    """A message as the `mcap` library reads it."""
-
-    topic: str
-    kind: str
-    definition: bytes
-    log_time: int
-    publish_time: int
-    data: bytes
 
 
 @dataclass(frozen=True)
@@ -98,22 +89,6 @@ def honest() -> dict[str, bytes]:
     return found
 
 
-def messages_of(content: bytes) -> list[Message]:
-    """Messages of a whole file, read by the `mcap` library."""
-    reader = make_reader(BytesIO(content), validate_crcs=False)
-    return [
-        Message(
-            channel.topic,
-            schema.name if schema else "",
-            schema.data if schema else b"",
-            m.log_time,
-            m.publish_time,
-            m.data,
-        )
-        for schema, channel, m in reader.iter_messages(log_time_order=False)
-    ]
-
-
 def rewritten(
     messages: list[Message],
     library: str,
@@ -121,20 +96,10 @@ def rewritten(
     *,
     checksums: bool = True,
 ) -> bytes:
-    """A file of messages by the writer of the `mcap` library, whole in itself."""
-    out = BytesIO()
-    writer = Writer(out, compression=compression, chunk_size=4096, enable_crcs=checksums, enable_data_crcs=False)
-    writer.start("ros2", library)
-    channels: dict[tuple[str, str], int] = {}
-    for number, message in enumerate(messages):
-        key = message.topic, message.kind
-        if key not in channels:
-            schema = writer.register_schema(message.kind, "ros2msg", message.definition)
-            channels[key] = writer.register_channel(message.topic, "cdr", schema)
-        times = message.log_time & (2**64 - 1), message.publish_time & (2**64 - 1)
-        writer.add_message(channels[key], times[0], message.data, times[1], number)
-    writer.finish()
-    return out.getvalue()
+    """A file of messages that is whole in itself."""
+    return bag_of(
+        messages, library, compression=compression, chunk_size=4096, enable_crcs=checksums, enable_data_crcs=False
+    )
 
 
 # mutations: functions of a random state and of what is mutated

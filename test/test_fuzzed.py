@@ -17,6 +17,7 @@ import pytest
 
 import fuzzing
 import mutations
+from foreign_bags import messages_of
 
 pytestmark = [
     pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork"),
@@ -76,7 +77,7 @@ def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
     (tmp_path / "other").unlink()
     (tmp_path / "x.mcap").write_bytes(b"")
     assert broken(case) == "changed x.mcap"
-    messages = mutations.messages_of(bags["exact"])
+    messages = messages_of(bags["exact"])
     forged = [m._replace(data=m.data[:-1] + b"\x40") if m.topic == "/pose" else m for m in messages]
     content = mutations.rewritten(forged, "lie_rigid_body")
     (tmp_path / "x.mcap").write_bytes(content)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tampering import Change, Message, tamper
+from tampering import Change, tamper
 
+from foreign_bags import Message
 from lie_rigid_body.certificate import Certificate, LawResult, certify
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag

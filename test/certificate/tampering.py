@@ -1,66 +1,25 @@
-"""Changing a bag behind its writer's back: read every message, change some, write all with a foreign writer."""
+"""Changing a bag behind its writer's back: read every message, change some, write all as another program would."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
-from mcap.reader import make_reader
-from mcap.summary import Summary
-from mcap.writer import Writer
 
+from foreign_bags import Message, laid_out, messages_of
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.messages import encode_string
-
-
-class Message(NamedTuple):
-    """One message of a bag."""
-
-    topic: str
-    log_time: int
-    data: bytes
-
 
 Change = Callable[[list[Message]], list[Message]]
 
 
 def tamper(source: Path, target: Path, change: Change, chunk_size: int = 2**20, library: str = "someone else") -> Path:
     """Write a changed copy of a bag, without the record that counts the samples at its end."""
-    summary, messages = _read(source, source.stat().st_mtime_ns)
-    with target.open("wb") as stream:
-        writer = Writer(stream, chunk_size=chunk_size)
-        writer.start(profile="ros2", library=library)
-        channels = {}
-        for channel in summary.channels.values():
-            schema = summary.schemas[channel.schema_id]
-            number = writer.register_schema(schema.name, schema.encoding, schema.data)
-            channels[channel.topic] = writer.register_channel(
-                channel.topic, channel.message_encoding, number, channel.metadata
-            )
-        for message in change([*messages]):
-            writer.add_message(channels[message.topic], message.log_time, message.data, message.log_time)
-        writer.finish()
+    changed = (m._replace(publish_time=m.log_time) for m in change(messages_of(source)))
+    target.write_bytes(laid_out(changed, library, chunk_size))
     return target
-
-
-@lru_cache(maxsize=4)
-def _read(source: Path, written_ns: int) -> tuple[Summary, tuple[Message, ...]]:
-    """Summary and messages of a bag that is not written again: most are changed in many ways."""
-    with source.open("rb") as stream:
-        reader = make_reader(stream)
-        summary = reader.get_summary()
-        assert summary is not None
-        read_in_order = reader.iter_messages(log_time_order=False)
-        return summary, tuple(Message(c.topic, m.log_time, m.data) for _, c, m in read_in_order)
-
-
-def messages_of(bag: Path) -> list[Message]:
-    """Messages in the order of the file."""
-    return [*_read(bag, bag.stat().st_mtime_ns)[1]]
 
 
 def on(topic: str, change: Callable[[list[Message]], list[Message]]) -> Change:

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from phrases import telling
-from tampering import Message, at, flipped, on, rotated, scaled_rate, tamper
+from tampering import at, flipped, on, rotated, scaled_rate, tamper
 
+from foreign_bags import Message
 from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.foundation.errors import BagError, ParameterError
 from lie_rigid_body.messages import encode_string

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from phrases import telling
 from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, NOISY, VALUES, broken, laws, recorded, write
-from tampering import Change, Message, at, messages_of, on, tamper, with_numbers
+from tampering import Change, at, on, tamper, with_numbers
 
+from foreign_bags import Message, messages_of
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.segments import SensorClocks

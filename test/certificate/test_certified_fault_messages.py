@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from phrases import telling
 from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, broken, recorded, write
-from tampering import Change, Message, at, declared, messages_of, on, tamper
+from tampering import Change, at, declared, on, tamper
 from test_certified_faults import EVERY, LATE, LATER, LOST, START
 
+from foreign_bags import Message, messages_of
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS

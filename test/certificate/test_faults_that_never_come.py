@@ -49,7 +49,7 @@ def moved(numbers_from_end: int, by: float) -> Change:
 
 
 def honest(folder: Path, parameters: dict[str, object]) -> Path:
-    path = write(folder / "a.mcap", (parameters, 0.5))
+    path = write(folder / "a.mcap", (parameters, 0.3))
     found = certify(Bag(path))
     assert found.passed, found.messages
     return path

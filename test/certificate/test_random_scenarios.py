@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tampering import Change, Message, at, on, tamper, with_numbers
+from tampering import Change, at, on, tamper, with_numbers
 
+from foreign_bags import Message
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.messages.batch import BatchEncoder

@@ -4,51 +4,32 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap.writer import CompressionType, Writer
 from phrases import telling
 from sensor_bags import recorded as recorded_late
 from sensor_bags import write
 from tampering import tamper
 
-from lie_rigid_body import certify
-from lie_rigid_body.messages import definitions, encode_string
-from lie_rigid_body.messages.batch import POSE, TWIST, BatchEncoder
+from foreign_bags import PLAIN, bag_of, messages_of
+from lie_rigid_body import certify, simulate
+from lie_rigid_body.messages import decode_string, encode_string
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation
 
-NS = 10**9
-TYPES = {POSE: definitions.POSE_STAMPED, TWIST: definitions.TWIST_STAMPED}
 Change = Callable[[dict[str, Any]], object]
 
 
 def recorded(path: Path, *texts: tuple[float, Change]) -> Path:
     """A bag of 3 s by `ros2 bag record`, with more scenario messages that come at some time, s."""
-    simulation, out = Simulation(Scenario.from_parameters({"rate": 5.0})), BytesIO()
-    scenario, writer = json.loads(simulation.segment.to_json()), Writer(out, compression=CompressionType.NONE)
-    writer.start("ros2", "libmcap 1.0")
-    messages = [(0.0, "lie_rigid_body/scenario", json.dumps(scenario))]
-    messages += [(time, "lie_rigid_body/scenario", json.dumps(change(dict(scenario)))) for time, change in texts]
-    channels = {}
-    for topic in ("lie_rigid_body/scenario", POSE, TWIST):
-        kind = TYPES.get(topic, definitions.STRING)
-        schema = writer.register_schema(kind, "ros2msg", definitions.definition(kind).encode())
-        channels[topic] = writer.register_channel(f"/{topic}", "cdr", schema)
-    taken = simulation.take_until(simulation.clock.stamp_ns(14), 15)
-    found = [(int(1e9 * time), topic, encode_string(text)) for time, topic, text in messages]
-    found += [
-        (stamp, topic, data)
-        for stamp, topic, data in BatchEncoder(simulation.segment.scenario).encode(taken).in_order()
-    ]
-    for number, (time, topic, data) in enumerate(sorted(found, key=lambda message: message[0])):
-        writer.add_message(channels[topic], time, data, time, number)
-    writer.finish()
-    path.write_bytes(out.getvalue())
+    simulate(duration=2.9, rate=5.0).to_bag(path)
+    first, *rest = messages_of(path)
+    scenario = json.loads(decode_string(first.data))
+    for time, change in texts:
+        data = encode_string(json.dumps(change(dict(scenario))))
+        rest.append(first._replace(log_time=int(1e9 * time), publish_time=int(1e9 * time), data=data))
+    path.write_bytes(bag_of([first, *sorted(rest, key=lambda m: m.log_time)], "libmcap 1.0", compression=PLAIN))
     return path
 
 

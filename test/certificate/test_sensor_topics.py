@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from phrases import telling
 from sensor_bags import BIAS, IMU, MAG, TOPICS
 
+from foreign_bags import bag_of, messages_of
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
 
@@ -17,21 +16,13 @@ def rewritten(
     bag: Path, target: Path, names: dict[str, str], twice: dict[str, str] | None = None, silent: tuple[str, ...] = ()
 ) -> Path:
     """A bag with other names of topics, copies of topics under other names, and topics without messages."""
-    with bag.open("rb") as stream, target.open("wb") as out:
-        writer, reader, channels = Writer(out), make_reader(stream), {}
-        writer.start("ros2", "someone else")
-        for schema, channel, message in reader.iter_messages(log_time_order=False):
-            assert schema is not None
-            copies = [names.get(channel.topic, channel.topic), (twice or {}).get(channel.topic)]
-            for topic in filter(None, copies):
-                if topic not in channels:
-                    kind = writer.register_schema(schema.name, schema.encoding, schema.data)
-                    channels[topic] = writer.register_channel(topic, "cdr", kind, channel.metadata)
-                writer.add_message(channels[topic], message.log_time, message.data, message.publish_time)
-        nothing = writer.register_schema("std_msgs/msg/Empty", "ros2msg", b"")
-        for topic in silent:
-            writer.register_channel(topic, "cdr", nothing)
-        writer.finish()
+    messages = [
+        message._replace(topic=topic)
+        for message in messages_of(bag)
+        for topic in (names.get(message.topic, message.topic), (twice or {}).get(message.topic))
+        if topic
+    ]
+    target.write_bytes(bag_of(messages, topics=[(topic, "std_msgs/msg/Empty") for topic in silent]))
     return target
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from phrases import telling
 from sensor_bags import BIAS, IMU, MAG, broken, recorded, write
-from tampering import Change, Message, on, tamper, with_numbers
+from tampering import Change, on, tamper, with_numbers
 
+from foreign_bags import Message
 from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.recording.bag_reader import Bag
 

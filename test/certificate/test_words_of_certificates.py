@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from phrases import PHRASES
 from sensor_bags import AT, BIAS, IMU, MAG, certificate, recorded
-from tampering import Change, Message, at, declared, flipped, on, with_numbers
+from tampering import Change, at, declared, flipped, on, with_numbers
 from test_certified_clocks import moved
 
+from foreign_bags import Message
 from lie_rigid_body.foundation.errors import BagError
 
 

@@ -32,7 +32,7 @@ def rows(text: str) -> Table:
 
 @pytest.fixture(scope="module")
 def tables() -> tuple[Table, Table]:
-    """Of the bag without errors of the sensors, and of the one with; what another process would record, this one does."""
+    """Of the bag without errors of the sensors, and of the one with: both are recorded in this process."""
     pytest.importorskip("ahrs")
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as printed:
         patch.setattr(sys, "argv", [str(EXAMPLE)])

@@ -12,9 +12,8 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
 
-import pytest
-
 import every_verb
+import pytest
 
 HERE = Path(__file__).parent
 Python = Callable[..., subprocess.CompletedProcess[str]]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from mcap.writer import CompressionType, Writer
 
+from foreign_bags import Message, bag_of, messages_of
 from lie_rigid_body import __version__
 from lie_rigid_body.messages import definitions, encode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, BatchEncoder, sensor_topics
@@ -71,6 +72,34 @@ class PlainBag:
         self._writer.flush()
         self._writer.add_metadata("lie_rigid_body", {"samples": str(samples)})
         self._writer.finish()
+
+
+Rename = Callable[[str], str | None]
+
+
+def rewrite(
+    source: Path,
+    target: Path,
+    rename: Rename = lambda topic: topic,
+    *,
+    keep: Callable[[int, str], bool] = lambda number, topic: True,
+    change: Callable[[int, str, bytes], bytes] = lambda number, topic, data: data,
+    **options: Any,
+) -> Path:
+    """A copy of a bag as another recorder would have written it, which logs later, and beside it a log."""
+    written, topics = list[Message](), dict[str, str]()
+    for number, message in enumerate(messages_of(source)):
+        topic, late = rename(message.topic), message.log_time + 5
+        if topic is None:
+            continue
+        topics[topic] = message.kind
+        if keep(number, topic):
+            data = change(number, topic, message.data)
+            written.append(message._replace(topic=topic, log_time=late, data=data))
+            written.append(Message("/rosout", "rcl_interfaces/msg/Log", b"", late, 0, b"anything"))
+    silent = topics.items() if not written or topics.keys() - {m.topic for m in written} else ()
+    target.write_bytes(bag_of(written, topics=silent, **options))
+    return target
 
 
 COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "": CompressionType.NONE}

@@ -3,57 +3,21 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import zstandard
-from bags import MakeBag
-from mcap.reader import make_reader
-from mcap.writer import CompressionType, Writer
+from bags import MakeBag, rewrite
+from mcap.writer import CompressionType
 from refused_bags import refused
 
+from foreign_bags import bag_of, messages_of
 from lie_rigid_body import Run
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import bags_in
 from lie_rigid_body.recording.bag_reader import read_bag
-
-Rename = Callable[[str], str | None]
-
-
-def rewrite(
-    source: Path,
-    target: Path,
-    rename: Rename = lambda topic: topic,
-    *,
-    keep: Callable[[int, str], bool] = lambda number, topic: True,
-    change: Callable[[int, str, bytes], bytes] = lambda number, topic, data: data,
-    encoding: str = "cdr",
-    **options: object,
-) -> Path:
-    """A copy of a bag by the mcap library's own writer, as other recorders would have written it."""
-    with open(source, "rb") as stream, open(target, "wb") as out:
-        writer = Writer(out, **options)  # type: ignore[arg-type]
-        writer.start("ros2", "another recorder")
-        noise = writer.register_schema("rcl_interfaces/msg/Log", "ros2msg", b"")
-        log = writer.register_channel("/rosout", "cdr", noise)
-        channels: dict[str, int] = {}
-        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages(log_time_order=False)):
-            topic = rename(channel.topic)
-            if topic is None:
-                continue
-            assert schema is not None
-            if topic not in channels:
-                own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[topic] = writer.register_channel(topic, encoding, own)
-            if keep(number, topic):
-                data = change(number, topic, message.data)
-                writer.add_message(channels[topic], message.log_time + 5, data, message.publish_time)
-                writer.add_message(log, message.log_time + 5, b"anything", 0)
-        writer.finish()
-    return target
 
 
 @pytest.mark.parametrize("compression", list(CompressionType))
@@ -83,25 +47,13 @@ def test_bags_of_other_recorders_are_read(
 def test_a_topic_with_two_channels_is_one(make_bag: MakeBag, tmp_path: Path) -> None:
     """As of two publishers, or of files that were joined: messages come in file order."""
     source, path = make_bag(count=60), tmp_path / "two.mcap"
-    with open(source, "rb") as stream, open(path, "wb") as out:
-        writer = Writer(out, chunk_size=3000)
-        writer.start("ros2", "another recorder")
-        channels: dict[tuple[str, int], int] = {}
-        for number, (schema, channel, message) in enumerate(make_reader(stream).iter_messages(log_time_order=False)):
-            assert schema is not None
-            own, key = (
-                writer.register_schema(schema.name, schema.encoding, schema.data),
-                (channel.topic, number // 3 % 2),
-            )
-            channels[key] = channels.get(key) or writer.register_channel(channel.topic, "cdr", own, {"n": str(key[1])})
-            writer.add_message(channels[key], message.log_time, message.data, message.publish_time)
-        other = writer.register_channel("/pose", "cdr", writer.register_schema("std_msgs/msg/Empty", "ros2msg", b""))
-        writer.add_message(other, message.log_time, bytes(4), 0)
-        writer.finish()
+    messages = [m._replace(publisher=number // 3 % 2) for number, m in enumerate(messages_of(source))]
+    other = messages[1]._replace(kind="std_msgs/msg/Empty", definition=b"", data=bytes(4))
+    path.write_bytes(bag_of([*messages, other], chunk_size=3000))
     own_bag, found = read_bag(source), read_bag(path)
     np.testing.assert_array_equal(found.poses.values[:, 3:], own_bag.poses.values[:, 3:])
     np.testing.assert_array_equal(found.twists.stamps_ns, own_bag.twists.stamps_ns)
-    assert len(channels) > 3
+    assert len({(m.topic, m.publisher) for m in messages}) > 3
     [stray] = found.others
     assert [part for part in (" /pose ", " std_msgs/msg/Empty, 1 ") if part not in stray] == []
 

@@ -10,9 +10,8 @@ from types import MappingProxyType
 
 import numpy as np
 import pytest
-from bags import MakeBag
+from bags import MakeBag, rewrite
 from refused_bags import FAULTS, refused
-from test_bag_reader import rewrite
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import BagError, ChoiceError

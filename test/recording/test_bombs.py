@@ -14,11 +14,10 @@ from pathlib import Path
 
 import pytest
 import zstandard
-from bags import write_bag
+from bags import rewrite, write_bag
 from forged import chunk, framed, record, text
 from lz4.frame import BLOCKSIZE_MAX4MB, LZ4FrameCompressor
 from refused_bags import NESTED
-from test_bag_reader import rewrite
 
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.messages import encode_string

@@ -24,6 +24,7 @@ from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType
 
 import mutations
+from foreign_bags import Message, messages_of
 from lie_rigid_body import simulate
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.evaluate import main as evaluate
@@ -175,10 +176,10 @@ RANDOM = st.builds(
 with TemporaryDirectory() as folder:
     path = Path(folder, "x.mcap")
     simulate(duration=0.35, motion="closed_form", rate=20.0, imu_rate=10.0, magnetometer_rate=5.0).to_bag(path)
-    MESSAGES = mutations.messages_of(path.read_bytes())
+    MESSAGES = messages_of(path.read_bytes())
 
 
-def bag(messages: list[mutations.Message]) -> bytes:
+def bag(messages: list[Message]) -> bytes:
     """A file without checksums, so that what is changed in it is read."""
     return mutations.rewritten(messages, "lie_rigid_body", CompressionType.NONE, checksums=False)
 

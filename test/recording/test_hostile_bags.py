@@ -18,9 +18,9 @@ from bags import MakeBag
 from forged import chunk, framed
 from mcap.records import Chunk
 from mcap.writer import MCAP0_MAGIC as MAGIC
-from mcap.writer import CompressionType, Writer
 from refused_bags import refused
 
+from foreign_bags import Message, bag_of
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING
 from lie_rigid_body.recording import bag_files
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -123,13 +123,8 @@ def test_what_does_not_have_its_size_or_its_checksum_is_damage(compression: str,
 
 def test_messages_far_larger_than_their_file_are_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bag_files, "_KEPT_AT_LEAST", 2**16)
-    with open(tmp_path / "x.mcap", "wb") as out:
-        writer = Writer(out, compression=CompressionType.ZSTD)
-        writer.start("ros2", "a forger")
-        channel = writer.register_channel("/chatter", "cdr", writer.register_schema(STRING, "ros2msg", b""))
-        for _ in range(8):
-            writer.add_message(channel, 0, bytes(2**20), 0)
-        writer.finish()
+    large = Message("/chatter", STRING, b"", 0, 0, bytes(2**20))
+    (tmp_path / "x.mcap").write_bytes(bag_of([large] * 8))
     with refused("too much"):
         BagFiles(tmp_path / "x.mcap").contents(of_types([STRING]))
 

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bags import MakeBag
+from bags import MakeBag, rewrite
 from forged import message, record
 from mcap.reader import make_reader
-from mcap.writer import IndexType, Writer
+from mcap.writer import IndexType
 from refused_bags import refused
-from test_bag_reader import rewrite
 
+from foreign_bags import Message, bag_of
 from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_files import BagFiles
@@ -128,14 +128,7 @@ def test_the_second_reading_gives_what_the_library_reads(
 def test_messages_of_two_publishers_are_read_again_in_the_order_of_the_file(tmp_path: Path) -> None:
     """Each publisher has a channel, and so an index, of its own; log times do not tell the order."""
     path, sent = tmp_path / "x.mcap", [(time, bytes([time])) for time in (9, 4, 7, 7, 1, 8)]
-    with path.open("wb") as stream:
-        writer = Writer(stream)
-        writer.start("ros2")
-        schema = writer.register_schema(POSE[1], "ros2msg", b"")
-        channels = [writer.register_channel(POSE[0], "cdr", schema) for _ in range(2)]
-        for number, (time, data) in enumerate(sent):
-            writer.add_message(channels[number % 2], time, data, time)
-        writer.finish()
+    path.write_bytes(bag_of(Message(*POSE, b"", time, time, data, k % 2) for k, (time, data) in enumerate(sent)))
     assert [*again(path).payloads()] == sent
 
 

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from bags import MakeBag
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from refused_bags import refused
 
+from foreign_bags import bag_of, messages_of
 from lie_rigid_body.recording.bag_files import BagFiles, bags_in
 from lie_rigid_body.recording.bag_reader import read_bag
 
@@ -31,21 +30,10 @@ OTHERS = {
 def recorded(source: Path, folder: Path, names: list[str], library: str = "libmcap 1.0") -> Path:
     """A recording of the messages of a bag, split into files as by a recorder that was killed."""
     folder.mkdir()
-    with source.open("rb") as stream:
-        messages = list(make_reader(stream).iter_messages(log_time_order=False))
+    messages = messages_of(source)
     each = -(-len(messages) // len(names))
     for number, name in enumerate(names):
-        with (folder / name).open("wb") as out:
-            writer = Writer(out)
-            writer.start("ros2", library)
-            channels = dict[int, int]()
-            for schema, channel, message in messages[number * each : (number + 1) * each]:
-                assert schema is not None
-                if channel.id not in channels:
-                    own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                    channels[channel.id] = writer.register_channel(channel.topic, "cdr", own)
-                writer.add_message(channels[channel.id], message.log_time, message.data, message.publish_time)
-            writer.finish()
+        (folder / name).write_bytes(bag_of(messages[number * each : (number + 1) * each], library))
     return folder
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zstandard
+from bags import rewrite
 from refused_bags import refused
-from test_bag_reader import rewrite
 
 from lie_rigid_body import Run, simulate
 from lie_rigid_body.foundation.wording import MAX_LINE

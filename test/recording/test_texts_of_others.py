@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from bags import MakeBag
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from refused_bags import refused
 
+from foreign_bags import Message, bag_of, messages_of
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.messages import decode_string, encode_string
@@ -22,6 +21,7 @@ from lie_rigid_body.runs import Run, simulate
 SAMPLES = 40
 PER_MESSAGE = 5
 LINE = json.dumps({"level": "INFO", "text": 200 * "x"})
+LOGGED = encode_string(LINE)
 SCENARIO = "/lie_rigid_body/scenario"
 
 
@@ -34,22 +34,11 @@ def little_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def mixed(source: Path, target: Path, topic: str, *, left_out: str = "", **options: object) -> Path:
     """A copy of a bag with lines of a log between its messages."""
-    with source.open("rb") as stream, target.open("wb") as out:
-        writer, channels = Writer(out, **options), dict[str, int]()  # type: ignore[arg-type]
-        writer.start("ros2", "another recorder")
-        log = writer.register_channel(
-            topic, "cdr", writer.register_schema(STRING, "ros2msg", definition(STRING).encode())
-        )
-        for schema, channel, message in make_reader(stream).iter_messages(log_time_order=False):
-            assert schema is not None
-            if channel.topic not in channels:
-                own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.topic] = writer.register_channel(channel.topic, "cdr", own)
-            if channel.topic != left_out:
-                writer.add_message(channels[channel.topic], message.log_time, message.data, message.log_time)
-            for _ in range(PER_MESSAGE):
-                writer.add_message(log, message.log_time, encode_string(LINE), message.log_time)
-        writer.finish()
+    mixed = list[Message]()
+    for message in messages_of(source):
+        line = Message(topic, STRING, definition(STRING).encode(), message.log_time, message.log_time, LOGGED)
+        mixed += [message] * (message.topic != left_out) + [line] * PER_MESSAGE
+    target.write_bytes(bag_of(mixed, **options))  # type: ignore[arg-type]
     return target
 
 

@@ -14,12 +14,13 @@ import zstandard
 from forged import framed, message, plain, record, text
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.reader import NonSeekingReader
 from mcap.records import Chunk
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import CompressionType, IndexType
 
+from foreign_bags import bag_of, messages_of
 from lie_rigid_body import Run, certify, simulate
 from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.recording.records import MAGIC, record_bytes
 from lie_rigid_body.recording.recovery import recover
@@ -54,9 +55,7 @@ def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def library_messages(path: Path) -> Found:
-    with path.open("rb") as stream:
-        read = NonSeekingReader(stream).iter_messages(log_time_order=False)
-        return [(channel.topic, one.log_time, one.data) for _, channel, one in read]
+    return [(m.topic, m.log_time, m.data) for m in messages_of(path)]
 
 
 def own_messages(path: Path) -> Found:
@@ -85,18 +84,8 @@ def is_read(path: Path, messages: Found) -> None:
 
 def copied(source: Path, target: Path, channels_each: int = 1, **options: Any) -> Path:
     """A copy of a bag by the `mcap` library, each topic on so many channels in turn, as where recordings are merged."""
-    with source.open("rb") as stream, target.open("wb") as out:
-        reader, writer = NonSeekingReader(stream), Writer(out, **options)
-        writer.start("ros2", "lie_rigid_body 1.0.0")
-        channels: dict[tuple[int, int], int] = {}
-        for schema, channel, one in reader.iter_messages(log_time_order=False):
-            assert schema is not None
-            key = channel.id, one.sequence % channels_each
-            if key not in channels:
-                own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[key] = writer.register_channel(channel.topic, "cdr", own, {"merged": str(key[1])})
-            writer.add_message(channels[key], one.log_time, one.data, one.publish_time, one.sequence)
-        writer.finish()
+    messages = [m._replace(publisher=number % channels_each) for number, m in enumerate(messages_of(source))]
+    target.write_bytes(bag_of(messages, LIBRARY, **options))
     return target
 
 

@@ -1,0 +1,131 @@
+"""Bags as other programs write them: the messages of a bag, which a test changes, and files of messages."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterable
+from functools import lru_cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mcap.opcode import Opcode
+from mcap.reader import NonSeekingReader
+from mcap.writer import MCAP0_MAGIC as MAGIC
+from mcap.writer import CompressionType, Writer
+
+PLAIN = CompressionType.NONE
+
+
+class Message(NamedTuple):
+    """A message as the `mcap` library reads it; those of one topic and another publisher are on another channel."""
+
+    topic: str
+    kind: str
+    definition: bytes
+    log_time: int
+    publish_time: int
+    data: bytes
+    publisher: int = 0
+
+
+def messages_of(bag: Path | bytes) -> list[Message]:
+    """Messages of a whole file in their order; a file that is not written again is read once."""
+    return _read(bag) if isinstance(bag, bytes) else [*_kept(bag, bag.stat().st_mtime_ns)]
+
+
+@lru_cache(maxsize=4)
+def _kept(bag: Path, written_ns: int) -> list[Message]:
+    return _read(bag.read_bytes())
+
+
+def _read(content: bytes) -> list[Message]:
+    return [
+        Message(c.topic, s.name if s else "", s.data if s else b"", m.log_time, m.publish_time, m.data)
+        for s, c, m in NonSeekingReader(BytesIO(content)).iter_messages(log_time_order=False)
+    ]
+
+
+def bag_of(
+    messages: Iterable[Message],
+    library: str = "another recorder",
+    *,
+    topics: Iterable[tuple[str, str]] = (),
+    encoding: str = "cdr",
+    samples: int | None = None,
+    **options: Any,
+) -> bytes:
+    """A file of messages by the writer of the `mcap` library.
+
+    Parameters
+    ----------
+    messages : iterable of Message
+    library : str, optional
+        Who says to have written it.
+    topics : iterable of (str, str), optional
+        Topics and types that are declared whether they have messages or not.
+    encoding : str, optional
+    samples : int, optional
+        Number of samples that the file says it has, as those of this package do.
+    **options
+        Those of the writer.
+    """
+    out = BytesIO()
+    writer, channels = Writer(out, **options), dict[tuple[str, str, int], int]()
+    writer.start("ros2", library)
+    for topic, kind in topics:
+        writer.register_channel(topic, encoding, writer.register_schema(kind, "ros2msg", b""))
+    for count, (topic, kind, definition, log_time, publish_time, data, publisher) in enumerate(messages):
+        key = topic, kind, publisher
+        if key not in channels:
+            schema = writer.register_schema(kind, "ros2msg", definition) if kind else 0
+            metadata = {"publisher": str(publisher)}
+            channels[key] = writer.register_channel(topic, encoding, schema, metadata)
+        writer.add_message(channels[key], log_time % 2**64, data, publish_time % 2**64, count)
+    if samples is not None:
+        writer.add_metadata("lie_rigid_body", {"samples": str(samples)})
+    writer.finish()
+    return out.getvalue()
+
+
+def laid_out(messages: Iterable[Message], library: str, chunk_size: int = 2**20) -> bytes:
+    """A file of messages in plain chunks, without indexes: what the writer of a library takes ten times as long for."""
+    found = [MAGIC, record(Opcode.HEADER, text("ros2") + text(library))]
+    channels: dict[tuple[str, str], int] = {}
+    chunk: list[bytes] = []
+    size = 0
+    for count, (topic, kind, definition, log_time, publish_time, data, _) in enumerate(messages):
+        number = channels.get((topic, kind))
+        if number is None:
+            number = channels[topic, kind] = len(channels) + 1
+            schema = struct.pack("<H", number) + text(kind) + text("ros2msg") + sized(definition)
+            channel = struct.pack("<HH", number, number) + text(topic) + text("cdr") + bytes(4)
+            chunk += [record(Opcode.SCHEMA, schema), record(Opcode.CHANNEL, channel)]
+        chunk += [struct.pack("<BQHIQQ", 5, 22 + len(data), number, count, log_time, publish_time), data]
+        size += len(data)
+        if size > chunk_size:
+            found.append(plain_chunk(b"".join(chunk)))
+            chunk, size = [], 0
+    found.append(plain_chunk(b"".join(chunk)))
+    body = b"".join(found)
+    end = record(Opcode.DATA_END, struct.pack("<I", zlib.crc32(body)))
+    return body + end + record(Opcode.FOOTER, bytes(20)) + MAGIC
+
+
+def record(opcode: int, content: bytes) -> bytes:
+    return struct.pack("<BQ", opcode, len(content)) + content
+
+
+def sized(data: bytes) -> bytes:
+    return struct.pack("<I", len(data)) + data
+
+
+def text(value: str) -> bytes:
+    return sized(value.encode())
+
+
+def plain_chunk(data: bytes) -> bytes:
+    """A chunk of records, not compressed, with its checksum."""
+    head = struct.pack("<QQQI", 0, 0, len(data), zlib.crc32(data)) + text("") + struct.pack("<Q", len(data))
+    return record(Opcode.CHUNK, head + data)
