@@ -193,6 +193,8 @@ def broken_laws(case: Case, found: Outcome, out: str, err: str, work: Path, bags
         is_rest = case.signal == signal.SIGKILL and name.endswith(".part")
         if not is_rest and not any(name == word or name.startswith(f"{word}/") for word in asked):
             yield f"wrote {name}"
+    if case.command[0] == "recover" and not case.signal and (status == 0) != ("out.mcap" in now):
+        yield f"status {status}, and the file that was to be written is {'not ' * (status == 0)}there"
     if status == 0 and case.command[0] == "check":
         yield from forged(case, bags)
 

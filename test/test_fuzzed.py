@@ -6,18 +6,20 @@ Cases are children of a process of their own: this one may hold more memory, aft
 from __future__ import annotations
 
 import os
+import struct
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
+from random import Random
 
 import pytest
 
 import fuzzing
 import mutations
-from foreign_bags import messages_of
+from foreign_bags import PLAIN, messages_of
 
 pytestmark = [
     pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork"),
@@ -82,6 +84,58 @@ def test_each_law_is_held(bags: dict[str, bytes], tmp_path: Path) -> None:
     content = mutations.rewritten(forged, "lie_rigid_body")
     (tmp_path / "x.mcap").write_bytes(content)
     assert broken(replace(case, files={"x.mcap": content})).startswith("certified another /pose")
+
+
+def replaced(content: bytes, topic: str, number: int | None, at: int, piece: bytes) -> bytes:
+    """A bag with a piece of the payload of one message of a topic, or of each, overwritten, without checksums."""
+    messages, count = messages_of(content), 0
+    for i, message in enumerate(messages):
+        if message.topic == topic:
+            if number in (count, None):
+                begin = at % len(message.data)
+                data = message.data[:begin] + piece + message.data[begin + len(piece) :]
+                messages[i] = message._replace(data=data)
+            count += 1
+    return mutations.rewritten(messages, "lie_rigid_body", PLAIN, checksums=False)
+
+
+NORM_UNDERFLOWS = ("/pose", 0, 76, struct.pack("<Q", 1), {"check": {1}, "plot": {0}})
+EDGES = [
+    (
+        topic,
+        number,
+        -8 * fields,
+        fields * struct.pack("<d", value),
+        {"check": {1}, "plot": {0, 2}, "evaluate": {0, 1, 2}},
+    )
+    for topic, fields in (("/pose", 7), ("/twist", 6))
+    for value in (float("nan"), float("inf"), -1e308, 1e308, 5e-324)
+    for number in (3, None)
+]
+
+
+@pytest.mark.parametrize(
+    ("topic", "number", "at", "piece", "statuses"),
+    [NORM_UNDERFLOWS, *(pytest.param(*edge, marks=pytest.mark.slow) for edge in EDGES)],
+)
+def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
+    bags: dict[str, bytes], parent: ProcessPoolExecutor, topic: str, number: int | None, at: int, piece: bytes,
+    statuses: dict[str, set[int]],
+) -> None:  # fmt: skip
+    content = replaced(bags["estimate"], topic, number, at, piece)
+    for verb, allowed in statuses.items():
+        found = parent.submit(fuzzing.outcome, mutations.of_verb(verb, content, "estimate"), bags).result()
+        assert found.broken == ""
+        assert found.status in allowed
+
+
+def test_some_files_keep_the_laws(bags: dict[str, bytes], parent: ProcessPoolExecutor) -> None:
+    """Of records at random, and mutated ones."""
+    for seed in range(30):
+        random = Random(seed)
+        content = mutations.of_records(random) if seed % 2 else mutations.mutated_bag(random, bags["exact"])
+        case = mutations.of_verb(("check", "recover", "Run.from_bag")[seed % 3], content, "exact")
+        assert parent.submit(fuzzing.outcome, case, bags).result().broken == "", seed
 
 
 @pytest.mark.slow

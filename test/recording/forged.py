@@ -10,17 +10,11 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 
+from foreign_bags import record, text
+
 Record = tuple[int, bytes]
 Change = Callable[[list[Record]], object]
 CHANNELS = (1, 2)
-
-
-def record(opcode: int, content: bytes) -> bytes:
-    return struct.pack("<BQ", opcode, len(content)) + content
-
-
-def text(value: str) -> bytes:
-    return struct.pack("<I", len(value)) + value.encode()
 
 
 def message(channel: int, payload: bytes = b"payload", time: int = 7) -> bytes:

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 import zstandard
-from forged import Record, chunk, framed, honest, joined, record, text
-from mcap.opcode import Opcode
+from forged import Record, chunk, framed, honest, joined
 from refused_bags import refused as refused_as
-from test_fuzz import HONEST
 
+from foreign_bags import PLAIN, bag_of, messages_of, record, sized, text
+from lie_rigid_body import simulate
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.definition import OF_TABLE
 from lie_rigid_body.cli.check import main as check
@@ -28,8 +28,8 @@ from lie_rigid_body.league.table import rows_of
 from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import _MOST_OTHERS
+from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.mcap_contents import nothing
-from lie_rigid_body.recording.records import records
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.system.bounded_input import (
     LARGEST_DECLARATIONS,
@@ -40,31 +40,23 @@ from lie_rigid_body.system.bounded_input import (
     load_json,
     load_yaml,
 )
+from mutations import FIELDS
 
 MIB = 2**20
-LENGTHS = {  # by opcode, in the order of the format: bytes, a text S, a map or bytes M whose length has 4, D has 8
-    1: "SS",
-    2: "",
-    3: "2SSM",
-    4: "22SSM",
-    5: "",
-    6: "8884SD",
-    7: "2M",
-    8: "8888M8S88",
-    9: "88SSD",
-    10: "88888SS",
-    11: "8244448" + "8M",
-    12: "SM",
-    13: "88S",
-    14: "",
-    15: "",
-}
+
+
+@pytest.fixture(scope="module")
+def honest_bag(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """A bag of three samples, without checksums."""
+    path = tmp_path_factory.mktemp("bags") / "bag.mcap"
+    simulate(duration=0.2, motion="closed_form", rate=10.0).to_bag(path)
+    return bag_of(messages_of(path), LIBRARY, compression=PLAIN, enable_crcs=False)
 
 
 def length_places(opcode: int, content: bytes) -> Iterator[tuple[int, int]]:
     """Where each length stands in the content of a record, and of how many bytes it is; those in maps as well."""
     at = 0
-    for kind in LENGTHS[opcode]:
+    for kind in FIELDS[opcode]:
         if kind.isdecimal():
             at += int(kind)
             continue
@@ -133,10 +125,6 @@ def test_every_length_of_a_record_head_at_its_largest_is_refused(tmp_path: Path)
         at += 9 + length
 
 
-def sized(data: bytes) -> bytes:
-    return struct.pack("<I", len(data)) + data
-
-
 @pytest.mark.parametrize("opcode", [3, 4, 12])
 def test_each_definition_has_a_bound(opcode: int, tmp_path: Path) -> None:
     def content(size: int) -> bytes:
@@ -154,8 +142,14 @@ def test_each_definition_has_a_bound(opcode: int, tmp_path: Path) -> None:
     refused(framed(record(opcode, content(size + 1))), tmp_path)
 
 
+def with_chunk(content: bytes, chunk: bytes) -> bytes:
+    """A file with one more chunk, and without a summary."""
+    end = record(15, bytes(4))
+    return content[: content.rindex(end, 0, -8)] + chunk + end + record(2, bytes(20)) + content[-8:]
+
+
 def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """33 kB whose names inflate to 60 times 3 MB, and as many names as there may be, each just within its bound."""
     definition = "d" * (LARGEST_DEFINITION - 100)
@@ -166,18 +160,14 @@ def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_ar
     for opcode, contents in ((3, many), (4, long)):
         inner = b"".join(record(opcode, content) for content in contents)
         packed = zstandard.ZstdCompressor().compress(inner)
-        end = len(HONEST) - 8
-        at = HONEST.rindex(record(15, bytes(4)), 0, end)
-        content = (
-            HONEST[:at] + chunk("zstd", len(inner), packed) + record(15, bytes(4)) + record(2, bytes(20)) + HONEST[end:]
-        )
+        content = with_chunk(honest_bag, chunk("zstd", len(inner), packed))
         assert len(content) < 60_000
         path = tmp_path / "x.mcap"
         path.write_bytes(content)
         assert check([str(path)]) == 2
         assert capsys.readouterr().err.count("\n") == 1
         assert recover([str(path), "-o", str(tmp_path / f"fixed{opcode}.mcap")]) == 0
-        assert (tmp_path / f"fixed{opcode}.mcap").stat().st_size < 20 * len(HONEST)
+        assert (tmp_path / f"fixed{opcode}.mcap").stat().st_size < 20 * len(honest_bag)
         capsys.readouterr()
     assert len(many) * len(definition) > LARGEST_DECLARATIONS
 
@@ -263,7 +253,9 @@ def test_every_length_of_a_table_at_its_largest_is_refused(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_ten_thousand_other_topics_are_read_in_one_pass(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_ten_thousand_other_topics_are_read_in_one_pass(
+    honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Which of the texts are scenarios is asked of each topic: a chunk was read again for each of them."""
     text_message = b"\0\1\0\0" + sized(b"\0")
     inner = b"".join(
@@ -273,12 +265,8 @@ def test_ten_thousand_other_topics_are_read_in_one_pass(tmp_path: Path, capsys: 
     )
     schema = record(3, struct.pack("<H", 999) + text("std_msgs/msg/String") + text("ros2msg") + text("string data"))
     chunks = chunk("zstd", len(schema + inner), zstandard.compress(schema + inner))
-    at = HONEST.rindex(record(15, bytes(4)), 0, len(HONEST) - 8)
     path = tmp_path / "x.mcap"
-    # without the indexes of messages, which the other chunk has not
-    places = [place for place in records(HONEST[:at], 8) if place.opcode != Opcode.MESSAGE_INDEX]
-    honest = HONEST[:8] + b"".join(HONEST[place.start : place.end] for place in places)
-    path.write_bytes(honest + chunks + record(15, bytes(4)) + record(2, bytes(20)) + HONEST[-8:])
+    path.write_bytes(with_chunk(honest_bag, chunks))
     begin = time.process_time()
     assert evaluate([str(path), "--estimate", "/pose"]) == 0
     assert check([str(path)]) == 0

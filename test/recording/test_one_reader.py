@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from bags import MakeBag, rewrite
-from forged import message, record
+from forged import message
 from mcap.reader import make_reader
 from mcap.writer import IndexType
 from refused_bags import refused
 
-from foreign_bags import Message, bag_of
+from foreign_bags import Message, bag_of, record
 from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_files import BagFiles

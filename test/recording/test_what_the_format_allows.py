@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 import zstandard
-from forged import framed, message, plain, record, text
+from forged import framed, message, plain
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Chunk
 from mcap.writer import CompressionType, IndexType
 
-from foreign_bags import bag_of, messages_of
+from foreign_bags import bag_of, messages_of, record, text
 from lie_rigid_body import Run, certify, simulate
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import LIBRARY

@@ -7,22 +7,11 @@ import struct
 from pathlib import Path
 
 import zstandard
-from forged import (
-    CHANNELS,
-    chunk,
-    flipped,
-    forged,
-    framed,
-    inserted,
-    left_out,
-    message,
-    plain,
-    record,
-    text,
-)
+from forged import CHANNELS, chunk, flipped, forged, framed, inserted, left_out, message, plain
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from foreign_bags import record, text
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.mcap_contents import nothing
