@@ -119,7 +119,7 @@ def structural(content: bytes, step: int) -> list[int]:
 
 
 @pytest.mark.parametrize("compression", COMPRESSIONS)
-@pytest.mark.parametrize(("step", "drawn"), [(11, 15), pytest.param(1, 1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("step", "drawn"), [(17, 10), pytest.param(1, 1000, marks=pytest.mark.slow)])
 def test_every_whole_message_of_a_cut_file_is_recovered(
     whole: dict[str, Path], tmp_path: Path, compression: str, step: int, drawn: int
 ) -> None:
@@ -183,7 +183,7 @@ def test_zeros_that_a_loss_of_power_leaves_are_no_content(
     """Of the message in which they begin nobody knows; the one before may be left out with it."""
     content, everything = whole[compression].read_bytes(), messages(whole[compression])
     kept = 0
-    for size in np.random.default_rng(9).integers(len(content) // 4, place(content, Opcode.DATA_END), 40).tolist():
+    for size in np.random.default_rng(9).integers(len(content) // 4, place(content, Opcode.DATA_END), 15).tolist():
         for zeros in (len(content) - size, 40, 100_000):
             found = recovered(content[:size] + bytes(zeros), tmp_path)
             there = messages(tmp_path / "fixed.mcap")
@@ -192,7 +192,7 @@ def test_zeros_that_a_loss_of_power_leaves_are_no_content(
             if not compression:
                 assert abs(whole_in(content, size, "") - found.messages) <= 1, size
             kept += found.messages
-    assert kept > 120 * 40
+    assert kept > 120 * 15
 
 
 @pytest.mark.parametrize("chunked", [True, False])
