@@ -211,7 +211,7 @@ def step_rotation(before: Three, after: Three, half_inertia: Three) -> Four:
 
 @kernel
 def rest_of_root(x: Number, k: Number, c: Number, c_lo: Number) -> Number:
-    """What is missing in x as the root of x (k − x) = c, by one step of Newton's method."""
+    """Error of x as the root of x (k − x) = c, by one step of Newton's method."""
     square, square_lo = two_product(x, x)
     total, total_lo = two_sum(c, square)
     return ((total - k * x) + (total_lo + square_lo + c_lo)) / (k - 2.0 * x)
