@@ -225,7 +225,7 @@ def _explains(few: Matched, part: Part, beyond_s: float) -> bool:
     """Whether another clock leaves little error in each quarter of the run but the first.
 
     Little is: beside the error by the given stamps, and beside the turn of the body. A body that turns about one axis
-    does not tell a rate from the scale of a gyro, and an even spin not a lag from one of whole turns more.
+    does not tell a rate from the scale of a gyro. An even spin does not tell a lag from one of whole turns more.
     """
     moved = undone(few, [part]).known()
     own = few.known()
