@@ -17,7 +17,7 @@ from typing import Final
 from unittest.mock import patch
 
 from lie_rigid_body.__main__ import VERBS, main
-from lie_rigid_body.command_line import Parser
+from lie_rigid_body.command_line import SCENARIO_OPTIONS, Parser
 from lie_rigid_body.foundation.parameters import Parameter
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario.parameter_table import OWN
@@ -108,10 +108,23 @@ def parser_of(verb: str) -> Parser:
     return found[0]
 
 
+SCENARIO: Final = {name for names, _ in SCENARIO_OPTIONS for name in names}
+"""Options that several verbs have."""
+
+
+def of_scenario() -> str:
+    """The options that several verbs have."""
+    parser = Parser("verb", "", scenario=True)
+    return table(("argument", "meaning"), [(form(a), sentence(a)) for a in parser._actions if a.dest != "help"])
+
+
 def options(verb: str) -> str:
     """The heading of a verb, its arguments, and its options."""
     parser = parser_of(verb)
-    rows = [(form(action), sentence(action)) for action in parser._actions if action.dest != "help"]
+    shown = [action for action in parser._actions if action.dest != "help"]
+    rows = [(form(action), sentence(action)) for action in shown if not {*action.option_strings} & SCENARIO]
+    if len(rows) < len(shown):
+        rows.append(("`--scenario`, `--params-file`, `-p`", "[the scenario](#the-scenario)"))
     about = f"## {verb}\n\n{parser.description}\n"
     return f"{about}\n{table(('argument', 'meaning'), rows)}" if rows else f"{about}\nIt has no options.\n"
 
@@ -152,6 +165,7 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "sensors": lambda: parameters(_of_sensors("attitude_sensor", "sun_sensor")),
     "faults": lambda: faults(_of_faults()),
     "options": lambda: "\n".join(map(options, VERBS)),
+    "scenario": of_scenario,
 }
 """What makes each table."""
 
