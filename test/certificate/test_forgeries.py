@@ -195,9 +195,16 @@ FORGERIES: dict[tuple[str, str], tuple[Change, set[str]]] = {
 
 
 def rows() -> dict[tuple[str, str], str]:
-    """The table of the page: by record and field, what the field is held against."""
+    """The table of the page, of which a row may be of several records and fields: what each is held against."""
     found = re.findall(r"^\| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
-    return {(record, field): against for record, field, against in found if record not in ("record", "---")}
+    told = [row for row in found if row[0] not in ("record", "---")]
+    each = (
+        (record, field, against)
+        for records, fields, against in told
+        for record in records.split(", ")
+        for field in fields.split("; ")
+    )
+    return {(record, field): against for record, field, against in each}
 
 
 def verdict(path: Path) -> tuple[set[str], Certificate | None]:
