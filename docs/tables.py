@@ -17,7 +17,7 @@ from typing import Final
 from unittest.mock import patch
 
 from lie_rigid_body.__main__ import VERBS, main
-from lie_rigid_body.command_line import SCENARIO_OPTIONS, Parser
+from lie_rigid_body.command_line import Parser
 from lie_rigid_body.foundation.parameters import Parameter
 from lie_rigid_body.ros.sim import parse
 from lie_rigid_body.scenario.parameter_table import OWN
@@ -29,6 +29,8 @@ MARKED: Final = re.compile(r"(?<=<!-- begin of table )([\w-]+)( -->\n).*?(?=<!--
 FAULTY: Final = ("imu", "magnetometer", "attitude_sensor", "sun_sensor", "gyro", "accelerometer")
 """Names with which the parameters of faults begin that several sensors have."""
 
+USUAL: Final = ["0", "1e9"]
+"""Limits of most parameters of sensors, which their pages tell."""
 HEAD: Final = ("name", "type", "default", "meaning")
 KINDS: Final = {"double_array": "double{}", "string_array": "string[]"}
 
@@ -53,8 +55,9 @@ def default(parameter: Parameter) -> str:
 
 
 def meaning(parameter: Parameter) -> str:
-    """What a parameter is, and the values that it may have."""
+    """What a parameter is, and the values that it may have, unless these are the usual ones."""
     limits = [short(limit) for limit in (parameter.minimum, parameter.maximum) if math.isfinite(limit)]
+    limits = [] if limits == USUAL else limits
     choices = "" if all(c in parameter.description for c in parameter.choices) else ", ".join(parameter.choices)
     ranges = f" ({' to '.join(limits)})" if len(limits) == 2 else f" (from {limits[0]})" if limits else ""
     return parameter.description.rstrip(".") + ranges + (f": {choices}" if choices else "")
@@ -108,25 +111,36 @@ def parser_of(verb: str) -> Parser:
     return found[0]
 
 
-SCENARIO: Final = {name for names, _ in SCENARIO_OPTIONS for name in names}
-"""Options that several verbs have."""
+def arguments(verb: str) -> list[tuple[str, str]]:
+    """How each argument of a verb is written, and what it means."""
+    return [(form(action), sentence(action)) for action in parser_of(verb)._actions if action.dest != "help"]
 
 
-def of_scenario() -> str:
-    """The options that several verbs have."""
-    parser = Parser("verb", "", scenario=True)
-    return table(("argument", "meaning"), [(form(a), sentence(a)) for a in parser._actions if a.dest != "help"])
+def in_several() -> dict[tuple[str, str], list[str]]:
+    """The arguments that several verbs have in the same words, and these verbs."""
+    found: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for verb in VERBS:
+        for argument in arguments(verb):
+            found[argument].append(verb)
+    return {argument: verbs for argument, verbs in found.items() if len(verbs) > 1}
+
+
+def common_options() -> str:
+    """A row for each argument that several verbs have."""
+    return table(("argument", "meaning"), in_several())
 
 
 def options(verb: str) -> str:
-    """The heading of a verb, its arguments, and its options."""
-    parser = parser_of(verb)
-    shown = [action for action in parser._actions if action.dest != "help"]
-    rows = [(form(action), sentence(action)) for action in shown if not {*action.option_strings} & SCENARIO]
-    if len(rows) < len(shown):
-        rows.append(("`--scenario`, `--params-file`, `-p`", "[the scenario](#the-scenario)"))
-    about = f"## {verb}\n\n{parser.description}\n"
-    return f"{about}\n{table(('argument', 'meaning'), rows)}" if rows else f"{about}\nIt has no options.\n"
+    """The heading of a verb, and its arguments: those that other verbs have as well by their names alone."""
+    shared = in_several()
+    own = [argument for argument in arguments(verb) if argument not in shared]
+    also = [name for name, said in arguments(verb) if (name, said) in shared]
+    parts = [
+        f"## {verb}",
+        parser_of(verb).description or "",
+        *([table(("argument", "meaning"), own)[:-1]] if own else []),
+    ]
+    return "\n\n".join([*parts, *([f"In common with others: {', '.join(also)}."] if also else [])]) + "\n"
 
 
 def form(action: argparse.Action) -> str:
@@ -165,7 +179,7 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "sensors": lambda: parameters(_of_sensors("attitude_sensor", "sun_sensor")),
     "faults": lambda: faults(_of_faults()),
     "options": lambda: "\n".join(map(options, VERBS)),
-    "scenario": of_scenario,
+    "common-options": common_options,
 }
 """What makes each table."""
 
