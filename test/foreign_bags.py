@@ -10,8 +10,10 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import mcap.records
 from mcap.opcode import Opcode
-from mcap.reader import NonSeekingReader
+from mcap.records import Channel, DataEnd, Schema
+from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 
@@ -41,10 +43,21 @@ def _kept(bag: Path, written_ns: int) -> list[Message]:
 
 
 def _read(content: bytes) -> list[Message]:
-    return [
-        Message(c.topic, s.name if s else "", s.data if s else b"", m.log_time, m.publish_time, m.data)
-        for s, c, m in NonSeekingReader(BytesIO(content)).iter_messages(log_time_order=False)
-    ]
+    schemas, channels, found = {0: Schema(0, b"", "", "")}, dict[int, Channel](), list[Message]()
+    for one in StreamReader(BytesIO(content)).records:
+        match one:
+            case Schema():
+                schemas[one.id] = one
+            case Channel():
+                channels[one.id] = one
+            case DataEnd():  # what follows are hints
+                break
+            case mcap.records.Message():
+                channel = channels[one.channel_id]
+                schema = schemas[channel.schema_id]
+                times = one.log_time, one.publish_time
+                found.append(Message(channel.topic, schema.name, schema.data, *times, one.data))
+    return found
 
 
 def bag_of(

@@ -41,9 +41,73 @@ MOTIONS: dict[str, dict[str, object]] = {
     "dmv20": {"max_step": 0.01},
     "rkmk4": {"method": "rkmk4", "max_step": 0.002},
 }
+
+
+def episodes(name: str, interval: float = 0.2, duration: float = 0.05) -> dict[str, object]:
+    return {f"{name}_interval": interval, f"{name}_duration": duration}
+
+
+AXES: dict[str, dict[str, object]] = {
+    "spikes": {"gyro_spike_probability": 0.05, "magnetometer_spike_probability": 0.05},
+    "bursts": episodes("gyro_noise_burst") | episodes("accelerometer_noise_burst"),
+    "stuck": episodes("accelerometer_stuck") | episodes("magnetometer_stuck") | episodes("gyro_stuck"),
+    "stuck again": episodes("accelerometer_stuck", 0.1, 0.1) | episodes("magnetometer_stuck", 0.1, 0.1),
+    "saturation": episodes("gyro_saturation") | episodes("magnetometer_saturation"),
+    "drift": {"gyro_temperature_drift": 0.1, "magnetometer_temperature_drift": 1e-6},
+    "disturbance": episodes("magnetic_disturbance"),
+}
+EVERY: dict[str, object] = {key: value for one in AXES.values() for key, value in one.items()}
+LATER: dict[str, object] = {
+    "attitude_sensor_rate": 10.0,
+    "attitude_sensor_cross_boresight_noise": 1e-4,
+    "attitude_sensor_roll_noise": 1e-3,
+    "sun_sensor_rate": 25.0,
+    "sun_sensor_noise": 1e-3,
+    "imu_orientation": True,
+    "imu_inclination_noise": 0.003,
+    "imu_heading_noise": 0.01,
+}
+"""Attitude sensor, sun sensor and AHRS."""
+LOST: dict[str, object] = {
+    "imu_dropout_probability": 0.2,
+    "sun_sensor_dropout_probability": 1.0,
+    "fault_begin": 0.05,
+    **episodes("magnetometer_outage"),
+    **episodes("attitude_sensor_outage", 0.3, 0.3),
+}
+LATE: dict[str, object] = {
+    "imu_latency": 0.02,
+    "imu_latency_jitter": 0.01,
+    "imu_dropout_probability": 0.1,
+    "magnetometer_latency": 0.05,
+    "attitude_sensor_latency_jitter": 0.3,
+}
+CLOCKS: dict[str, object] = {
+    "imu_clock_skew": 1e-3,
+    "magnetometer_clock_offset": -0.2,
+    "attitude_sensor_clock_skew": -0.01,
+    "sun_sensor_clock_offset": 1.7,
+}
+ERRING_CLOCKS: dict[str, dict[str, object]] = {
+    "ahead": {"magnetometer_clock_offset": 3.7, "imu_clock_offset": 0.001},
+    "behind": {"magnetometer_clock_offset": -1.3, "imu_clock_offset": -1e-9},
+    "from zero": {"imu_clock_offset": -EPOCH * 1e-9 + 10.0},
+    "fast": {"imu_clock_skew": 0.01, "magnetometer_clock_skew": 1e-6},
+    "slow": {"imu_clock_skew": -0.01, "magnetometer_clock_skew": -1e-9},
+    "all": {
+        "imu_clock_skew": -0.003,
+        "imu_clock_offset": -0.5,
+        "magnetometer_clock_offset": 0.3,
+        "imu_latency": 0.02,
+        "imu_latency_jitter": 0.01,
+        "imu_dropout_probability": 0.1,
+    },
+}
+START: dict[str, object] = {"motion": "closed_form", **FORCE, **NOISY}
 VALUES = ("gyro", "accelerometer", "gyro bias", "accelerometer bias", "magnetometer")
 IMU, BIAS, MAG = "/imu/data_raw", "/imu/bias", "/imu/mag"
-TOPICS = [IMU, BIAS, MAG]
+ATTITUDE, SUN, FAULTS = "/attitude/pose", "/sun/direction", "/lie_rigid_body/faults"
+ALL = (IMU, BIAS, MAG)
 AT = 37
 
 

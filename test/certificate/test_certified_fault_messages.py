@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from phrases import telling
-from sensor_bags import BIAS, EPOCH, FORCE, IMU, MAG, MOTIONS, broken, recorded, write
+from sensor_bags import EPOCH, EVERY, IMU, LATE, LATER, LOST, START, broken, recorded, write
 from tampering import Change, at, declared, on, tamper
-from test_certified_faults import EVERY, LATE, LATER, LOST, START
 
 from foreign_bags import Message, messages_of
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
@@ -184,27 +183,6 @@ def test_other_faults_that_a_scenario_declares_are_caught(bag, tmp_path):
     assert found.passed, found.messages
     assert telling(found, "another version", software="lie_rigid_body 0.0.9")
     assert IMU not in found.sensors
-
-
-CLOCKS: dict[str, object] = {
-    "imu_clock_skew": 1e-3,
-    "magnetometer_clock_offset": -0.2,
-    "attitude_sensor_clock_skew": -0.01,
-    "sun_sensor_clock_offset": 1.7,
-}
-
-
-@pytest.mark.parametrize(
-    ("grade", "motion"),
-    [("perfect", "closed form"), ("navigation", "dmv20"), ("tactical", "dmv20"), ("mems", "closed form")],
-)
-def test_all_faults_and_clock_errors_together_are_certified_in_every_grade(tmp_path, grade, motion):
-    given = {**MOTIONS[motion], **FORCE, **EVERY, **LATER, **LOST, **LATE, **CLOCKS, "sensor_grade": grade}
-    path = write(tmp_path / "a.mcap", (given, 0.4), ({**given, "sensor_seed": 5, "imu_rate": 200.0}, 0.3))
-    for change in (lambda ms: ms, recorded(0.213, 0.06)):
-        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
-        assert found.passed, found.messages
-        assert {*found.sensors} >= {IMU, BIAS, MAG}
 
 
 def test_readings_that_arrive_after_the_last_stamp_of_ros_are_certified(tmp_path: Path) -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sensor_bags import BODY, FORCE, NOISY, RATES
-from test_certified_faults import EVERY, LATER
+from sensor_bags import BODY, EVERY, FORCE, LATER, NOISY, RATES
 
 from lie_rigid_body.certificate import readings
 from lie_rigid_body.certificate.readings import Expected, Replay

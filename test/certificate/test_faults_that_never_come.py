@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sensor_bags import BIAS, FORCE, IMU, MAG, MOTIONS, NOISY, RATES, broken, laws, write
+from sensor_bags import ATTITUDE, BIAS, EVERY, FORCE, IMU, LATER, MAG, MOTIONS, NOISY, RATES, SUN, broken, laws, write
 from tampering import Change, at, on, tamper, with_numbers
-from test_certified_faults import ATTITUDE, EVERY, LATER, SUN
 
 from lie_rigid_body.certificate import Certificate, certify
 from lie_rigid_body.recording.bag_reader import Bag

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 import scipy.special
 from phrases import PHRASES
-from sensor_bags import EPOCH, recorded
+from sensor_bags import CLOCKS, EPOCH, EVERY, LATE, LATER, LOST, recorded
 from tampering import at, declared, on, tamper, with_numbers
-from test_certified_fault_messages import CLOCKS
-from test_certified_faults import EVERY, LATE, LATER, LOST
 
 from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify

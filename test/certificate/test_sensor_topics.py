@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from phrases import telling
-from sensor_bags import BIAS, IMU, MAG, TOPICS
+from sensor_bags import ALL, BIAS, IMU, MAG
 
 from foreign_bags import bag_of, messages_of
 from lie_rigid_body.certificate import certify
@@ -33,7 +33,7 @@ def test_topics_are_found_beside_the_poses_and_others_are_listed(bag, tmp_path):
     assert found.sensors == (IMU, BIAS, MAG)
     for topic, count in (("/robot/imu/mag", 70), ("/robot/imu/data", 332)):
         assert telling(found, "stray", topic=topic, count=count)
-    elsewhere = {topic: f"/a{topic}" for topic in ("/pose", "/twist", "/lie_rigid_body/scenario", *TOPICS)}
+    elsewhere = {topic: f"/a{topic}" for topic in ("/pose", "/twist", "/lie_rigid_body/scenario", *ALL)}
     found = certify(Bag(rewritten(bag, tmp_path / "elsewhere.mcap", elsewhere, {MAG: "/b/imu/mag"})))
     assert found.sensors == ("/a/imu/data_raw", "/a/imu/bias", "/a/imu/mag")
     silent = certify(Bag(rewritten(bag, tmp_path / "silent.mcap", {}, silent=("/twist", "/another/twist"))))
