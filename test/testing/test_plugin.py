@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -32,47 +33,10 @@ def run_pytest(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
-def outcome(done: subprocess.CompletedProcess[str], **counts: int) -> str:
-    last = done.stdout.splitlines()[-1]
-    assert all(f"{count} {what}" in last for what, count in counts.items()), done.stdout
-    return done.stdout
-
-
-@pytest.fixture(scope="module")
-def run() -> Run:
-    return simulate("prolate_top", duration=5.0, imu_rate=50.0, motion="closed_form", sensor_grade="mems")
-
-
-def stamps(run: Run) -> np.ndarray:
-    assert run.imu is not None
-    return run.imu.t_ns
-
-
-def test_loading_it_loads_nothing_heavy():
-    code = f"import sys, {PLUGIN}; print(sorted({{'numpy', 'scipy', 'yaml', 'hypothesis', 'mcap'}} & set(sys.modules)))"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("chosen", "passed"),
-    [
-        ("not tumbling_cubesat and (no_error or mems or mistaken)", 3),
-        pytest.param("test", 2 * len(GRADES) + 2, marks=SLOW),
-    ],
-)
-def test_the_worked_example_passes(chosen, passed):
-    done = run_pytest(ROOT / "examples" / "complementary_filter", "-q", "-k", chosen)
-    outcome(done, passed=passed)
-
-
-def test_runs_by_marker_by_parametrize_and_all_of_them(tmp_path):
-    (tmp_path / "test_user.py").write_text(
-        """
+RUNS = """
 import pytest
 
-def test_all(attitude_run):
+def test_only_collected(attitude_run):
     raise AssertionError("only collected")
 
 @pytest.mark.attitude_run(scenarios=["dzhanibekov"], grades=["mems", "perfect"], duration=0.5, imu_rate=40.0)
@@ -95,16 +59,7 @@ def test_parametrised(attitude_run):
 def test_of_perfect_sensors(attitude_run):
     assert attitude_run.scenario.sensor_grade == "perfect"
 """
-    )
-    done = run_pytest(tmp_path, "-v", "--strict-markers", "-k", "not test_all")
-    listed = outcome(done, passed=5, deselected=len(scenario_files()) * len(GRADES))
-    assert "test_marked[dzhanibekov-mems]" in listed
-
-
-def test_each_test_has_the_run_it_asks_for_and_changes_none_for_others(tmp_path):
-    """Scenarios and arguments that look alike where they are shortened are others."""
-    (tmp_path / "test_user.py").write_text(
-        """
+ALONE = """
 import numpy as np
 import pytest
 from lie_rigid_body import Scenario
@@ -142,8 +97,139 @@ def test_arrays(attitude_run):
         with pytest.raises(ValueError, match="read-only"):
             array[:] -= 1
 """
-    )
-    outcome(run_pytest(tmp_path, "-q", "--strict-markers"), passed=5)
+JUDGED = """
+import numpy as np
+import pytest
+from lie_rigid_body.testing import assert_attitude
+
+WRONG = {"not finite": {"max_rms_deg": 1.0}, "from 0 on": {"max_rms_deg": 1.0, "after_s": -1}, "a limit": {},
+         "no Run": {"run": None, "max_rms_deg": 1.0}, "degrees above 0": {"max_rms_deg": -1}}
+
+@pytest.mark.attitude_run(scenarios="flat_plate", grades="mems", duration=0.1)
+@pytest.mark.parametrize("what", WRONG)
+def test_one(attitude_run, what):
+    assert_attitude(**{"estimate": np.full((10, 4), np.nan), "run": attitude_run, **WRONG[what]})
+"""
+ORDERED = f"""
+import pytest
+
+@pytest.mark.attitude_run(scenarios={{*{list(scenario_files())}}}, grades={{"mems"}}, duration=0.1)
+def test_of_a_set(attitude_run): pass
+
+@pytest.mark.attitude_run(scenarios="tumbling_cubesat", grades="mems", duration=0.1)
+def test_of_a_text(attitude_run): pass
+"""
+PARAMETRISED = """
+import pytest
+
+@pytest.mark.parametrize('attitude_run', [('flat_plat', 'mems'), (), ['a', 'b', 'c']], indirect=True)
+def test_it(attitude_run): pass
+def test_that_asks_late(request): request.getfixturevalue('attitude_run')
+"""
+OWN_FIXTURE = """
+import pytest
+
+@pytest.fixture(params=[1, 2])
+def attitude_run(request): return request.param
+"""
+WRONG_MARKERS = {
+    'scenarios="tumbling_cubsat"': "scenario 'tumbling_cubsat' ",
+    'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' ",
+    'scenarios="flat_plate", imu_rat=5.0': "imu_rat: ",
+    'scenario="flat_plate"': "scenario='flat_plate' is no argument: did you mean scenarios=?",
+    "grades=__import__('numpy').array(['mems', 'memz'])": "sensor_grade: 'memz' ",
+    "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
+    "grades=()": "grades=() makes no run: leave it out for all",
+    "seeds=iter((1, 2))": "seeds= can be read once: give a list",
+    "scenarios=5": "scenarios=5 is no list of names: give such as ['",
+    "grades=[['mems']]": "grades=[['mems']] is no list of names: give such as ['",
+    'grades=["mems"], sensor_grade="mems"': "sensor_grade= is given beside grades=: give one of them",
+    'grade="mems"': "grade='mems' is no argument: did you mean grades=?",
+    '"flat_plate"': "'flat_plate' has no name: give scenarios=, grades= or arguments of simulate by name",
+}
+FILES = {
+    "test_runs.py": RUNS,
+    "test_alone.py": ALONE,
+    "test_judged.py": JUDGED,
+    "test_ordered.py": ORDERED,
+    "test_parametrised.py": PARAMETRISED,
+    "other/conftest.py": OWN_FIXTURE,
+    "other/test_other.py": "def test_it(attitude_run): assert attitude_run in (1, 2)\n",
+    **{
+        f"test_wrong_{i}.py": f"import pytest\n@pytest.mark.attitude_run({marker})\ndef test_it(attitude_run): pass\n"
+        for i, marker in enumerate(WRONG_MARKERS)
+    },
+}
+"""Tests of a user of the plugin. One process runs all of them, as each takes a second to begin."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("user")
+    (folder / "other").mkdir()
+    for name, text in FILES.items():
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def listed(folder: Path) -> str:
+    chosen = ("-k", "not only_collected", "--strict-markers", "--continue-on-collection-errors")
+    return run_pytest(folder, "-v", *chosen).stdout
+
+
+@pytest.fixture(scope="module")
+def names(folder: Path) -> list[str]:
+    """Names of all tests, of another process."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONHASHSEED", "1")
+        return [line for line in run_pytest(folder, "-q", "--collect-only").stdout.splitlines() if "::" in line]
+
+
+def outcomes(listed: str, file: str) -> dict[str, str]:
+    """What became of each test of a file, in order."""
+    return dict(re.findall(rf"^{file}::(.*) (PASSED|FAILED|ERROR) +\[", listed, re.MULTILINE))
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return simulate("prolate_top", duration=5.0, imu_rate=50.0, motion="closed_form", sensor_grade="mems")
+
+
+def stamps(run: Run) -> np.ndarray:
+    assert run.imu is not None
+    return run.imu.t_ns
+
+
+def test_loading_it_loads_nothing_heavy():
+    code = f"import sys, {PLUGIN}; print(sorted({{'numpy', 'scipy', 'yaml', 'hypothesis', 'mcap'}} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("chosen", "passed"),
+    [
+        ("not tumbling_cubesat and (no_error or mems or mistaken)", 3),
+        pytest.param("test", 2 * len(GRADES) + 2, marks=SLOW),
+    ],
+)
+def test_the_worked_example_passes(chosen, passed):
+    done = run_pytest(ROOT / "examples" / "complementary_filter", "-q", "-k", chosen)
+    assert f"{passed} passed" in done.stdout.splitlines()[-1], done.stdout
+
+
+def test_runs_by_marker_by_parametrize_and_all_of_them(listed, names):
+    found = outcomes(listed, "test_runs.py")
+    assert list(found.values()) == ["PASSED"] * 5, listed
+    assert "test_marked[dzhanibekov-mems]" in found
+    assert sum("only_collected" in name for name in names) == len(scenario_files()) * len(GRADES)
+
+
+def test_each_test_has_the_run_it_asks_for_and_changes_none_for_others(listed):
+    """Scenarios and arguments that look alike where they are shortened are others."""
+    assert list(outcomes(listed, "test_alone.py").values()) == ["PASSED"] * 5, listed
 
 
 def test_a_failure_tells_the_error_and_its_cause(run):
@@ -202,99 +288,36 @@ def test_what_cannot_be_judged_is_refused_in_one_line(run, given, message):
     assert "\n" not in str(error.value)
 
 
-def test_names_of_a_set_have_one_order_in_every_process(tmp_path, monkeypatch):
-    (tmp_path / "test_user.py").write_text(
-        "import pytest\n"
-        f"@pytest.mark.attitude_run(scenarios={{*{list(scenario_files())}}}, grades={{'mems'}})\n"
-        "def test_it(attitude_run): pass\n"
-    )
-    found = set()
-    for seed in "12":
-        monkeypatch.setenv("PYTHONHASHSEED", seed)
-        lines = run_pytest(tmp_path, "-q", "--collect-only").stdout.splitlines()
-        found.add(tuple(line for line in lines if "::" in line))
-    [(first, *_)] = found
-    assert "asymmetric_top" in first
+def test_names_of_a_set_have_one_order_in_every_process_and_a_text_is_one_name(listed, names):
+    found = [name.partition("::")[2] for name in names if name.startswith("test_ordered.py::")]
+    assert found == list(outcomes(listed, "test_ordered.py"))
+    assert found[0] == "test_of_a_set[asymmetric_top-mems]"
+    assert found[len(scenario_files()) :] == ["test_of_a_text[tumbling_cubesat-mems]"]
 
 
-def test_a_text_in_the_marker_is_one_name(tmp_path):
-    (tmp_path / "test_user.py").write_text(
-        """
-import pytest
-
-@pytest.mark.attitude_run(scenarios="tumbling_cubesat", grades="mems")
-def test_one(attitude_run):
-    raise AssertionError("only collected")
-"""
-    )
-    listed = run_pytest(tmp_path, "--collect-only", "-q").stdout
-    assert listed.count("test_one[") == 1
-    assert "test_one[tumbling_cubesat-mems]" in listed
-
-
-def test_a_marker_that_makes_no_run_is_one_line_at_collection(tmp_path):
+def test_a_marker_that_makes_no_run_is_one_line_at_collection(listed):
     """At a wrong name in ``parametrize`` it is one at set-up."""
-    wrong = {
-        'scenarios="tumbling_cubsat"': "scenario 'tumbling_cubsat' ",
-        'scenarios="flat_plate", grades=["mems", "memz"]': "sensor_grade: 'memz' ",
-        'scenarios="flat_plate", imu_rat=5.0': "imu_rat: ",
-        'scenario="flat_plate"': "scenario='flat_plate' is no argument: did you mean scenarios=?",
-        "grades=__import__('numpy').array(['mems', 'memz'])": "sensor_grade: 'memz' ",
-        "scenarios=[]": "scenarios=[] makes no run: leave it out for all",
-        "grades=()": "grades=() makes no run: leave it out for all",
-        "seeds=iter((1, 2))": "seeds= can be read once: give a list",
-        "scenarios=5": "scenarios=5 is no list of names: give such as ['",
-        "grades=[['mems']]": "grades=[['mems']] is no list of names: give such as ['",
-        'grades=["mems"], sensor_grade="mems"': "sensor_grade= is given beside grades=: give one of them",
-        'grade="mems"': "grade='mems' is no argument: did you mean grades=?",
-        '"flat_plate"': "'flat_plate' has no name: give scenarios=, grades= or arguments of simulate by name",
+    assert list(outcomes(listed, "test_parametrised.py").values()) == ["ERROR"] * 3 + ["FAILED"]
+    assert listed.count("ERROR collecting test_wrong_") == len(WRONG_MARKERS)
+    said = {
+        **WRONG_MARKERS,
+        "a name": "scenario 'flat_plat' ",
+        "three": "('a', 'b', 'c') is no scenario and grade: ask for ",
     }
-    for i, marker in enumerate(wrong):
-        (tmp_path / f"test_{i}.py").write_text(
-            f"import pytest\n@pytest.mark.attitude_run({marker})\ndef test_it(attitude_run): pass\n"
-        )
-    (tmp_path / "test_parametrised.py").write_text(
-        "import pytest\n"
-        "@pytest.mark.parametrize('attitude_run', [('flat_plat', 'mems'), (), ['a', 'b', 'c']], indirect=True)\n"
-        "def test_it(attitude_run): pass\n"
-        "def test_that_asks_late(request): request.getfixturevalue('attitude_run')\n"
-    )
-    done = run_pytest(tmp_path, "-q", "--continue-on-collection-errors")
-    listed = outcome(done, errors=len(wrong) + 3, failed=1)
-    wrong |= {"a name": "scenario 'flat_plat' ", "three names": "('a', 'b', 'c') is no scenario and grade: ask for "}
     assert listed.count("\nattitude_run: () ") == 2
-    for said in wrong.values():
-        assert f"\nattitude_run: {said}" in listed
-        assert listed.count(f"\n{said}") == 0
+    for message in said.values():
+        assert f"\nattitude_run: {message}" in listed
+        assert listed.count(f"\n{message}") == 0
     assert "During handling of the above exception" not in listed
     assert "ensemble.py" not in listed
 
 
-def test_a_fixture_of_that_name_in_another_project_is_left_alone(tmp_path):
-    (tmp_path / "conftest.py").write_text(
-        "import pytest\n@pytest.fixture(params=[1, 2])\ndef attitude_run(request): return request.param\n"
-    )
-    (tmp_path / "test_user.py").write_text("def test_it(attitude_run): assert attitude_run in (1, 2)\n")
-    outcome(run_pytest(tmp_path, "-q"), passed=2)
+def test_a_fixture_of_that_name_in_another_project_is_left_alone(listed):
+    assert list(outcomes(listed, "other/test_other.py").values()) == ["PASSED"] * 2
 
 
-def test_of_what_cannot_be_judged_only_the_line_of_the_test_is_shown(tmp_path):
-    (tmp_path / "test_user.py").write_text(
-        """
-import numpy as np
-import pytest
-from lie_rigid_body.testing import assert_attitude
-
-WRONG = {"not finite": {"max_rms_deg": 1.0}, "from 0 on": {"max_rms_deg": 1.0, "after_s": -1}, "a limit": {},
-         "no Run": {"run": None, "max_rms_deg": 1.0}, "degrees above 0": {"max_rms_deg": -1}}
-
-@pytest.mark.attitude_run(scenarios="flat_plate", grades="mems", duration=0.1)
-@pytest.mark.parametrize("what", WRONG)
-def test_one(attitude_run, what):
-    assert_attitude(**{"estimate": np.full((10, 4), np.nan), "run": attitude_run, **WRONG[what]})
-"""
-    )
-    listed = outcome(run_pytest(tmp_path, "-q"), failed=5)
+def test_of_what_cannot_be_judged_only_the_line_of_the_test_is_shown(listed):
+    assert list(outcomes(listed, "test_judged.py").values()) == ["FAILED"] * 5
     assert listed.count("lie_rigid_body.foundation.errors.InputError: ") >= 5
     assert str(ROOT / "lie_rigid_body") not in listed
     assert "../lie_rigid_body" not in listed
