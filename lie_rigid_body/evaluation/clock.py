@@ -187,7 +187,7 @@ def standard_error(track: Matched, parts: Sequence[Part]) -> float:
     return max(*map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))
 
 
-def other_clock(track: Matched, beyond_s: float, most: int = 300) -> tuple[Part, Matched] | None:
+def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: int = 300) -> tuple[Part, Matched] | None:
     """Find another clock by which an estimate follows the truth: of another rate, or late or ahead by a far lag.
 
     Parameters
@@ -196,6 +196,8 @@ def other_clock(track: Matched, beyond_s: float, most: int = 300) -> tuple[Part,
         All samples, also those outside of the truth's times.
     beyond_s : float
         Lags up to this were judged before, s.
+    rates : bool
+        Whether other rates are looked for as well.
     most : int
         Number of samples that are judged.
 
@@ -212,11 +214,14 @@ def other_clock(track: Matched, beyond_s: float, most: int = 300) -> tuple[Part,
     end_s = (int(few.stamps_ns[-1]) - truth.first_ns) / 1e9
     if len(few.stamps_ns) < MIN_SAMPLES:
         return None
-    cause = BY_CODE["clock_rate"]
-    parts = [(cause, fitted_in_time(cause, RATES, [few], covered=MIN_COVERED_BY_RATE))]
-    if end_s - begin_s <= MAX_LAGS * step_s:
-        lags = np.arange(begin_s, end_s, step_s)
-        parts.append(late(float(fitted_in_time(BY_CODE["lagging"], lags[np.abs(lags) > beyond_s], [few])[0])))
+    parts = list[Part]()
+    if rates:
+        cause = BY_CODE["clock_rate"]
+        parts.append((cause, fitted_in_time(cause, RATES, [few], covered=MIN_COVERED_BY_RATE)))
+    lags = np.arange(begin_s, end_s, step_s) if end_s - begin_s <= MAX_LAGS * step_s else np.zeros(0)
+    lags = lags[np.abs(lags) > beyond_s]
+    if len(lags):
+        parts.append(late(float(fitted_in_time(BY_CODE["lagging"], lags, [few])[0])))
     found = [(part, undone(track, [part]).known()) for part in parts if _explains(few, part, beyond_s)]
     return min(found, key=lambda clock: rms(clock[1].error().total), default=None)
 

@@ -290,10 +290,9 @@ def diagnose(
     causes = {*named.causes} if named else set[str]()
     lost = unlike and not causes and not (evidence and evidence.follows())
     # a motion that nearly repeats has a near lag or a turn for each far lag
-    near = unlike and longest_lag_s is None and bool({"world_turned", "body_mounting", "lag"} & causes)
-    is_short = longest_lag_s is None and at_limit
+    near = unlike and bool({"world_turned", "body_mounting", "lag"} & causes)
     beyond_s = 0.9 * longest_s if longest_lag_s is None else np.inf
-    other = other_clock(whole, beyond_s) if lost or near or is_short else None
+    other = other_clock(whole, beyond_s, rates=lost) if lost or near or at_limit else None
     most = (TIE if "lag" in causes else 0.5) * named.error if named and near else np.inf
     if other and rms(other[1].error().total) <= most:
         part, moved = other

@@ -53,7 +53,7 @@ def failed(found: FilterDiagnosis) -> list[str]:
 
 
 def test_right_filter_has_no_mistake_and_passes_every_probe() -> None:
-    found = lie_rigid_body.diagnose(textbook.triad)
+    found = lie_rigid_body.diagnose(lambda run: textbook.triad(run))
     assert found.mistakes == ()
     assert [probe.code for probe in found.probes] == CODES
     assert failed(found) == []

@@ -67,6 +67,7 @@ def simulated(scenario: str, grade: str, seed: int) -> Run:
         magnetometer_rate=20.0,
         accelerometer_mode="pivot_gravity",
         gyro_rate="integrated",
+        motion="closed_form",
     )
 
 

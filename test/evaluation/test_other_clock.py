@@ -66,6 +66,12 @@ def test_stamps_that_are_off_by_half_of_the_run_are_a_lag_and_nothing_else(motio
     assert abs(score.lag_s - shift_s) < 4.0 * score.lag_standard_error_s
 
 
+def test_no_lag_beyond_the_longest_that_is_wanted_is_told():
+    estimate, truth = of_ten("slow_tumble")
+    score = evaluate(TEN + 3_000_000_000, estimate, truth, longest_lag_s=1.0)
+    assert (score.lag_s, {*told(score)} & {"lagging", "leading"}) == (None, set())
+
+
 def test_a_slow_body_by_stamps_that_are_off_and_without_noise():
     run = simulate("tumbling_cubesat", duration=10.0, rate=20.0)
     score = run.score(run.truth.attitude_xyzw, run.t_ns + 5_000_000_000)

@@ -40,6 +40,7 @@ def test_what_is_allowed_keeps_to_the_limit(seeds, jitter):
         "imu_rate": 1000.0,
         "magnetometer_rate": 500.0,
         "sensor_grade": "mems",
+        "motion": "closed_form",
         "imu_latency_jitter": jitter,
     }
     with refused("memory") as caught:

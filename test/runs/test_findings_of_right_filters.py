@@ -24,6 +24,7 @@ DECLINATION_DEG = float(np.degrees(np.arctan2(1.5, 21.0)))
 TO_Y = ([0.0, 1.0, 0.0], DECLINATION_DEG, 0.3)
 TO_X = ([1.0, 0.0, 0.0], -85.91, 0.5)
 """Norths that filters take, the heading that each is off by, and how exactly that is told, degrees."""
+RATE = 50.0
 CONSUMER = {
     "gyro_noise_density": 1e-4,
     "accelerometer_noise_density": 2e-3,
@@ -36,11 +37,12 @@ def recorded(grade: str, **given: Any) -> Run:
     run: Run = simulate(
         "tumbling_cubesat",
         duration=30.0,
-        imu_rate=100.0,
-        magnetometer_rate=100.0,
+        imu_rate=RATE,
+        magnetometer_rate=RATE,
         accelerometer_mode="pivot_gravity",
         initial_body_rate=[0.2, 0.3, -0.15],
         sensor_grade=grade,
+        motion="closed_form",
         **given,
     )
     return run
@@ -60,7 +62,7 @@ def filtered(run: Run, north: np.ndarray | None, gain: float, *, ahead: bool) ->
     """Gyro steps with corrections towards up and the field, in whose horizontal part north is; None: as it is known."""
     assert run.imu is not None
     assert run.magnetometer is not None
-    force, field, h = unit(run.imu.specific_force), unit(run.magnetometer.field), 0.01
+    force, field, h = unit(run.imu.specific_force), unit(run.magnetometer.field), 1.0 / RATE
     known = unit(np.array([1.5, 21.0, -43.0]))
     q = run.attitude().at(run.imu.t_ns[:1])[0]
     if north is not None:  # they begin by what they read of gravity and of the field

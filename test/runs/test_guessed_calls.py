@@ -93,7 +93,7 @@ def test_a_run_is_the_truth():
 
 def test_a_run_as_the_truth_tells_what_its_sensors_leave():
     """A turn of the heading that declared hard iron explains is no mistake, by either call."""
-    run = simulate(duration=10.0, imu_rate=20.0, magnetometer_rate=20.0, sensor_grade="mems")
+    run = simulate(duration=4.0, imu_rate=20.0, magnetometer_rate=20.0, sensor_grade="mems")
     turned = quaternion.multiply(quaternion.exp(np.array([0.0, 0.0, np.radians(5.0)])), run.truth.attitude_xyzw)
     own, guessed = run.score(turned, run.t_ns), evaluate(run.t_ns, turned, run)
     assert own.findings == guessed.findings == ()
