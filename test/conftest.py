@@ -24,7 +24,7 @@ from lie_rigid_body.system.interruption import END_SIGNALS
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # The same cases in every run, so that a failure is the change's own; `--hypothesis-profile=explore` looks for new ones.
-hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=40)
+hypothesis.settings.register_profile("repeatable", derandomize=True, deadline=None, database=None, max_examples=25)
 hypothesis.settings.register_profile("explore", deadline=None, max_examples=2000)
 hypothesis.settings.register_profile("quick", derandomize=True, deadline=None, database=None, max_examples=5)
 hypothesis.settings.load_profile("repeatable")

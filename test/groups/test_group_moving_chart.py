@@ -107,7 +107,7 @@ def run(name: str, steps: int, samples: int = 50) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", GROUPS)
 def test_invariants_hold(name):
-    for key, change in run(name, steps=400).items():
+    for key, change in run(name, steps=150).items():
         assert change < 1e-13, key
 
 
@@ -176,7 +176,7 @@ def test_groups_from_generators_go_round_without_a_seam(generators, rate):
     group = MatrixLieGroup.from_generators(generators)
     start = GroupState(group.identity, np.array(rate))
     times = np.arange(0, 9_000_000_000, 500_000_000)
-    found = GroupMovingChart(Lagrangian(group, np.eye(group.dimension)), start, max_step=0.02).at(times)
+    found = GroupMovingChart(Lagrangian(group, np.eye(group.dimension)), start, max_step=0.1).at(times)
     exact = np.array([group.exp(1e-9 * t * start.rate) for t in times])
     np.testing.assert_allclose(found.element, exact, rtol=0, atol=1e-11)
 
@@ -185,7 +185,7 @@ def test_a_group_that_is_not_compact_keeps_its_spatial_momentum():
     group = MatrixLieGroup.from_generators([[[1, 0], [0, -1]], [[0, 1], [0, 0]], [[0, 0], [1, 0]]], name="SL(2)")
     lagrangian = Lagrangian(group, np.diag([1.0, 2.0, 3.0]))
     start = GroupState(group.identity, np.array([0.5, 0.8, -0.3]))
-    states = GroupMovingChart(lagrangian, start, max_step=0.002).at(np.arange(0, 5_000_000_000, 500_000_000))
+    states = GroupMovingChart(lagrangian, start, max_step=0.002).at(np.arange(0, 1_500_000_000, 100_000_000))
     spatial = spatial_momentum(group, states.element, lagrangian.momenta(states.rate))
     assert vector_drift(spatial) < 1e-10
 
@@ -196,7 +196,7 @@ def test_a_motion_on_a_product_keeps_the_casimirs_of_each_factor():
     mixed = rng.normal(size=(12, 12))
     lagrangian = Lagrangian(group, np.eye(12) + 0.05 * mixed @ mixed.T)
     start = GroupState(group.random(rng), rng.normal(size=12) / 4)
-    states = GroupMovingChart(lagrangian, start, max_step=2e-3).at(np.arange(0, 600_000_000, 100_000_000))
+    states = GroupMovingChart(lagrangian, start, max_step=2e-3).at(np.arange(0, 480_000_000, 80_000_000))
     p = lagrangian.momenta(states.rate)
     assert np.ptp(p, axis=0)[1:].min() > 1e-3
     values = casimirs(group, p)
@@ -232,7 +232,7 @@ def test_a_motion_goes_on_from_an_element_that_is_not_recognised():
     np.testing.assert_allclose(end.element, group.exp(8.0 * rate), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("calls", sampled([250, 1, 777], every=3))
+@pytest.mark.parametrize("calls", sampled([25, 1, 77], every=3))
 def test_an_exception_amid_a_motion_changes_nothing_of_it(monkeypatch: pytest.MonkeyPatch, calls: int) -> None:
     """A signal may raise one anywhere, as an interrupted notebook goes on with the object."""
     lagrangian = Lagrangian(SO(4), np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
@@ -245,8 +245,8 @@ def test_an_exception_amid_a_motion_changes_nothing_of_it(monkeypatch: pytest.Mo
             raise KeyboardInterrupt
         return runge_kutta_step(tableau, field, point, h)
 
-    expected = GroupMovingChart(lagrangian, start, max_step=1e-3).at(stamps)
-    motion = GroupMovingChart(lagrangian, start, max_step=1e-3)
+    expected = GroupMovingChart(lagrangian, start, max_step=0.01).at(stamps)
+    motion = GroupMovingChart(lagrangian, start, max_step=0.01)
     monkeypatch.setattr(group_moving_chart, "runge_kutta_step", interrupted)
     with pytest.raises(KeyboardInterrupt):
         motion.at(stamps)
@@ -262,7 +262,7 @@ def test_so4_splits_into_two_tops():
     metric = sum(half.T @ np.diag(inertia) @ half for half, inertia in zip(halves, inertias, strict=True))
     rates = [np.array([0.9, 0.4, -0.3]), np.array([-0.2, 0.7, 0.5])]
     start = GroupState(group.identity, sum(half.T @ rate for half, rate in zip(halves, rates, strict=True)))
-    times = np.arange(0, 3_000_000_000, 100_000_000)
+    times = np.arange(0, 1_000_000_000, 100_000_000)
     found = GroupMovingChart(Lagrangian(group, metric), start, max_step=0.005).at(times).rate
     for half, bracket, inertia, rate in zip(halves, brackets, inertias, rates, strict=True):
         # with [S, S'] = b S'' in place of S'', the half moves as a top of rates b ω
@@ -299,7 +299,7 @@ def test_su2_is_the_double_cover_of_so3():
 
 def test_calls_continue_one_another():
     lagrangian, start, _ = body(SO(4))
-    times = np.arange(0, 700_000_000, 7_000_000)
+    times = np.arange(0, 210_000_000, 7_000_000)
     whole = GroupMovingChart(lagrangian, start, max_step=0.003).at(times)
     chart = GroupMovingChart(lagrangian, start, max_step=0.003)
     parts = [chart.at(times[:13]), chart.at(times[13:])]

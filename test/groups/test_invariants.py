@@ -33,7 +33,7 @@ from lie_rigid_body.groups import (
 
 seeds = st.integers(0, 2**32 - 1)
 dimensions = pytest.mark.parametrize("n", ROTATIONS)
-FEW = settings(max_examples=25)
+FEW = settings(max_examples=12)
 TURN = np.array([[0.0, -2.0], [2.0, 0.0]])
 
 
