@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import atexit
 import math
 import signal
@@ -16,11 +17,14 @@ END_SIGNALS: Final = tuple(each for each in signal.Signals if each.name in ("SIG
 """Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
 SAME_REQUEST_S: Final = 1.0
 """Time after the first signal, s, within which others are the same request, as of a terminal and of `ros2 launch`."""
+_RETRY_S: Final = 0.02
+"""Time, s, after which a signal that comes amid an import comes again."""
 
 
 class Interruption:
     """A request to end: where that is `allowed`, the first signal raises KeyboardInterrupt; elsewhere it is noted.
 
+    Amid an import it waits until that is done: there an exception is lost, or taken for a library that is broken.
     A second signal, `SAME_REQUEST_S` later or more, does so again; elsewhere it ends the process by its default action.
 
     Attributes
@@ -34,6 +38,7 @@ class Interruption:
     def __init__(self) -> None:
         self.requested = False
         self._allowed = False
+        self._is_postponed = False
         self._first_s = math.inf
 
     @classmethod
@@ -100,16 +105,35 @@ class Interruption:
     def _handle(self, number: int, frame: FrameType | None) -> None:
         now_s = time.monotonic()
         is_again = now_s - self._first_s > SAME_REQUEST_S
+        was_postponed = self._is_postponed
+        self._is_postponed = False
         if self._first_s == math.inf:
             self.requested = True
             self._first_s = now_s
-        elif not is_again:
+        elif not (is_again or was_postponed):
             return
-        if self._allowed:  # again, as the first may have been lost in a library in C that was imported
-            raise KeyboardInterrupt
-        if is_again:
+        if self._allowed:
+            if is_again or not _is_importing(frame):
+                raise KeyboardInterrupt
+            self._is_postponed = True
+            _thread.start_new_thread(_send_again, (number,))
+        elif is_again and not was_postponed:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    while frame is not None and not frame.f_code.co_filename.startswith("<frozen importlib"):
+        frame = frame.f_back
+    return frame is not None
+
+
+def _send_again(number: int) -> None:
+    time.sleep(_RETRY_S)
+    if hasattr(signal, "pthread_kill"):  # it ends what the main thread waits for
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+    else:
+        signal.raise_signal(number)
 
 
 def _in_main_thread() -> bool:

@@ -67,14 +67,31 @@ ends_with(lambda: waiting(lost))
 """,
         130,
     ),
+    "amid an import": (
+        """
+def importing():
+    import struck
+    time.sleep(5)
+ends_with(lambda: waiting(importing))
+""",
+        130,
+    ),
     "while what the verb began ends": ("ends_with(lambda: atexit.register(send, INT, TERM, INT) and 7)", 7),
 }
+STRUCK = """
+import signal
+try:
+    signal.raise_signal(signal.SIGINT)
+except KeyboardInterrupt:
+    raise ImportError("its initialisation failed") from None  # as libraries in C do
+"""
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_first_signal_decides_and_a_later_one_ends_what_closes(name: str, tmp_path: Path) -> None:
     program, status = PROGRAMS[name]
     (tmp_path / "program.py").write_text(f"{BEGIN}{program}\n")
+    (tmp_path / "struck.py").write_text(STRUCK)
     command = [sys.executable, "-m", "program"]
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
     assert ended.returncode == status, ended.stderr
