@@ -22,7 +22,7 @@ help:
 	@echo "make test         lint, and run the tests  ARGS='-k name' is passed on to pytest"
 	@echo "make test-slow    the tests that make test leaves out as too long, some minutes"
 	@echo "make test-oldest  the tests on the library versions of Ubuntu 24.04 (ROS 2 Jazzy)"
-	@echo "make words        write what the package says into test/words/*.txt anew, for a review to show"
+	@echo "make words        write what the package says into test/words/words.txt anew, for a review to show"
 	@echo "make fuzz         mutated files into every verb, ten minutes    ARGS='--minutes 60'; failing ones stay in test/fuzzed"
 	@echo "make lint         check style and types"
 	@echo "make docs         build the site of docs/ and of the docstrings into build/docs"
@@ -46,7 +46,7 @@ test-oldest:
 	@exec scripts/test.sh oldest $(ARGS)
 
 words:
-	@exec scripts/test.sh newest --write-words test/words $(ARGS)
+	@exec scripts/test.sh newest --write-words test/words -n 0 $(ARGS)
 
 fuzz:
 	@exec scripts/fuzz.sh $(ARGS)

@@ -78,7 +78,7 @@ class Watch:
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--run-slow", action="store_true", help="run the tests marked slow as well")
     parser.addoption("--one-case", action="store_true", help="run the first case of each parametrised test")
-    parser.addoption("--write-words", action="store_true", help="write the texts of test/words anew")
+    parser.addoption("--write-words", action="store_true", help="write test/words/words.txt anew")
 
 
 def pytest_configure(config: pytest.Config) -> None:

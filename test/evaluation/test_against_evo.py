@@ -37,7 +37,9 @@ def test_rms_is_evos_to_round_off(size_deg):
 
 def test_the_verb_has_evos_rms_of_two_topics_of_a_bag(tmp_path, capsys):
     """As `evo_ape mcap run.mcap /pose /estimate -r angle_deg`, both topics read by `rosbags`."""
-    run = simulate("tumbling_cubesat", duration=10.0, rate=50.0, initial_body_rate=[0.3, 0.5, -0.2], motion="closed_form")
+    run = simulate(
+        "tumbling_cubesat", duration=10.0, rate=50.0, initial_body_rate=[0.3, 0.5, -0.2], motion="closed_form"
+    )
     run.to_bag(tmp_path / "run.mcap")
     estimate = quaternion.multiply(run.truth.attitude_xyzw, turns(2.0, 5, len(run.t_ns)))[::3]
     kind = "geometry_msgs/msg/PoseStamped"

@@ -1,8 +1,9 @@
-"""What the rooms say, as texts that a review shows: `make words` writes them, and a test compares them.
+"""What the rooms say, as one text that a review shows: `make words` writes them, and a test compares them.
 
 A module ``words_of_ROOM`` has triggers: calls without arguments in ``REFUSED``, by the type of the error that each
-raises, and in ``SAID``, which return what is said. Each runs in an empty folder. The file ``ROOM.txt`` has the source
-of each and its sentence. Where a module has ``run`` instead, the triggers are the commands of the text itself.
+raises, and in ``SAID``, which return what is said. Each runs in an empty folder. The file ``words.txt`` has a part for
+each room, with the source of each trigger and its sentence. Where a module has ``run`` instead, the triggers are the
+commands of that part itself.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ from lie_rigid_body.foundation.wording import shown
 FOLDER = Path(__file__).parent
 WRITTEN_HERE = sys.platform == "linux" and sys.version_info[:2] == (3, 12) and np.__version__ >= "2"
 """Whether the texts are those of this system: older libraries and other systems word their own errors otherwise."""
-HEAD = "# What is said, below what makes it be said. `make words` writes this file from words_of_{room}.py.\n"
+TEXT = FOLDER / "words.txt"
+HEAD = "What is said, below what makes it be said. `make words` writes this file from words_of_ROOM.py."
+TITLE = "=== "
+"""Beginning of the first line of a room's part."""
 MAX_LINE = 300
 """Largest length of a refusal, characters."""
 REMEDY = re.compile(r"[:;,] \S+ \S")
@@ -126,16 +130,22 @@ def entries(module: ModuleType, folder: Path) -> Iterator[str]:
         yield "\n    ".join([trigger(call), *text.splitlines()])
 
 
+def parts() -> dict[str, list[str]]:
+    """Lines of the text, by rooms."""
+    _, *found = TEXT.read_text(encoding="utf-8").split(f"\n{TITLE}")
+    return {lines[0]: lines[1:] for lines in (part.splitlines() for part in found)}
+
+
 def compare(room: str, entries: Iterator[str], *, write: bool) -> None:
-    """Write the text of a room, or compare it with the one that is there."""
-    path = FOLDER / f"{room}.txt"
-    lines = "\n".join([HEAD.format(room=room), *entries, ""]).splitlines()
-    masked = [NUMBER.sub(" ~", line) if line[:1] == " " and ROUND_OFF.search(line) else line for line in lines]
-    text = "\n".join([*masked, ""])
+    """Write the part of a room, or compare it with the one that is there."""
+    lines = "\n".join(entries).splitlines()
+    said = [NUMBER.sub(" ~", line) if line[:1] == " " and ROUND_OFF.search(line) else line for line in lines]
     if write:
-        path.write_text(text, encoding="utf-8")
+        found = {name: part for name, part in (parts() | {room: said}).items() if name in rooms()}
+        text = (f"{TITLE}{name}\n" + "".join(f"{line}\n" for line in found[name]) for name in sorted(found))
+        TEXT.write_text("\n".join([HEAD, "".join(text)]), encoding="utf-8")
     if WRITTEN_HERE:
-        assert text.splitlines() == path.read_text(encoding="utf-8").splitlines(), "see `make words`"
+        assert said == parts().get(room), "see `make words`"
 
 
 def state(folder: Path) -> dict[Path, int]:
@@ -143,9 +153,8 @@ def state(folder: Path) -> dict[Path, int]:
 
 
 def commands(room: str) -> list[str]:
-    """Commands of a room that has none of its own to call: they stand in its text, each behind a dollar sign."""
-    lines = (FOLDER / f"{room}.txt").read_text(encoding="utf-8").splitlines()
-    return [line.removeprefix("$ ") for line in lines if line.startswith("$ ")]
+    """Commands of a room that has none of its own to call: they stand in its part, each behind a dollar sign."""
+    return [line.removeprefix("$ ") for line in parts()[room] if line.startswith("$ ")]
 
 
 def command_entries(module: ModuleType, folder: Path, capture: Capture, lines: list[str]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What the rooms say is what the texts of this folder have: `make words` writes a better sentence into one line."""
+"""What the rooms say is what `words.txt` has: `make words` writes a better sentence into one line of it."""
 
 from __future__ import annotations
 
