@@ -218,21 +218,29 @@ def _misses(track: Matched, undo: Callable[[Matched, Array], Matched], values: A
 
 
 def fitted_in_time(
-    cause: Cause, values: Array, tracks: MatchedRuns, most: int = 200, covered: float = MIN_COVERED
-) -> Array:
-    """A constant that changes stamps, in whose fit there are several valleys: fitted from the best of some values."""
-    misses = sum(_misses(track.thinned(), cause.undo, values, covered) for track in tracks)
-    found = values[[np.argmin(misses)]]
+    cause: Cause, values: Array, tracks: MatchedRuns, starts: int = 1, most: int = 200, covered: float = MIN_COVERED
+) -> list[Array]:
+    """A constant that changes stamps, in whose fit there are several valleys: fitted from the lowest of some values."""
+    misses = np.asarray(sum(_misses(track.thinned(), cause.undo, values, covered) for track in tracks))
+    around = np.concatenate([[np.inf], misses, [np.inf]])
+    lowest = np.flatnonzero((misses <= around[:-2]) & (misses <= around[2:]))
+    return [
+        _refined(cause, values[[k]], [track.thinned(most) for track in tracks])
+        for k in lowest[np.argsort(misses[lowest], kind="stable")][:starts]
+    ]
+
+
+def _refined(cause: Cause, found: Array, tracks: MatchedRuns) -> Array:
+    """A constant that changes stamps, fitted from a start to the samples that it puts within the truth's times."""
     for _ in range(2):
-        few = [track.thinned(most) for track in tracks]
-        few = [track[track.truth.covers(cause.undo(track, found).stamps_ns)] for track in few]
-        [(_, found)] = fit(few, [(cause, found)])
+        known = [track[track.truth.covers(cause.undo(track, found).stamps_ns)] for track in tracks]
+        [(_, found)] = fit(known, [(cause, found)])
     return found
 
 
 def _lag(sign: float, tracks: MatchedRuns) -> Sequence[Array]:
     """A lag of that sign and of more than a sample, s; else 0."""
-    found = fitted_in_time(BY_CODE["lagging"], _LAGS, tracks)
+    [found] = fitted_in_time(BY_CODE["lagging"], _LAGS, tracks)
     steps = np.diff(tracks[0].stamps_ns)
     least = 1.001e-9 * float(np.median(steps)) if len(steps) else np.inf  # no sample is later than the only one
     return [found if sign * found[0] > least else np.zeros(1)]
@@ -358,7 +366,7 @@ CAUSES: Final = (
         "clock_rate",
         1,
         _by_clock,
-        lambda tracks: [fitted_in_time(BY_CODE["clock_rate"], _RATES, tracks)],
+        lambda tracks: fitted_in_time(BY_CODE["clock_rate"], _RATES, tracks),
         lambda c: f"The clock of the estimate's stamps runs {times(1.0 / c[0], 5)} that of the readings",
         lambda c: "Stamped with the time of the readings it leaves",
         slopes=lambda track, truth, rate: (rate * track.since_s[:, np.newaxis])[..., np.newaxis],

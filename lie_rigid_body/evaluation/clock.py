@@ -65,6 +65,8 @@ MAX_LAG_STEP: Final = 0.2
 """Largest turn of the body, rad, from one far lag that is tried to the next."""
 MAX_LAGS: Final = 5000
 """Largest number of far lags that are tried; where it takes more, none is."""
+STARTS: Final = 5
+"""Number of far lags that are fitted: of a motion that nearly repeats several leave little."""
 EVEN_SPIN: Final = 0.98
 """Squared length of the mean axis of rotation above which lags a whole turn apart look alike."""
 MIN_OFF: Final = 2e-3
@@ -217,11 +219,11 @@ def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: in
     parts = list[Part]()
     if rates:
         cause = BY_CODE["clock_rate"]
-        parts.append((cause, fitted_in_time(cause, RATES, [few], covered=MIN_COVERED_BY_RATE)))
+        parts += [(cause, rate) for rate in fitted_in_time(cause, RATES, [few], covered=MIN_COVERED_BY_RATE)]
     lags = np.arange(begin_s, end_s, step_s) if end_s - begin_s <= MAX_LAGS * step_s else np.zeros(0)
     lags = lags[np.abs(lags) > beyond_s]
     if len(lags):
-        parts.append(late(float(fitted_in_time(BY_CODE["lagging"], lags, [few])[0])))
+        parts += [late(float(lag[0])) for lag in fitted_in_time(BY_CODE["lagging"], lags, [few], STARTS)]
     found = [(part, undone(track, [part]).known()) for part in parts if _explains(few, part, beyond_s)]
     return min(found, key=lambda clock: rms(clock[1].error().total), default=None)
 

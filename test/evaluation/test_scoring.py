@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -152,7 +153,7 @@ def test_one_sample_has_a_score():
 
 def test_no_lag_is_told_of_what_does_not_follow_the_truth():
     """Readings of a gyro that is at the end of its range, added up: some lag fits best, and explains nothing."""
-    given = {"sensor_grade": "tactical", "gyro_rate": "integrated", "motion": "closed_form"}
+    given: dict[str, Any] = {"sensor_grade": "tactical", "gyro_rate": "integrated", "motion": "closed_form"}
     run = simulate("thrown_disc", duration=20.0, imu_rate=50.0, **given)
     assert run.imu is not None
     attitude = [run.truth.attitude_xyzw[0]]
