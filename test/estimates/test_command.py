@@ -1,10 +1,12 @@
-"""Programs as estimators, each a real process."""
+"""Estimators as programs and as functions: what they do wrong is told in one line."""
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -20,9 +22,11 @@ from refused_runs import refused
 from lie_rigid_body import attitude_error, diagnose, simulate
 from lie_rigid_body.cli import diagnose as verb
 from lie_rigid_body.cli import league
+from lie_rigid_body.estimates.estimators import told
 from lie_rigid_body.estimates.programs import HEADER, CommandEstimator
-from lie_rigid_body.foundation.errors import InputError
+from lie_rigid_body.foundation.errors import FilterError, InputError
 from lie_rigid_body.league import CASES, playing
+from lie_rigid_body.runs import Estimate
 from lie_rigid_body.testing import command_estimator, node_estimator
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "command_filter" / "gyro_only.cpp"
@@ -197,3 +201,33 @@ def test_a_program_is_played_and_diagnosed_as_a_function_is(capsys, monkeypatch)
     assert verb.main(["--command", "/no/such/program"]) == 2
     assert verb.main([]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 4
+
+
+def test_place_of_an_error_is_a_line_of_the_user_or_none():
+    def failed(function, *arguments):
+        try:
+            function(*arguments)
+        except Exception as error:
+            return told(error)
+
+    assert " test_raising_filters.py line " in failed(_raise, "of the package")
+    assert " test_raising_filters.py line " in failed(Estimate, "nothing")
+    assert told(FilterError("of the package")) == "of the package"
+    with pytest.raises(ValueError) as caught:
+        shlex.split('"')
+    assert ".py" not in told(caught.value.with_traceback(caught.tb.tb_next))
+
+
+def test_place_of_an_error_in_an_installed_filter_is_its_first_line(tmp_path, monkeypatch):
+    folder = tmp_path / "site-packages"
+    folder.mkdir()
+    (folder / "installed_filter.py").write_text("import json\n\ndef estimate(run):\n    return json.loads(run)\n")
+    monkeypatch.syspath_prepend(folder)
+    estimate = importlib.import_module("installed_filter").estimate
+    with pytest.raises(ValueError) as caught:
+        estimate("no JSON")
+    assert " installed_filter.py line 4" in told(caught.value.with_traceback(caught.tb.tb_next))
+
+
+def _raise(words):
+    raise InputError(words)

@@ -1,15 +1,18 @@
-"""Simulated runs keep to the memory that a caller allows, and refuse more before anything is computed."""
+"""Runs of several seeds keep to the memory that is allowed, and no array of a run can be changed."""
 
 from __future__ import annotations
 
 import itertools
 import tracemalloc
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from refused_runs import refused
 
-from lie_rigid_body import simulate
+from lie_rigid_body import Run, simulate
 
 
 @pytest.mark.parametrize(
@@ -53,3 +56,22 @@ def test_what_is_allowed_keeps_to_the_limit(seeds, jitter):
     tracemalloc.stop()
     assert len(runs) == seeds
     assert peak < limit
+
+
+def test_no_array_of_a_run_can_be_written(tmp_path: Path) -> None:
+    """An estimator that shifts its stamps in place would shift those that its estimate is scored by."""
+    sensors: dict[str, Any] = {
+        f"{name}_rate": 20.0 for name in ("imu", "magnetometer", "attitude_sensor", "sun_sensor")
+    }
+    made = simulate(duration=0.5, imu_orientation=True, **sensors)
+    made.to_bag(tmp_path / "a.mcap")
+    for run in (made, Run.from_bag(tmp_path / "a.mcap"), *simulate(duration=0.5, seeds=range(2), **sensors)):
+        parts = (run, run.imu, run.magnetometer, run.attitude_sensor, run.sun)
+        arrays = [array for part in parts for array in vars(part).values() if isinstance(array, np.ndarray)]
+        assert len(arrays) >= 1 + 6 + 3 + 4 + 3
+        for array in (*arrays, run.truth.attitude_xyzw, run.truth.body_rate):
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 0
+    of_a_caller = np.arange(10)
+    replace(made, t_ns=of_a_caller)
+    of_a_caller[0] = 1
