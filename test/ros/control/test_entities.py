@@ -27,6 +27,7 @@ from standard_simulator import (
     wanted,
 )
 
+from lie_rigid_body.ros.control import services
 from sampled import sampled
 
 if find_spec("rclpy"):
@@ -63,8 +64,11 @@ def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], c
 @pytest.mark.parametrize(
     "pattern", sampled(["((((.+)+)+)+)+x", "x" * 1_000_000, "a{99999999999999999999}", "(" * 900], every=4)
 )
-def test_what_no_regular_expression_may_do_is_answered(paused: Simulator, pattern: str) -> None:
+def test_what_no_regular_expression_may_do_is_answered(
+    paused: Simulator, pattern: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It recurses, is endless, overflows or takes years; other requests are answered meanwhile."""
+    monkeypatch.setattr(services, "PATTERN_S", 1)
     with ThreadPoolExecutor(1) as other:
         answer = other.submit(paused.ask, "get_entities", filters=entity_filters(pattern))
         assert paused.code("reset_simulation", scope=0) == OK

@@ -21,6 +21,7 @@ from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_N
 from lie_rigid_body.ros.timing.requests import ControlError, StepRequest
 from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
 from lie_rigid_body.scenario import Scenario
+from sampled import sampled
 
 MS = 1_000_000
 PERIOD = 10 * MS
@@ -57,9 +58,9 @@ def test_samples_go_out_when_the_factor_says(factor: float) -> None:
 
 def test_without_a_limit_nothing_is_waited_for() -> None:
     run = ScriptedRun(factor=0.0)
-    run.play((500 * MS, nothing))
+    run.play((100 * MS, nothing))
     assert run.sink.stamps == truth(len(run.sink.stamps))
-    assert len(run.sink.stamps) > 100 * LARGEST_BATCH
+    assert len(run.sink.stamps) > 20 * LARGEST_BATCH
     assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
 
 
@@ -189,8 +190,9 @@ def most_ahead_ns(run: ScriptedRun) -> float:
     return float((ahead - np.minimum.accumulate(ahead)).max())
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
-@pytest.mark.parametrize("rate", [30.0, 400.0, 1000.0, 2e4])
+@pytest.mark.parametrize(
+    ("rate", "factor"), sampled(itertools.product([30.0, 400.0, 1000.0, 2e4], [0.5, 1.0, 2.0]), every=4)
+)
 def test_a_late_run_sends_an_even_stream(rate: float, factor: float) -> None:
     """Over every time a multiple of what passes of simulated time, and no more; until it is late no longer."""
     run, late = ScriptedRun(rate=rate, factor=factor), NS // 10
