@@ -210,8 +210,8 @@ def test_place_of_an_error_is_a_line_of_the_user_or_none():
         except Exception as error:
             return told(error)
 
-    assert " test_raising_filters.py line " in failed(_raise, "of the package")
-    assert " test_raising_filters.py line " in failed(Estimate, "nothing")
+    assert f" {Path(__file__).name} line " in failed(_raise, "of the package")
+    assert f" {Path(__file__).name} line " in failed(Estimate, "nothing")
     assert told(FilterError("of the package")) == "of the package"
     with pytest.raises(ValueError) as caught:
         shlex.split('"')

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -64,10 +64,24 @@ def noisy(own: Path, stamps: np.ndarray) -> np.ndarray:
     return quaternion.multiply(quaternion.exp(noise), Run.from_bag(own).attitude().at(stamps))
 
 
-def of(bag: Path, *, in_file_order: bool = False) -> Iterator[tuple[str, bytes]]:
+@pytest.fixture
+def with_estimate(own: Path, stamps: np.ndarray, noisy: np.ndarray, tmp_path: Path) -> Callable[..., Path]:
+    """Writes a bag of the run with an estimate, by default the noisy attitudes at their stamps as poses."""
+
+    def write(t_ns: Any = None, xyzw: Any = None, kind: str = POSE_STAMPED, how: Any = None, without: str = "") -> Path:
+        t_ns = stamps if t_ns is None else t_ns
+        xyzw = noisy[: len(t_ns)] if xyzw is None else xyzw
+        bag = tmp_path / f"{len([*tmp_path.iterdir()])}.mcap"
+        return beside(own, bag, (kind, how or HOW[kind], "/estimate", t_ns, xyzw), without=without)
+
+    return write
+
+
+@cache
+def of(bag: Path, *, in_file_order: bool = False) -> list[tuple[str, bytes]]:
     with bag.open("rb") as stream:
-        for _, channel, message in make_reader(stream).iter_messages(log_time_order=not in_file_order):
-            yield channel.topic, message.data
+        messages = make_reader(stream).iter_messages(log_time_order=not in_file_order)
+        return [(channel.topic, message.data) for _, channel, message in messages]
 
 
 def followed(bag: Path, kind: str, without: tuple[str, ...] = (), **settings: Any) -> LiveEstimate:
@@ -110,8 +124,8 @@ def left_out(live: LiveEstimate) -> dict[str, int]:
 
 
 @pytest.mark.parametrize("kind", [POSE_STAMPED, IMU, ODOMETRY, TF_MESSAGE])
-def test_the_score_is_that_of_the_bag(kind, own, stamps, noisy, tmp_path):
-    bag = beside(own, tmp_path / "bag.mcap", (kind, HOW[kind], "/estimate", stamps, noisy))
+def test_the_score_is_that_of_the_bag(kind, with_estimate):
+    bag = with_estimate(kind=kind)
     live = followed(bag, kind)
     live.judge()
     live.judge()
@@ -167,18 +181,16 @@ def test_biases_of_another_type_are_told_in_a_bag(own, stamps, noisy, tmp_path) 
 
 
 @pytest.mark.parametrize(("without", "source"), [("/pose", "scenario"), ("/lie_rigid_body/scenario", "poses")])
-def test_scenario_or_poses_alone(without, source, own, stamps, noisy, tmp_path):
-    # poses alone cannot be joined across the reset
-    topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:70], noisy[:70])
-    bag = beside(own, tmp_path / "bag.mcap", topic, without=f"/twist {without}")
+def test_scenario_or_poses_alone(without, source, stamps, with_estimate):
+    bag = with_estimate(stamps[:70], without=f"/twist {without}")
     read, score = followed(bag, POSE_STAMPED).score()
     assert read.motion.source == source
     assert score.total_deg == scored(bag).total_deg
 
 
-def test_the_axes_of_the_covariance_are_those_that_are_said(own, stamps, noisy, tmp_path):
+def test_the_axes_of_the_covariance_are_those_that_are_said(with_estimate):
     how = messages(np.diag([1.0, 2.0, 3.0]) * SIZE**2)[IMU]
-    bag = beside(own, tmp_path / "bag.mcap", (IMU, how, "/estimate", stamps, noisy))
+    bag = with_estimate(kind=IMU, how=how)
     means = []
     for axes in ("world", "body"):
         found, expected = followed(bag, IMU, covariance_axes=axes).score()[1].consistency, scored(bag, axes=axes)
@@ -189,9 +201,9 @@ def test_the_axes_of_the_covariance_are_those_that_are_said(own, stamps, noisy, 
     assert means[0] != pytest.approx(means[1], rel=1e-3)
 
 
-def test_one_that_begins_late_is_not_reproached(own, stamps, noisy, tmp_path):
+def test_one_that_begins_late_is_not_reproached(stamps, noisy, with_estimate):
     """Who subscribes to a filter that runs already hears nothing of what it did before."""
-    bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[50:], noisy[50:]))
+    bag = with_estimate(stamps[50:], noisy[50:])
     assert [finding.code for finding in scored(bag).findings] == ["gaps"]
     assert followed(bag, POSE_STAMPED).score()[1].findings == ()
     assert followed(bag, POSE_STAMPED, without=("/pose",)).score()[1].findings == ()
@@ -224,10 +236,10 @@ def test_of_scenarios_of_one_start_the_last_before_the_samples_counts(own):
     assert live.truth.contradictions == 1
 
 
-def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps, noisy, tmp_path):
+def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(stamps, noisy, with_estimate):
     """One message that is overtaken, a doubled stretch, and a covariance of its own for each."""
     order = np.r_[:60, 61, 60, 62:100, 80:100, 100 : len(stamps)]
-    bag = beside(own, tmp_path / "bag.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
+    bag = with_estimate(stamps[order], noisy[order], IMU)
     following = followed(bag, IMU, without=("/estimate",))
     for topic, payload in of(bag, in_file_order=True):
         following.hear_estimates([payload] if topic == "/estimate" else [])
@@ -246,9 +258,9 @@ def test_what_is_late_or_goes_back_has_one_score_live_and_from_a_bag(own, stamps
         (ODOMETRY, {"body": "lidar"}, None),
     ],
 )
-def test_other_frames(kind, change, frames, own, stamps, noisy, tmp_path):
+def test_other_frames(kind, change, frames, with_estimate):
     how = messages(np.eye(3), **change)[kind]
-    bag = beside(own, tmp_path / "bag.mcap", (kind, how, "/estimate", stamps, noisy))
+    bag = with_estimate(kind=kind, how=how)
     if frames is None:
         _, note = followed(bag, kind).score()[0].notes
         assert repr(*change.values()) in note
@@ -257,14 +269,13 @@ def test_other_frames(kind, change, frames, own, stamps, noisy, tmp_path):
         followed(bag, kind).score()
 
 
-def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, tmp_path):
+def test_two_bodies_nothing_and_no_orientation_are_refused(noisy, with_estimate):
     one, other = HOW[POSE_STAMPED], messages(np.eye(3), world="b")[POSE_STAMPED]
-    topic = (POSE_STAMPED, lambda t, q: (one if t < NS else other)(t, q), "/estimate", stamps, noisy)
     with refused("two bodies"):
-        followed(beside(own, tmp_path / "two.mcap", topic), POSE_STAMPED).score()
+        followed(with_estimate(how=lambda t, q: (one if t < NS else other)(t, q)), POSE_STAMPED).score()
     none = messages(np.diag([-1.0, 0.0, 0.0]))[IMU]
     with refused("orientation"):
-        followed(beside(own, tmp_path / "none.mcap", (IMU, none, "/estimate", stamps, noisy)), IMU).score()
+        followed(with_estimate(kind=IMU, how=none), IMU).score()
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
     live.hear_estimates([bytes(STORE.serialize_cdr(one(0, noisy[0]), POSE_STAMPED))])
     with refused("no truth"):
@@ -281,17 +292,16 @@ def test_two_bodies_nothing_and_no_orientation_are_refused(own, stamps, noisy, t
         (0, 0.0, [149, 149, 0.003]),
     ],
 )
-def test_why_nothing_is_compared_though_the_truth_is_known(shift_ns, size, why, own, stamps, noisy, tmp_path):
-    topic = (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps + shift_ns, noisy * size)
-    live = followed(beside(own, tmp_path / "bag.mcap", topic), POSE_STAMPED)
+def test_why_nothing_is_compared_though_the_truth_is_known(shift_ns, size, why, stamps, noisy, with_estimate):
+    live = followed(with_estimate(stamps + shift_ns, noisy * size), POSE_STAMPED)
     live.judge()
     assert live.tally.count == 0
     assert " /estimate" in live.why_not_compared()
     assert numbers(live.why_not_compared()) == why
 
 
-def test_what_comes_before_the_truth_waits_for_it(own, stamps, noisy, tmp_path):
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
+def test_what_comes_before_the_truth_waits_for_it(with_estimate):
+    bag = with_estimate()
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
     heard = list(of(bag))
     live.hear_estimates([payload for topic, payload in heard if topic == "/estimate"])
@@ -311,11 +321,11 @@ def test_a_filter_that_dies_before_the_end_is_told(own, stamps, noisy):
     assert [each.code for each in half if each.message in more] == ["gaps"]
 
 
-def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps, noisy, tmp_path):
+def test_a_duration_is_by_stamps_however_late_the_messages_are_read(noisy, with_estimate):
     """As on a loaded machine, which reads the messages of many seconds at once; what comes later cannot spoil it."""
     spoilt = noisy.copy()
     spoilt[[0, 80]] = np.nan
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, spoilt))
+    bag = with_estimate(xyzw=spoilt)
     heard = list(of(bag))
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=2.0)
     live.truth.hear_scenarios([next(payload for topic, payload in heard if topic.endswith("/scenario"))])
@@ -331,7 +341,7 @@ def test_a_duration_is_by_stamps_however_late_the_messages_are_read(own, stamps,
 
 
 @pytest.mark.parametrize(
-    ("at", "stamp"), [(0, 2**31 * NS - NS), (40, 2**31 * NS - NS), (0, -(10**9) * NS), (40, -(10**9) * NS)]
+    ("at", "stamp"), sampled([(0, 2**31 * NS - NS), (40, 2**31 * NS - NS), (0, -(10**9) * NS), (40, -(10**9) * NS)], 3)
 )
 def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, own, stamps, noisy):
     wrong, q = stamps.copy(), noisy.copy()
@@ -355,38 +365,34 @@ def test_one_wrong_stamp_ends_nothing_and_hides_nothing(at, stamp, own, stamps, 
     assert left_out(live) == {DISORDERED: 1}
 
 
-def test_limits_ask_for_half_of_the_duration(own, stamps, noisy, tmp_path):
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:60], noisy[:60]))
+def test_limits_ask_for_half_of_the_duration(stamps, with_estimate):
+    bag = with_estimate(stamps[:60])
     few, enough = (followed(bag, POSE_STAMPED, duration_s=s).score()[1].broken for s in (60.0, 4.0))
     assert numbers(few[-1]) == [2.36, 60]
     assert len(enough) == len(few) - 1
 
 
-def test_a_clock_ahead_completes_a_duration_too(own, stamps, noisy, tmp_path):
+def test_a_clock_ahead_completes_a_duration_too(stamps, with_estimate):
     ahead = stamps + 10**18
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", ahead, noisy))
+    bag = with_estimate(ahead)
     live = followed(bag, POSE_STAMPED, duration_s=5.0)
     assert live.is_complete
     with refused("another clock", count=126):
         live.score()
 
 
-def test_a_score_on_the_way_has_no_gap_up_to_the_end_that_was_asked_for(own, stamps, noisy, tmp_path):
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
+def test_a_score_on_the_way_has_no_gap_up_to_the_end_that_was_asked_for(with_estimate):
+    bag = with_estimate()
     live = followed(bag, POSE_STAMPED, duration_s=60.0)
     assert [f.code for most in (100, None) for f in live.score(most)[1].findings] == ["gaps"]
 
 
 @pytest.mark.parametrize("duration_s", [None, 4.0])
-def test_poses_ahead_of_a_slow_filter_are_no_gap(duration_s, own, stamps, noisy, tmp_path):
+def test_poses_ahead_of_a_slow_filter_are_no_gap(duration_s, stamps, with_estimate):
     """The truth is there before the filter has its answer: not what is on its way is missing, but what never comes."""
     codes = {}
     for count in 101, 126, 60:  # the truth is heard until 6 s
-        bag = beside(
-            own,
-            tmp_path / f"{count}.mcap",
-            (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[:count], noisy[:count]),
-        )
+        bag = with_estimate(stamps[:count])
         live = followed(bag, POSE_STAMPED, duration_s=duration_s)
         codes[count] = [finding.code for finding in live.score()[1].findings]
     assert codes == {101: [] if duration_s else ["gaps"], 126: [], 60: ["gaps"]}
@@ -398,8 +404,8 @@ def test_what_is_no_duration_is_one_line(duration_s):
         LiveEstimate("/estimate", POSE_STAMPED, LIMITS, duration_s=duration_s)
 
 
-def test_a_score_ends_with_as_many_samples_as_it_takes(own, stamps, noisy, tmp_path, monkeypatch):
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, noisy))
+def test_a_score_ends_with_as_many_samples_as_it_takes(monkeypatch, with_estimate):
+    bag = with_estimate()
     live = followed(bag, POSE_STAMPED)
     notes = live.score()[0].notes
     complete = [live.is_complete]
@@ -408,16 +414,16 @@ def test_a_score_ends_with_as_many_samples_as_it_takes(own, stamps, noisy, tmp_p
     assert [numbers(note) for note in live.score()[0].notes if note not in notes] == [[149]]
 
 
-def test_all_unusable_is_one_line(own, stamps, noisy, tmp_path):
-    bag = beside(own, tmp_path / "b.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, np.nan * noisy))
+def test_all_unusable_is_one_line(noisy, with_estimate):
+    bag = with_estimate(xyzw=np.nan * noisy)
     with refused("all not finite", count=149):
         followed(bag, POSE_STAMPED).score()
 
 
-def test_a_score_on_the_way_does_not_judge_the_convergence(own, stamps, noisy, tmp_path):
+def test_a_score_on_the_way_does_not_judge_the_convergence(stamps, noisy, with_estimate):
     wrong = np.radians(150.0) * (stamps < 2.5 * NS)[:, np.newaxis] * [0.0, 0.0, 1.0]
     converging = quaternion.multiply(noisy, quaternion.exp(wrong))
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps, converging))
+    bag = with_estimate(xyzw=converging)
     live = followed(bag, POSE_STAMPED)
     score = live.score(50)[1]
     assert score.samples <= 50
@@ -461,7 +467,7 @@ def unhurt(own, stamps, noisy):
     return heard_without
 
 
-@pytest.mark.parametrize(("topic", "which", "place", "without"), sampled(CASES, every=3))
+@pytest.mark.parametrize(("topic", "which", "place", "without"), sampled(CASES, every=5))
 def test_one_hostile_message_costs_itself(topic, which, place, without, stamps, unhurt):
     """The score is the same as if it had not come, and it is counted and told."""
     heard, (expected_read, expected) = unhurt(without)
@@ -566,20 +572,19 @@ def test_as_many_stamps_as_possible_are_in_order() -> None:
 
 
 @pytest.mark.parametrize("rows", [range(3), range(60, 80)])
-def test_stamps_beyond_the_truth_cost_themselves_where_later_ones_are_within(rows, own, stamps, noisy, tmp_path):
+def test_stamps_beyond_the_truth_cost_themselves_where_later_ones_are_within(rows, stamps, with_estimate):
     """As of a filter that begins by the time of day, before it hears of a simulated one."""
     wrong = stamps.copy()
     wrong[rows] += 10**18
-    bag = beside(own, tmp_path / "bag.mcap", (POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", wrong, noisy))
+    bag = with_estimate(wrong)
     read = recorded_estimate(bag, "/estimate")
     assert read.track.stamps_ns.tolist() == np.delete(stamps, rows).tolist()
     assert read.left_out == len(rows)
 
 
 @pytest.mark.parametrize("without", ["", "/pose /twist"])
-def test_the_last_after_a_pause_count(without, own, stamps, noisy, tmp_path):
+def test_the_last_after_a_pause_count(without, stamps, noisy, with_estimate):
     """Within the poses, or without these within the bag."""
     rows = np.r_[:70, 147, 148]
-    estimate = POSE_STAMPED, HOW[POSE_STAMPED], "/estimate", stamps[rows], noisy[rows]
-    read = recorded_estimate(beside(own, tmp_path / "bag.mcap", estimate, without=without), "/estimate")
+    read = recorded_estimate(with_estimate(stamps[rows], noisy[rows], without=without), "/estimate")
     assert read.track.stamps_ns.tolist() == stamps[rows].tolist()
