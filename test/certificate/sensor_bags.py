@@ -111,7 +111,7 @@ ALL = (IMU, BIAS, MAG)
 AT = 37
 
 
-def write(path: Path, *stages: tuple[dict[str, object], float], chunk_size: int = 10_000) -> Path:
+def write(path: Path, *stages: tuple[dict[str, object], float], chunk_size: int = 40_000) -> Path:
     """A bag as a node records it: a reset's scenario at once, readings left from before it later."""
     simulation = Simulation(Scenario.from_parameters({**BODY, **RATES, **stages[0][0]}))
     end = EPOCH

@@ -108,6 +108,7 @@ def test_a_body_whose_energy_underflows(size, rate):
         assert certify(run({**method, **given}, 10)).passed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inertia", [[1.0, 1.0, 2.0], [1.0, 1.0, 1.0]])
 def test_millions_of_steps_that_are_rounded_alike(inertia):
     """In a steady rotation every step has the same increment."""

@@ -35,11 +35,12 @@ def metadata(*options: str) -> list[str]:
 
 def test_one_name_version_and_license() -> None:
     manifest = [MANIFEST.findtext(tag) for tag in ("name", "version", "license")]
-    assert manifest == metadata("--name", "--version", "--license")
+    *said, author, email = metadata("--name", "--version", "--license", "--author", "--author-email")
+    assert manifest == said
     assert manifest[1] == lie_rigid_body.__version__
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert [citation["title"].partition(":")[0], citation["version"], citation["license"]] == manifest
-    assert [citation["authors"][0]["name"], citation["authors"][0]["email"]] == metadata("--author", "--author-email")
+    assert [citation["authors"][0]["name"], citation["authors"][0]["email"]] == [author, email]
 
 
 def test_colcon_recognises_an_ament_python_package() -> None:
