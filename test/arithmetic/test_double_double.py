@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
@@ -61,7 +61,6 @@ def test_a_product_of_double_doubles_keeps_102_bits():
         assert abs(p - x * y) <= abs(x * y) * Fraction(2) ** -102
 
 
-@settings(max_examples=100, deadline=None)
 @given(INT64)
 def test_integers_of_64_bits_are_exact(n: int):
     assert exact(double_double.from_integers(np.array([n], dtype=np.int64))) == [n]
@@ -72,7 +71,6 @@ def test_integers_at_the_limits_are_exact(n: int):
     assert exact(double_double.from_integers(np.array([n], dtype=np.int64))) == [n]
 
 
-@settings(max_examples=100, deadline=None)
 @given(INT64, st.floats(-0.5, 0.5))
 def test_the_remainder_differs_by_an_integer_and_is_at_most_a_half(n: int, part: float):
     x = double_double.add(double_double.from_integers(np.array([n], dtype=np.int64)), pair(part))
@@ -99,7 +97,6 @@ PARTS = st.floats(1e-12, 1e12)
 LOWS = st.floats(-0.5, 0.5)
 
 
-@settings(max_examples=100, deadline=None)
 @given(PARTS, LOWS, PARTS, LOWS, st.booleans())
 def test_operations_keep_100_bits_on_floats_and_arrays(a: float, rest: float, b: float, other: float, negative: bool):
     b = -b if negative else b

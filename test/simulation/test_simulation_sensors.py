@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 
@@ -175,7 +175,6 @@ def at_once() -> list[Message]:
 
 
 @given(st.lists(st.tuples(st.integers(0, 400_000_000), st.integers(1, 60)), max_size=15))
-@settings(max_examples=40)
 def test_how_it_is_cut_makes_no_difference(at_once: list[Message], cuts: list[tuple[int, int]]) -> None:
     simulation, parts, now = Simulation(scenario(**RATES, **NOISY), EPOCH), [], EPOCH
     for later, at_most in [*cuts, (2 * NS, 1000)]:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
@@ -154,7 +154,6 @@ STAMPS = st.integers(-(10**16), 10**16)
 ORDERS = st.sampled_from([[0.5, 0.5, 0.5, 0.5], [0.5, 0.5, 0.5, -0.5], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])
 
 
-@settings(max_examples=40, deadline=None)
 @given(MOMENTS, COMPONENTS, STAMPS, st.integers(-300, 300))
 def test_going_on_from_any_state_on_the_way_is_the_same_motion(moments, rate, s: int, hundredths: int):
     """Motion by s and then t is motion by s + t, but for what the rounding of the state on the way becomes.
@@ -172,7 +171,6 @@ def test_going_on_from_any_state_on_the_way_is_the_same_motion(moments, rate, s:
     assert np.abs(onward.attitude_xyzw - whole.attitude_xyzw).max() <= bound
 
 
-@settings(max_examples=40, deadline=None)
 @given(MOMENTS, COMPONENTS, STAMPS, ORDERS, st.integers(-60, 60), st.integers(-3, 3))
 def test_time_axes_and_units_do_not_matter_to_any_motion(moments, rate, t_ns: int, turn, power: int, scale: int):
     body, start = RigidBody(list(moments)), State(quaternion.normalize(TILTED), list(rate))
@@ -231,7 +229,6 @@ def test_on_the_separatrix_the_fastest_rate_is_no_harder_than_another(power: int
         assert np.abs(quaternion.norm(states.attitude_xyzw) - 1.0).max() <= 4e-16
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     st.tuples(*[st.floats(0.5, 1.0)] * 3),
     st.tuples(*[st.floats(-3.0, 3.0)] * 3),
