@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from phrases import telling
-from tampering import at, flipped, on, rotated, scaled_rate, tamper
+from sensor_bags import broken, certificate
+from tampering import at, declared, flipped, on, rotated, scaled_rate, tamper
 
 from foreign_bags import Message
-from lie_rigid_body.certificate import Certificate, certify
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import BagError, ParameterError
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import BatchEncoder
@@ -51,15 +52,6 @@ def bag(request, tmp_path_factory):
         samples = simulation.take(COUNT)
         writer.write(encoder.encode(SimulationStep(samples)))
     return path
-
-
-def certificate(bag, tmp_path, change) -> Certificate:
-    return certify(read_bag(tamper(bag, tmp_path / "tampered.mcap", change)))
-
-
-def broken(found: Certificate) -> set[str]:
-    laws = [law for segment in found.segments for law in segment.laws] + list(found.whole)
-    return {law.name for law in laws if not law.holds}
 
 
 def test_the_honest_bag_and_its_faithful_copy_are_certified(bag, tmp_path):
@@ -126,16 +118,6 @@ def test_no_bag_is_accused_of_an_inertia_given_by_hand_that_no_body_has(bag, ine
     with pytest.raises(ParameterError) as caught:
         certify(read_bag(bag), inertia)
     assert caught.value.name == "inertia"
-
-
-def declared(**changes: object):
-    """The scenario message with other values."""
-
-    def changed(message: Message) -> Message:
-        content = json.loads(message.data[8:-1])
-        return message._replace(data=encode_string(json.dumps({**content, **changes})))
-
-    return on("/lie_rigid_body/scenario", at(0, changed))
 
 
 def without_first(count: int):

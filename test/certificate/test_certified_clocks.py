@@ -7,7 +7,21 @@ import struct
 import numpy as np
 import pytest
 from phrases import telling
-from sensor_bags import ALL, BIAS, EPOCH, ERRING_CLOCKS, FORCE, IMU, MAG, MOTIONS, START, broken, recorded, write
+from sensor_bags import (
+    ALL,
+    BIAS,
+    EPOCH,
+    ERRING_CLOCKS,
+    FORCE,
+    IMU,
+    MAG,
+    MOTIONS,
+    START,
+    broken,
+    certificate,
+    recorded,
+    write,
+)
 from tampering import Change, at, on, tamper, with_numbers
 
 from foreign_bags import Message, messages_of
@@ -35,7 +49,7 @@ def test_resets_that_change_the_clock(tmp_path, grade, motion):
     ]
     path = write(tmp_path / "a.mcap", *stages)
     for change, sensors in ((lambda ms: ms, ALL), (recorded(0.213, 0.06), ())):
-        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        found = certificate(path, tmp_path, change)
         assert found.passed, found.messages
         assert found.sensors == sensors
 
@@ -52,7 +66,7 @@ def test_which_clock_shows_a_stamp_is_told_of_a_recorders_bag_as_not_certified(t
     even: dict[str, object] = {"motion": "closed_form", "rate": 50.0, "imu_rate": 100.0, "magnetometer_rate": 10.0}
     path = write(tmp_path / "a.mcap", ({**even, **before}, 1.0), ({**even, **after}, 0.7))
     assert certify(Bag(path)).sensors == ALL
-    found = certify(Bag(tamper(path, tmp_path / "b.mcap", recorded(0.0))))
+    found = certificate(path, tmp_path, recorded(0.0))
     assert found.passed, found.messages
     assert len(found.segments) == 2
     assert found.sensors == (MAG,)
@@ -92,7 +106,7 @@ def test_a_reading_just_before_the_first_scenario_is_none_of_it(tmp_path):
         late = next(i for i in range(reset - 1, 0, -1) if messages[i].topic == IMU)
         return recorded(0.0)([messages[late], *messages[reset:]])
 
-    found = certify(Bag(tamper(path, tmp_path / "b.mcap", begun_just_before)))
+    found = certificate(path, tmp_path, begun_just_before)
     assert found.passed, found.messages
     assert found.sensors == (IMU, BIAS)
 
@@ -103,7 +117,7 @@ def test_readings_of_a_clock_that_errs_are_not_those_of_a_segment_without_the_se
     without, having = {**START, "magnetometer_rate": 0.0}, {**START, "magnetometer_clock_offset": offset}
     path = write(tmp_path / "a.mcap", (without, 0.3), (having, 0.4), (without, 0.3))
     for change in (lambda ms: ms, recorded(0.1, 0.01)):
-        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        found = certificate(path, tmp_path, change)
         assert found.passed, found.messages
         assert found.sensors == ALL
 
@@ -132,7 +146,7 @@ def moved(by_ns: int) -> Change:
 )
 def test_another_stamp_is_named(bag, tmp_path, by_ns, as_written):
     change, late = moved(by_ns), (lambda ms: ms) if as_written else recorded(0.1)
-    found = certify(Bag(tamper(bag, tmp_path / "b.mcap", lambda ms: late(change(ms)))))
+    found = certificate(bag, tmp_path, lambda ms: late(change(ms)))
     assert broken(found) & {"magnetometer stamps", "sensor stamps"}
     if abs(by_ns) <= 1000:
         stamped, right = (int(word) for word in found.messages[0].split() if word.isdigit() and len(word) == 19)
@@ -146,7 +160,7 @@ def test_a_changed_missing_doubled_or_swapped_reading_is_named(bag, tmp_path, to
     stamps = "magnetometer stamps" if topic == MAG else "IMU stamps"
 
     def broken_by(change) -> set[str]:
-        return broken(certify(Bag(tamper(bag, tmp_path / "b.mcap", on(topic, change)))))
+        return broken(certificate(bag, tmp_path, on(topic, change)))
 
     count = len([m for m in messages_of(bag) if m.topic == topic])
     index %= count

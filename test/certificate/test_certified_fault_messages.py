@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from phrases import telling
-from sensor_bags import EPOCH, EVERY, IMU, LATE, LATER, LOST, START, broken, recorded, write
-from tampering import Change, at, declared, on, tamper
+from sensor_bags import EPOCH, EVERY, IMU, LATE, LATER, LOST, START, broken, certificate, recorded, write
+from tampering import at, declared, on
 
 from foreign_bags import Message, messages_of
 from lie_rigid_body.certificate import Certificate, LawResult, certify, told_faults
@@ -39,10 +39,6 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(path, ({**START, **EVERY, **LATER, **LOST, **LATE}, 0.41), (START, 0.2), (OTHER, 0.28))
 
 
-def verdict(bag: Path, folder: Path, change: Change) -> Certificate:
-    return certify(Bag(tamper(bag, folder / "b.mcap", change)))
-
-
 def law(found: Certificate) -> LawResult:
     return next(law for law in found.whole if law.name == "faults")
 
@@ -66,10 +62,10 @@ def test_those_of_a_recorder_are_certified_from_its_first_one_on(bag, tmp_path, 
         known = [m for m in ms if m.topic == scenario]
         return sorted([*rest, *known, *told, *told[3:5]], key=lambda m: m.log_time)
 
-    found = verdict(bag, tmp_path, lambda ms: [m._replace(log_time=m.log_time + 777) for m in change(ms)])
+    found = certificate(bag, tmp_path, lambda ms: [m._replace(log_time=m.log_time + 777) for m in change(ms)])
     assert found.passed, found.messages
     assert telling(found, "faults again", count=2)
-    gap = verdict(
+    gap = certificate(
         bag, tmp_path, lambda ms: [m._replace(log_time=m.log_time + 777) for m in on(FAULTS, without(9))(change(ms))]
     )
     assert broken(gap) == {"faults"}
@@ -111,7 +107,7 @@ CHANGED: dict[str, dict[str, object]] = {
 )
 def test_another_field_is_named(bag, tmp_path, field, index):
     index %= count(bag)
-    found = verdict(bag, tmp_path, on(FAULTS, at(index, retold(**CHANGED[field]))))
+    found = certificate(bag, tmp_path, on(FAULTS, at(index, retold(**CHANGED[field]))))
     assert "faults" in broken(found)
     assert law(found).sample == index or field in ("begin", "never", "before")
 
@@ -131,16 +127,16 @@ def test_a_missing_doubled_swapped_or_unreadable_message_is_named(bag, tmp_path,
         (at(index, lambda m: m._replace(data=encode_string("{}"))), "no fault", index),
     ):
         if index > 20 or what != "faults out of order":  # before that faults begin at one time, in any order
-            found = verdict(bag, tmp_path, on(FAULTS, change))
+            found = certificate(bag, tmp_path, on(FAULTS, change))
             assert broken(found) <= {"faults", "log times"}
             assert telling(found, what, topic=FAULTS, message=message) == [found.messages[-1]]
 
 
 def test_a_topic_that_was_taken_away_is_missed(bag, tmp_path):
-    found = verdict(bag, tmp_path, lambda ms: [m for m in ms if m.topic != FAULTS])
+    found = certificate(bag, tmp_path, lambda ms: [m for m in ms if m.topic != FAULTS])
     assert broken(found) == {"faults"}
     late = recorded(0.1)
-    found = verdict(bag, tmp_path, lambda ms: late([m for m in ms if m.topic != FAULTS]))
+    found = certificate(bag, tmp_path, lambda ms: late([m for m in ms if m.topic != FAULTS]))
     assert found.passed, found.messages
     assert "faults" not in {law.name for law in found.whole}
 
@@ -148,7 +144,7 @@ def test_a_topic_that_was_taken_away_is_missed(bag, tmp_path):
 def test_the_last_ones_cut_off_are_missed(bag, tmp_path):
     end = messages_of(bag)[-1].log_time
     cut = on(FAULTS, lambda ms: [m for m in ms if m.log_time < end - 50_000_000])
-    assert broken(verdict(bag, tmp_path, cut)) == {"faults"}
+    assert broken(certificate(bag, tmp_path, cut)) == {"faults"}
 
 
 def test_a_size_of_another_library_is_the_same_but_for_its_last_bits(bag, tmp_path):
@@ -160,12 +156,12 @@ def test_a_size_of_another_library_is_the_same_but_for_its_last_bits(bag, tmp_pa
                 return message
             return retold(size=fault.size + bits * np.spacing(1e-6))(message)
 
-        found = verdict(bag, tmp_path, on(FAULTS, lambda ms: list(map(change, ms))))
+        found = certificate(bag, tmp_path, on(FAULTS, lambda ms: list(map(change, ms))))
         assert broken(found) == names
 
 
 def test_messages_are_logged_when_the_fault_begins(bag, tmp_path):
-    found = verdict(bag, tmp_path, on(FAULTS, at(9, lambda m: m._replace(log_time=m.log_time + 1))))
+    found = certificate(bag, tmp_path, on(FAULTS, at(9, lambda m: m._replace(log_time=m.log_time + 1))))
     assert "log times" in broken(found)
 
 
@@ -177,9 +173,9 @@ def test_faults_of_more_readings_than_can_be_looked_through_are_listed(bag, tmp_
 
 
 def test_other_faults_that_a_scenario_declares_are_caught(bag, tmp_path):
-    assert "faults" in broken(verdict(bag, tmp_path, declared(gyro_noise_burst_interval=0.21)))
+    assert "faults" in broken(certificate(bag, tmp_path, declared(gyro_noise_burst_interval=0.21)))
     older = declared(software="lie_rigid_body 0.0.9")
-    found = verdict(bag, tmp_path, lambda ms: on(FAULTS, without(3))(older(ms)))
+    found = certificate(bag, tmp_path, lambda ms: on(FAULTS, without(3))(older(ms)))
     assert found.passed, found.messages
     assert telling(found, "another version", software="lie_rigid_body 0.0.9")
     assert IMU not in found.sensors

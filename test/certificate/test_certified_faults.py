@@ -21,6 +21,7 @@ from sensor_bags import (
     SUN,
     VALUES,
     broken,
+    certificate,
     episodes,
     laws,
     recorded,
@@ -63,7 +64,7 @@ def test_a_range_or_level_that_is_no_multiple_of_the_resolution(tmp_path, draw):
 def test_faults_of_axes_that_are_declared_away_are_missed(tmp_path, name):
     path = write(tmp_path / "a.mcap", ({**START, **AXES[name]}, 0.5))
     none = dict.fromkeys((key for key in AXES[name] if not key.endswith("duration")), 0.0)
-    found = certify(Bag(tamper(path, tmp_path / "b.mcap", declared(**none))))
+    found = certificate(path, tmp_path, declared(**none))
     assert broken(found) & set(VALUES)
 
 
@@ -74,7 +75,7 @@ def test_a_spike_that_is_smoothed_away_is_named(tmp_path):
         return np.where(np.abs(numbers) > 20.0, numbers - np.sign(numbers) * (50.0 - 1e-9), numbers)
 
     change = on(IMU, lambda ms: [with_numbers(m, 24, smoothed) if largest(m) > 20.0 else m for m in ms])
-    found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+    found = certificate(path, tmp_path, change)
     assert broken(found) == {"gyro"}
 
 
@@ -88,7 +89,7 @@ def test_readings_that_should_be_lost_or_not_are_named(tmp_path, topic):
     path = write(tmp_path / "a.mcap", ({**START, **LOST}, 0.6))
     whole = write(tmp_path / "whole.mcap", (START, 0.6))
     stamps = "magnetometer stamps" if topic == MAG else "IMU stamps"
-    missing = certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, lambda ms: [*ms[:20], *ms[21:]]))))
+    missing = certificate(path, tmp_path, on(topic, lambda ms: [*ms[:20], *ms[21:]]))
     assert broken(missing) == {stamps}
     assert {law.unit for law in laws(missing, stamps)} == {GAP}
     extra: list[Message] = []
@@ -98,7 +99,7 @@ def test_readings_that_should_be_lost_or_not_are_named(tmp_path, topic):
         known = {m.log_time for m in messages}
         return sorted([*messages, *(m for m in extra if m.log_time not in known)], key=lambda m: m.log_time)
 
-    found = certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, filled))))
+    found = certificate(path, tmp_path, on(topic, filled))
     assert broken(found) == {stamps}
     assert {law.unit for law in laws(found, stamps)} == {DUPLICATE}
 
@@ -112,13 +113,13 @@ def test_frames_are_those_of_their_own_segment(tmp_path, parameter, topic, names
     def renamed(messages: list[Message]) -> list[Message]:
         return [message._replace(data=message.data.replace(*names)) for message in messages]
 
-    assert broken(certify(Bag(tamper(path, tmp_path / "b.mcap", on(topic, renamed))))) == {"frames"}
+    assert broken(certificate(path, tmp_path, on(topic, renamed))) == {"frames"}
 
 
 def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     path = write(tmp_path / "a.mcap", ({**START, **LATE}, 0.4))
     sooner = on(IMU, at(20, lambda m: m._replace(log_time=m.log_time - 1)))
-    found = certify(Bag(tamper(path, tmp_path / "b.mcap", sooner)))
+    found = certificate(path, tmp_path, sooner)
     assert broken(found) == {"log times"}
     assert [law.broken for law in found.whole if law.name == "log times"] == [1]
 
@@ -141,7 +142,7 @@ def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
 def test_another_orientation_or_direction_is_named(pointing, tmp_path, topic, from_end, law, by):
     change = lambda numbers: np.concatenate([[numbers[0] + by], numbers[1:]])  # noqa: E731
     tampered = on(topic, at(4, lambda m: with_numbers(m, from_end, change)))
-    found = certify(Bag(tamper(pointing, tmp_path / "b.mcap", tampered)))
+    found = certificate(pointing, tmp_path, tampered)
     assert broken(found) == {law}
     assert [one.sample for one in laws(found, law)] == [4]
 
@@ -149,12 +150,12 @@ def test_another_orientation_or_direction_is_named(pointing, tmp_path, topic, fr
 @pytest.mark.parametrize("topic", [ATTITUDE, SUN])
 def test_a_missing_or_renamed_reading_is_named(pointing, tmp_path, topic):
     sensor = "sun sensor" if topic == SUN else "attitude sensor"
-    missing = certify(Bag(tamper(pointing, tmp_path / "b.mcap", on(topic, lambda ms: [*ms[:3], *ms[4:]]))))
+    missing = certificate(pointing, tmp_path, on(topic, lambda ms: [*ms[:3], *ms[4:]]))
     assert broken(missing) == {f"{sensor} stamps"}
     assert [(law.unit, law.sample) for law in laws(missing, f"{sensor} stamps")] == [(GAP, 3)]
     frame = (b"base_link", b"basa_link") if topic == SUN else (b"world", b"warld")
     renamed = on(topic, at(3, lambda m: m._replace(data=m.data.replace(*frame))))
-    [name] = broken(certify(Bag(tamper(pointing, tmp_path / "b.mcap", renamed))))
+    [name] = broken(certificate(pointing, tmp_path, renamed))
     assert name.startswith(f"{sensor} frame")
 
 
@@ -163,13 +164,13 @@ def test_a_reset_that_switches_the_orientation_is_certified_segment_by_segment(t
     start = {**MOTIONS[motion], **FORCE, **NOISY, **LATER, "rate": 7.0}
     path = write(tmp_path / "a.mcap", (start, 0.3), ({**start, "imu_orientation": False}, 0.3), (start, 0.4))
     for change in (lambda ms: ms, recorded(0.213, 0.06)):
-        found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
+        found = certificate(path, tmp_path, change)
         assert found.passed, found.messages
         assert found.sensors == (*ALL, ATTITUDE, SUN)
         assert [bool(laws_of_orientation(segment)) for segment in found.segments] == [True, False, True]
-    turned = certify(Bag(tamper(path, tmp_path / "c.mcap", on(IMU, at(2, forged_orientation)))))
+    turned = certificate(path, tmp_path, on(IMU, at(2, forged_orientation)))
     assert broken(turned) == {"IMU orientation"}
-    none = certify(Bag(tamper(path, tmp_path / "d.mcap", on(IMU, at(150, forged_orientation)))))
+    none = certificate(path, tmp_path, on(IMU, at(150, forged_orientation)))
     assert broken(none) == {"IMU frame and covariances"}
 
 

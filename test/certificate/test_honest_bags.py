@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.special
 from phrases import PHRASES
-from sensor_bags import CLOCKS, EPOCH, EVERY, LATE, LATER, LOST, recorded
-from tampering import at, declared, on, tamper, with_numbers
+from sensor_bags import CLOCKS, EPOCH, EVERY, LATE, LATER, LOST, certificate, recorded
+from tampering import at, declared, on, with_numbers
 
 from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify
@@ -112,17 +112,17 @@ def test_a_bag_that_is_replayed_to_the_bit_says_so(tmp_path):
     told: Any = as_json("a", found)["certified"]
     assert told["to_the_bit"] is True
     last_bit = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(np.nextafter(x[:3], 9), x[3:]))))
-    other = certify(Bag(tamper(path, tmp_path / "b.mcap", last_bit)))
+    other = certificate(path, tmp_path, last_bit)
     assert (other.passed, other.to_the_bit) == (True, False)
     assert PHRASES["not to the bit"] in as_table("b", other)
     last_bit = on("/twist", at(7, lambda m: with_numbers(m, 3, lambda x: np.nextafter(x, 9))))
-    assert certify(Bag(tamper(path, tmp_path / "c.mcap", last_bit))).to_the_bit is False
+    assert certificate(path, tmp_path, last_bit).to_the_bit is False
     zero = on("/imu/bias", at(7, lambda m: with_numbers(m, 24, lambda x: np.append(-0.0 * x[:3], x[3:]))))
-    signed = certify(Bag(tamper(bias_free, tmp_path / "f.mcap", zero)))
+    signed = certificate(bias_free, tmp_path, zero)
     assert (certify(Bag(bias_free)).to_the_bit, signed.passed, signed.to_the_bit) == (True, True, False)
-    late = certify(Bag(tamper(bias_free, tmp_path / "g.mcap", recorded(1.0))))
+    late = certificate(bias_free, tmp_path, recorded(1.0))
     assert (late.passed, late.to_the_bit) == (True, True)
-    older = certify(Bag(tamper(path, tmp_path / "d.mcap", declared(software="lie_rigid_body 0.0.9"))))
+    older = certificate(path, tmp_path, declared(software="lie_rigid_body 0.0.9"))
     assert (older.passed, older.to_the_bit) == (True, None)
     simulate("tumbling_cubesat", duration=2.0, **given).to_bag(tmp_path / "e.mcap")
     assert certify(Bag(tmp_path / "e.mcap")).to_the_bit is None

@@ -25,11 +25,11 @@ from sensor_bags import (
     START,
     SUN,
     VALUES,
+    certificate,
     laws,
     recorded,
     write,
 )
-from tampering import tamper
 
 from lie_rigid_body.certificate import certify, readings
 from lie_rigid_body.recording.bag_reader import Bag
@@ -137,7 +137,7 @@ def test_an_honest_bag_is_certified(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     topics = {"imu": (IMU, BIAS), "magnetometer": (MAG,), "attitude_sensor": (ATTITUDE,), "sun_sensor": (SUN,)}
     wanted = tuple(each for sensor in topics for each in topics[sensor] if any(getattr(one, sensor) for one in given))
     monkeypatch.setattr(readings, "REPLAY_BLOCK", 7)
-    late = certify(Bag(tamper(path, tmp_path / "b.mcap", recorded(0.213, 0.06))))
+    late = certificate(path, tmp_path, recorded(0.213, 0.06))
     for found in (whole, late):
         assert found.passed, found.messages
         held = [law for value in (*VALUES, *POINTING) for law in laws(found, value)]

@@ -9,14 +9,12 @@ from typing import Any
 
 import pytest
 from phrases import telling
+from sensor_bags import certificate, write
 from sensor_bags import recorded as recorded_late
-from sensor_bags import write
-from tampering import tamper
 
 from foreign_bags import PLAIN, bag_of, messages_of
 from lie_rigid_body import certify, simulate
 from lie_rigid_body.messages import decode_string, encode_string
-from lie_rigid_body.recording.bag_reader import Bag
 
 Change = Callable[[dict[str, Any]], object]
 
@@ -60,7 +58,7 @@ def test_a_scenario_that_comes_back_after_another_is_the_last(tmp_path: Path) ->
     second: dict[str, object] = {"motion": "closed_form", "initial_body_rate": [0.5, 0.2, 0.2]}
     path = write(tmp_path / "x.mcap", ({}, 0.4), (first, 0.0), (second, 0.0), (first, 0.4))
     for change in (lambda messages: messages, recorded_late(0.0)):
-        found = certify(Bag(tamper(path, tmp_path / "y.mcap", change)))
+        found = certificate(path, tmp_path, change)
         assert found.passed, found.messages
         assert [segment.segment.scenario.initial_body_rate for segment in found.segments][1:] == [(0.1, 1.0, 0.2)]
 

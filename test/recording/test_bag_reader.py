@@ -12,64 +12,11 @@ from bags import MakeBag, rewrite
 from mcap.writer import CompressionType
 from refused_bags import refused
 
-from foreign_bags import bag_of, messages_of
 from lie_rigid_body import Run
 from lie_rigid_body.estimates.recorded_estimate import recorded_estimate
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_files import bags_in
 from lie_rigid_body.recording.bag_reader import read_bag
-
-
-@pytest.mark.parametrize("compression", list(CompressionType))
-@pytest.mark.parametrize("chunked", [True, False])
-def test_bags_of_other_recorders_are_read(
-    make_bag: MakeBag, tmp_path: Path, compression: CompressionType, chunked: bool
-) -> None:
-    own = read_bag(make_bag())
-    path = rewrite(
-        tmp_path / "bag.mcap",
-        tmp_path / "other.mcap",
-        lambda topic: f"/robot_3{topic}",
-        compression=compression,
-        use_chunking=chunked,
-        enable_data_crcs=True,
-    )
-    other = read_bag(path)
-    np.testing.assert_array_equal(other.poses.values[:, 3:], own.poses.values[:, 3:])
-    np.testing.assert_array_equal(other.twists.values[:, 3:], own.twists.values[:, 3:])
-    np.testing.assert_array_equal(other.poses.stamps_ns, own.poses.stamps_ns)
-    np.testing.assert_array_equal(other.poses.log_times_ns, own.poses.log_times_ns + 5)
-    assert other.pose_topic == "/robot_3/pose"
-    assert other.library == "another recorder"
-    assert other.expected_samples is None
-
-
-def test_a_topic_with_two_channels_is_one(make_bag: MakeBag, tmp_path: Path) -> None:
-    """As of two publishers, or of files that were joined: messages come in file order."""
-    source, path = make_bag(count=60), tmp_path / "two.mcap"
-    messages = [m._replace(publisher=number // 3 % 2) for number, m in enumerate(messages_of(source))]
-    other = messages[1]._replace(kind="std_msgs/msg/Empty", definition=b"", data=bytes(4))
-    path.write_bytes(bag_of([*messages, other], chunk_size=3000))
-    own_bag, found = read_bag(source), read_bag(path)
-    np.testing.assert_array_equal(found.poses.values[:, 3:], own_bag.poses.values[:, 3:])
-    np.testing.assert_array_equal(found.twists.stamps_ns, own_bag.twists.stamps_ns)
-    assert len({(m.topic, m.publisher) for m in messages}) > 3
-    [stray] = found.others
-    assert [part for part in (" /pose ", " std_msgs/msg/Empty, 1 ") if part not in stray] == []
-
-
-def test_messages_stay_in_file_order(make_bag: MakeBag, tmp_path: Path) -> None:
-    own = make_bag(count=4)
-    payloads: list[bytes] = []
-
-    def noted(number: int, topic: str, data: bytes) -> bytes:
-        payloads.append(data)
-        return data
-
-    rewrite(own, tmp_path / "x.mcap", change=noted)
-    swapped = {3: payloads[5], 5: payloads[3]}  # messages are scenario, pose, twist, pose, twist, pose …
-    path = rewrite(own, tmp_path / "swapped.mcap", change=lambda number, topic, data: swapped.get(number, data))
-    assert read_bag(path).poses.stamps_ns.tolist() == [0, 20_000_000, 10_000_000, 30_000_000]
 
 
 def folder(tmp_path: Path, *names: str) -> Path:
@@ -78,19 +25,6 @@ def folder(tmp_path: Path, *names: str) -> Path:
     files = "".join(f"\n  - {name}" for name in names)
     (bag / "metadata.yaml").write_text(f"rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:{files}\n")
     return bag
-
-
-@pytest.mark.parametrize("with_metadata", [True, False])
-def test_a_rosbag2_folder_of_several_files_is_one_bag(make_bag: MakeBag, tmp_path: Path, with_metadata: bool) -> None:
-    own = make_bag(count=30)
-    names = [f"folder_{i}.mcap" for i in range(11)]
-    bag = folder(tmp_path, *names)
-    for i, name in enumerate(names):
-        rewrite(own, bag / name, keep=lambda number, topic, i=i: i == min(number // 5, 10))  # type: ignore[misc]
-    if not with_metadata:
-        (bag / "metadata.yaml").unlink()
-    recording = read_bag(bag)
-    assert recording.poses.stamps_ns.tolist() == read_bag(own).poses.stamps_ns.tolist()
 
 
 def test_a_folder_of_several_bags_is_not_one(make_bag: MakeBag, tmp_path: Path) -> None:
@@ -149,7 +83,7 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: Path) -> None:
-    whole = make_bag(count=4000).read_bytes()
+    whole = make_bag(count=1500).read_bytes()
     cut = tmp_path / "cut.mcap"
     rng = np.random.default_rng(3)
     for size in [9, 20, len(whole) - 1, len(whole) - 8, len(whole) - 9, *rng.integers(9, len(whole), 60)]:
@@ -165,7 +99,7 @@ def test_a_file_cut_anywhere_is_refused_as_cut_off(make_bag: MakeBag, tmp_path: 
 @pytest.mark.long
 def test_a_flipped_bit_is_refused_or_changes_nothing(make_bag: MakeBag, tmp_path: Path) -> None:
     """Each byte of the data section is under a checksum; what stands behind it are hints."""
-    path, damaged = make_bag(count=1500), tmp_path / "damaged.mcap"
+    path, damaged = make_bag(count=500), tmp_path / "damaged.mcap"
     whole, honest = path.read_bytes(), read_bag(path)
     size, data_end = len(whole), whole.rindex(b"\x0f\x04\0\0\0\0\0\0\0")
     places = {*range(0, 60, 3), *range(size - 1200, size, 7), *np.random.default_rng(5).integers(0, size, 60).tolist()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -27,49 +28,46 @@ from lie_rigid_body.simulation import Samples, Segment, Simulation
 
 EPOCH = 1_700_000_000_123_456_789
 TOPICS = ["/pose", "/twist", "/lie_rigid_body/scenario"]
+Read = list[tuple[str, int, Any]]
+"""Topics, log times and messages."""
 
 
 def expected(count: int, **parameters: object) -> Samples:
     return Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters})).take(count)
 
 
-@pytest.mark.parametrize("stamped", [True, False])
-def test_mcap_ros2_support_reads_what_was_simulated(make_bag: MakeBag, stamped: bool) -> None:
-    path = make_bag(count=50, stamped_twist=stamped, epoch_ns=EPOCH)
-    samples = expected(50, epoch_ns=EPOCH)
-    with open(path, "rb") as stream:
+def by_mcap_ros2(path: Path) -> Read:
+    with path.open("rb") as stream:
         rows = list(make_reader(stream, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
-    poses, twists = ([row for row in rows if row.channel.topic == topic] for topic in TOPICS[:2])
-    assert [row.message.log_time for row in poses] == samples.stamps_ns.tolist()
-    for k, (pose, twist) in enumerate(zip(poses, twists, strict=True)):
-        stamp, q = int(samples.stamps_ns[k]), pose.decoded_message.pose.orientation
-        header = pose.decoded_message.header
-        rate = (twist.decoded_message.twist if stamped else twist.decoded_message).angular
-        assert (header.stamp.sec, header.stamp.nanosec, header.frame_id) == (*divmod(stamp, 10**9), "world")
-        assert [q.x, q.y, q.z, q.w] == samples.states.attitude_xyzw[k].tolist()
-        assert [rate.x, rate.y, rate.z] == samples.states.body_rate[k].tolist()
-        assert {m.message.log_time for m in (pose, twist)} == {m.message.publish_time for m in (pose, twist)} == {stamp}
-        assert [m.message.sequence for m in (pose, twist)] == [k, k]
-        if stamped:
-            assert twist.decoded_message.header.frame_id == "base_link"
+    assert all(row.message.log_time == row.message.publish_time for row in rows)
+    for topic in TOPICS:
+        numbers = [row.message.sequence for row in rows if row.channel.topic == topic]
+        assert numbers == [*range(len(numbers))]
+    return [(row.channel.topic, row.message.log_time, row.decoded_message) for row in rows]
+
+
+def by_rosbags(path: Path) -> Read:
+    with AnyReader([path]) as reader:
+        return [(one.topic, time, reader.deserialize(data, one.msgtype)) for one, time, data in reader.messages()]
 
 
 @pytest.mark.parametrize("stamped", [True, False])
-def test_rosbags_reads_what_was_simulated(make_bag: MakeBag, stamped: bool) -> None:
-    path = make_bag(count=50, stamped_twist=stamped, epoch_ns=EPOCH)
+@pytest.mark.parametrize("read", [by_mcap_ros2, by_rosbags])
+def test_other_libraries_read_what_was_simulated(
+    make_bag: MakeBag, read: Callable[[Path], Read], stamped: bool
+) -> None:
+    rows = read(make_bag(count=50, stamped_twist=stamped, epoch_ns=EPOCH))
     samples = expected(50, epoch_ns=EPOCH)
-    with AnyReader([path]) as reader:
-        messages: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in TOPICS}
-        for connection, time, data in reader.messages():
-            messages[connection.topic].append((time, reader.deserialize(data, connection.msgtype)))
-    assert [time for time, _ in messages["/pose"]] == [time for time, _ in messages["/twist"]]
-    assert [time for time, _ in messages["/pose"]] == samples.stamps_ns.tolist()
-    for k, ((_, pose), (_, twist)) in enumerate(zip(messages["/pose"], messages["/twist"], strict=True)):
+    poses, twists, scenarios = ([(time, m) for each, time, m in rows if each == topic] for topic in TOPICS)
+    assert [time for time, _ in poses] == [time for time, _ in twists] == samples.stamps_ns.tolist()
+    for k, ((_, pose), (_, twist)) in enumerate(zip(poses, twists, strict=True)):
         q, rate = pose.pose.orientation, (twist.twist if stamped else twist).angular
         assert [q.x, q.y, q.z, q.w] == samples.states.attitude_xyzw[k].tolist()
         assert [rate.x, rate.y, rate.z] == samples.states.body_rate[k].tolist()
-        assert pose.header.stamp.sec * 10**9 + pose.header.stamp.nanosec == samples.stamps_ns[k]
-    [(time, scenario)] = messages["/lie_rigid_body/scenario"]
+        for message, frame in [(pose, "world"), (twist, "base_link")][: 1 + stamped]:
+            assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == samples.stamps_ns[k]
+            assert message.header.frame_id == frame
+    [(time, scenario)] = scenarios
     assert time == EPOCH
     assert Segment.from_json(scenario.data).scenario.epoch_ns == EPOCH
 

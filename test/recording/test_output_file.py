@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import errno
 import os
-import re
+import resource
+import signal
 import struct
-import subprocess
-import sys
-import textwrap
 from contextlib import suppress
 from io import BufferedWriter
 from pathlib import Path
@@ -16,42 +14,37 @@ from typing import Any
 
 import pytest
 import zstandard
-from bags import MakeBag
+from bags import MakeBag, write_samples
 from mcap.exceptions import McapError
 from mcap.records import Channel, Message
 from mcap.stream_reader import StreamReader
 from refused_bags import KEPT, refused
 
+from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system.output_file import OutputFile, write_file
 
-KILLED = """
-    import os, signal, sys
-    from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.messages.batch import BatchEncoder
-    from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation, SimulationStep
+pytestmark = pytest.mark.filterwarnings("ignore:This process.*is multi-threaded:DeprecationWarning")  # of libraries
+SCENARIO = Scenario.from_parameters({"motion": "closed_form"})
 
-    scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
-    bag = BagWriter(sys.argv[1], stamped_twist=True, overwrite="overwrite" in sys.argv)
-    bag.begin_segment(simulation.segment)
-    for last in (False, True):
-        samples = simulation.take(150)
-        bag.write(encoder.encode(SimulationStep(samples)))
-        if not last:
+
+def kill_midway(path: Path, *, overwrite: bool = False) -> None:
+    """Kill a process that has written samples twice, the first of which are synced."""
+    if (pid := os.fork()) == 0:
+        try:
+            simulation = Simulation(SCENARIO)
+            bag = BagWriter(path, stamped_twist=True, overwrite=overwrite)
+            bag.begin_segment(simulation.segment)
+            write_samples(bag, SCENARIO, simulation.take(150))
             bag.flush()
             bag.wait()
-    os.kill(os.getpid(), signal.SIGKILL)
-"""
-
-
-def kill_midway(path: Path, *options: str) -> None:
-    command = [sys.executable, "-c", textwrap.dedent(KILLED), str(path), *options]
-    assert subprocess.run(command, check=False).returncode == -9
+            write_samples(bag, SCENARIO, simulation.take(150))
+        finally:
+            os.kill(os.getpid(), signal.SIGKILL)
+    assert os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]) == -signal.SIGKILL
 
 
 def message_topics_before_the_cut(path: Path) -> list[str]:
@@ -79,7 +72,7 @@ def test_what_was_synced_outlives_a_kill(tmp_path: Path) -> None:
 def test_a_bag_to_be_replaced_survives_a_kill(make_bag: MakeBag) -> None:
     path = make_bag()
     before = path.read_bytes()
-    kill_midway(path, "overwrite")
+    kill_midway(path, overwrite=True)
     assert path.read_bytes() == before
     assert read_bag(path).expected_samples == 100
 
@@ -93,44 +86,32 @@ def test_a_failed_run_keeps_the_bag_it_was_to_replace_and_nothing_else(make_bag:
     assert os.listdir(path.parent) == [path.name]
 
 
-FULL = """
-    import resource, sys
-    resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
-    from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.messages.batch import BatchEncoder
-    from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation, SimulationStep
-
-    scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
-    try:
-        with BagWriter(sys.argv[1], stamped_twist=True, overwrite=True) as bag:
-            bag.begin_segment(simulation.segment)
-            for _ in range(20):
-                samples = simulation.take(500)
-                bag.write(encoder.encode(SimulationStep(samples)))
-    except Exception as error:
-        print(type(error).__name__, error)
-"""
-
-
 @pytest.mark.parametrize("old", [b"", b"the older file"])
 def test_a_full_disk_is_told_in_one_line(tmp_path: Path, old: bytes) -> None:
-    path = tmp_path / "full.mcap"
+    path, simulation, limits = tmp_path / "full.mcap", Simulation(SCENARIO), resource.getrlimit(resource.RLIMIT_FSIZE)
     if old:
         path.write_bytes(old)
-    command = [sys.executable, "-c", textwrap.dedent(FULL), str(path)]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
-    assert done.stderr == ""
-    assert done.returncode == 0
-    assert re.match(rf"BagError /.*full.mcap .*: {os.strerror(errno.EFBIG)}; ", done.stdout)
-    assert done.stdout.count("\n") == 1
+
+    def written() -> None:
+        with BagWriter(path, stamped_twist=True, overwrite=True) as bag:
+            bag.begin_segment(simulation.segment)
+            for _ in range(20):
+                write_samples(bag, SCENARIO, simulation.take(500))
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, limits[1]))
+    try:
+        with pytest.raises(BagError, match=f"full.mcap .*: {os.strerror(errno.EFBIG)}; ") as caught:
+            written()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    said = str(caught.value)
+    assert "\n" not in said
     if old:
         assert path.read_bytes() == old
-        assert KEPT in done.stdout
+        assert KEPT in said
         assert os.listdir(tmp_path) == [path.name]
     else:
-        assert "lie-rigid-body recover" in done.stdout
+        assert "lie-rigid-body recover" in said
         assert message_topics_before_the_cut(path).count("/pose") > 500
 
 

@@ -1,19 +1,21 @@
-"""A sensor without a reading is mentioned: as a broken law, unless its faults, or a recorder, explain it."""
+"""Readings that are missing, some or all of a sensor: a broken law, unless its faults, or a recorder, explain it."""
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import pytest
 from phrases import telling
-from sensor_bags import BIAS, IMU, MAG, broken, recorded, write
-from tampering import Change, on, tamper, with_numbers
+from sensor_bags import BIAS, IMU, MAG, broken, certificate, laws, recorded, write
+from tampering import Change, on, with_numbers
 
 from foreign_bags import Message
-from lie_rigid_body.certificate import Certificate, certify
+from lie_rigid_body.certificate import certify, sensors, stamps
 from lie_rigid_body.recording.bag_reader import Bag
+from lie_rigid_body.recording.recovery import recover
+from lie_rigid_body.sensors import TransportFaults
 
 START: dict[str, object] = {"motion": "closed_form", "imu_rate": 40.0, "magnetometer_rate": 30.0}
 SILENT: dict[str, dict[str, object]] = {
@@ -26,10 +28,6 @@ FAULTS = "/lie_rigid_body/faults"
 
 def cut_out(*topics: str, since_ns: int = 0) -> Change:
     return lambda ms: [m for m in ms if m.topic not in topics or m.log_time < since_ns]
-
-
-def verdict(bag: Path, folder: Path, change: Change) -> Certificate:
-    return certify(Bag(tamper(bag, folder / "b.mcap", change)))
 
 
 @pytest.mark.parametrize("why", SILENT)
@@ -50,22 +48,22 @@ def test_a_sensor_that_its_faults_silence_is_mentioned(tmp_path, why):
 @pytest.mark.parametrize(("topics", "law"), [((MAG,), "magnetometer stamps"), ((IMU, BIAS), "IMU stamps")])
 def test_a_sensor_that_was_cut_out_is_missed(tmp_path, topics, law):
     path = write(tmp_path / "a.mcap", (START, 0.4), ({**START, "sensor_seed": 2}, 0.4))
-    found = verdict(path, tmp_path, cut_out(*topics))
+    found = certificate(path, tmp_path, cut_out(*topics))
     assert broken(found) == {law}
     assert not any(segment.notes for segment in found.segments)
     second = found.segments[1].segment.start_ns
-    found = verdict(path, tmp_path, cut_out(*topics, since_ns=second))
+    found = certificate(path, tmp_path, cut_out(*topics, since_ns=second))
     assert broken(found) == {law}
     assert all(said.startswith("segment 2: ") for said in found.messages)
 
 
 def test_a_sensor_of_which_a_recorder_has_nothing_is_mentioned(tmp_path):
     path, late = write(tmp_path / "a.mcap", (START, 0.4), (START, 0.4)), recorded(0.1)
-    found = verdict(path, tmp_path, lambda ms: late(cut_out(MAG)(ms)))
+    found = certificate(path, tmp_path, lambda ms: late(cut_out(MAG)(ms)))
     assert found.passed, found.messages
     assert found.sensors == (IMU, BIAS)
     second = certify(Bag(path)).segments[1].segment.start_ns
-    found = verdict(path, tmp_path, lambda ms: late([m for m in ms if m.topic != MAG or m.log_time > second]))
+    found = certificate(path, tmp_path, lambda ms: late([m for m in ms if m.topic != MAG or m.log_time > second]))
     assert found.passed, found.messages
     assert [sum(MAG in note for note in segment.notes) for segment in found.segments] == [1, 0]
 
@@ -76,15 +74,15 @@ def test_a_topic_that_a_recorder_lost_before_a_reset_ends_there(tmp_path, topic,
     path, late = write(tmp_path / "a.mcap", *[(START, 0.4)] * 3), recorded(0.1)
     second = certify(Bag(path)).segments[1].segment.start_ns
     ends = partial(keep, topic, lambda time_ns: time_ns < second - 150_000_000)
-    found = verdict(path, tmp_path, lambda ms: late(ends(ms)))
+    found = certificate(path, tmp_path, lambda ms: late(ends(ms)))
     assert found.passed, found.messages
     notes = [[note for note in segment.notes if topic in note] for segment in found.segments]
     assert [len(own) for own in notes] == [1, 1, 1]
     assert notes[0] == telling(found, "ends", topic=topic)[:1]
     assert notes[1][0] in telling(found, "recorder lacks", topic=topic)
-    assert broken(verdict(path, tmp_path, ends)) == {law}
+    assert broken(certificate(path, tmp_path, ends)) == {law}
     missing = partial(keep, topic, lambda time_ns: abs(time_ns - second) > 150_000_000)
-    assert broken(verdict(path, tmp_path, lambda ms: late(missing(ms)))) == {law}
+    assert broken(certificate(path, tmp_path, lambda ms: late(missing(ms)))) == {law}
 
 
 def test_a_recorder_may_lose_the_truth_long_before_a_sensor_that_loses_readings(tmp_path):
@@ -92,7 +90,7 @@ def test_a_recorder_may_lose_the_truth_long_before_a_sensor_that_loses_readings(
     path, late = write(tmp_path / "a.mcap", (given, 2.5)), recorded(0.1)
     found = certify(Bag(path))
     since = found.segments[0].segment.start_ns + 500_000_000
-    found = verdict(
+    found = certificate(
         path, tmp_path, lambda ms: late([m for m in ms if m.topic not in ("/pose", "/twist") or m.log_time < since])
     )
     assert found.passed, found.messages
@@ -119,13 +117,13 @@ def test_readings_under_a_scenario_without_a_sample_are_judged(tmp_path, change)
     path = write(tmp_path / "a.mcap", (START, 0.4), ({**START, "sensor_seed": 2}, 0.4))
     second = certify(Bag(path)).segments[1].segment.start_ns
     cut = keep_truth(second)
-    found = verdict(path, tmp_path, lambda ms: change(cut(ms)))
+    found = certificate(path, tmp_path, lambda ms: change(cut(ms)))
     assert found.passed, found.messages
     assert len(found.segments) == 1
     assert {law.name for law in found.whole} >= {"gyro", "magnetometer", "IMU stamps"}
     for topic, numbers, law in ((IMU, 24, "gyro"), (MAG, 12, "magnetometer")):
         off = on(topic, partial(shifted, numbers))
-        found = verdict(path, tmp_path, partial(lambda off, ms: change(cut(off(ms))), off))
+        found = certificate(path, tmp_path, partial(lambda off, ms: change(cut(off(ms))), off))
         assert law in broken(found)
         assert found.segments[0].passed
 
@@ -136,3 +134,76 @@ def shifted(numbers: int, messages: list[Message]) -> list[Message]:
 
 def keep(topic: str, when: Callable[[int], bool], messages: list[Message]) -> list[Message]:
     return [m for m in messages if m.topic != topic or when(m.log_time)]
+
+
+def test_a_topic_that_was_taken_away_is_missed(bag, tmp_path):
+    found = certificate(bag, tmp_path, cut_out(BIAS))
+    assert broken(found) == {"IMU stamps"}
+    [law] = laws(found, "IMU stamps")
+    assert (law.unit, law.worst, law.sample) == ("gap", 332, 0)
+    late = recorded(0.1)
+    found = certificate(bag, tmp_path, lambda ms: late(cut_out(BIAS)(ms)))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, MAG)
+
+
+def test_a_recorder_that_lost_readings_is_told(bag, tmp_path):
+    late, holed = recorded(0.2, 0.05), on(MAG, lambda ms: [*ms[:30], *ms[32:]])
+    found = certificate(bag, tmp_path, lambda ms: holed(late(ms)))
+    assert broken(found) == {"magnetometer stamps"}
+    [law] = laws(found, "magnetometer stamps")
+    assert (law.unit, law.worst) == ("gap", 2)
+
+
+def test_a_recorder_that_came_too_late_for_a_replay_is_told(bag, tmp_path, monkeypatch):
+    monkeypatch.setattr(sensors, "MAX_SPARE_READINGS", 50)
+    found = certificate(bag, tmp_path, recorded(0.3))
+    assert found.passed, found.messages
+    assert found.sensors == (MAG,)
+    assert not laws(found, "gyro")
+    assert telling(found, "too many readings", topic=IMU)
+
+
+def test_poses_that_a_recorder_has_no_twist_of_are_told(bag, tmp_path):
+    late, few, poses = recorded(0.1), on("/twist", lambda ms: ms[:20]), list[int]()
+
+    def change(ms):
+        left = few(late(ms))
+        poses.append(sum(m.topic == "/pose" for m in left))
+        return left
+
+    found = certificate(bag, tmp_path, change)
+    assert found.passed, found.messages
+    assert telling(found, "samples in half", count=poses[0] - 20)
+
+
+def test_a_forged_stamp_years_ahead_is_not_searched_for_lost_readings(tmp_path, monkeypatch):
+    searched, lost = list[int](), TransportFaults.lost
+
+    def counted(self, numbers, times_ns):
+        searched.append(len(numbers))
+        return lost(self, numbers, times_ns)
+
+    def ahead(ms):
+        *before, last = ms
+        stamp = last.log_time + 3 * 10**10
+        data = last.data[:4] + struct.pack("<iI", *divmod(stamp, 10**9)) + last.data[12:]
+        return [*before, last._replace(log_time=stamp, data=data)]
+
+    path = write(tmp_path / "lossy.mcap", ({"imu_rate": 1000.0, "imu_dropout_probability": 0.9}, 0.5))
+    monkeypatch.setattr(stamps, "MAX_LOST", 3000)
+    monkeypatch.setattr(TransportFaults, "lost", counted)
+    both = [on(topic, ahead) for topic in ("/pose", "/twist")]
+    found = certificate(path, tmp_path, lambda ms: both[1](both[0](ms)))
+    assert "stamps" in broken(found)
+    assert sum(searched) < 9000
+
+
+@pytest.mark.parametrize("cut", [0.3, 0.55, 0.8, 0.95])
+def test_what_is_recovered_of_a_cut_off_bag_is_certified(bag, tmp_path, cut):
+    data, broken_off = bag.read_bytes(), tmp_path / "cut.mcap"
+    broken_off.write_bytes(data[: int(cut * len(data))])
+    recover(broken_off, tmp_path / "fixed.mcap", overwrite=False)
+    found = certify(Bag(tmp_path / "fixed.mcap"))
+    assert found.passed, found.messages
+    assert found.sensors == (IMU, BIAS, MAG)
