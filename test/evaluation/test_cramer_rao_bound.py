@@ -30,46 +30,6 @@ def stamps(count: int) -> np.ndarray:
     return np.arange(count) * PERIOD_NS
 
 
-def test_covariances_are_those_of_the_normal_equations():
-    """All attitudes and biases at once, linearised by differences of exp, not by Jacobians."""
-    t_ns = stamps(7)
-    q = MOTION.at(t_ns).attitude_xyzw
-    sigma, start, walk, initial = 0.02, 0.05, 0.01, 0.3
-    noise, bias = 0.4, BiasNoise(0.2, 0.03)
-    vectors = [VectorReadings(t_ns, UP, noise, bias), VectorReadings(t_ns[::2], NORTH, 0.1)]
-    found = cramer_rao_bound(
-        t_ns, q, gyro_noise=sigma, gyro_bias=BiasNoise(start, walk), vectors=vectors, initial=initial
-    )
-    n = len(t_ns)
-
-    def residuals(x: np.ndarray) -> np.ndarray:
-        """Of the unknowns (δ, gyro bias, accelerometer bias) of each sample, each divided by its deviation."""
-        delta, b, a = x.reshape(3, n, 3)
-        r = quaternion.multiply(q, quaternion.exp(delta))
-        rows = [delta[0] / initial, b[0] / start, a[0] / bias.turn_on]
-        for k in range(1, n):
-            true_turn = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k - 1]), q[k]))
-            turn = quaternion.log(quaternion.multiply(quaternion.conjugate(r[k - 1]), r[k]))
-            rows += [((turn - true_turn) / H - b[k]) / sigma, (b[k] - b[k - 1]) / walk, (a[k] - a[k - 1]) / bias.step]
-        for k in range(n):
-            rows.append((quaternion.rotate(quaternion.conjugate(r[k]), UP) + a[k]) / noise)
-            if k % 2 == 0:
-                rows.append(quaternion.rotate(quaternion.conjugate(r[k]), NORTH) / 0.1)
-        return np.concatenate(rows)
-
-    step = 1e-5
-    columns = [(residuals(step * e) - residuals(-step * e)) / (2.0 * step) for e in np.eye(9 * n)]
-    jacobian = np.array(columns).T
-    covariance = np.linalg.inv(jacobian.T @ jacobian)
-    for k in range(n):
-        np.testing.assert_allclose(
-            found.smoothed[k], covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], rtol=0, atol=1e-9
-        )
-    np.testing.assert_allclose(found.filtered[-1], covariance[3 * n - 3 : 3 * n, 3 * n - 3 : 3 * n], rtol=0, atol=1e-9)
-    last = slice(6 * n - 3, 6 * n)
-    np.testing.assert_allclose(found.gyro_bias[-1], covariance[last, last], rtol=0, atol=1e-9)
-
-
 def test_a_body_at_rest_comes_to_the_solution_of_the_riccati_equation():
     t_ns, q = stamps(3000), np.tile([0.0, 0.0, 0.0, 1.0], (3000, 1))
     vectors = [VectorReadings(t_ns, UP, 0.5), VectorReadings(t_ns, NORTH, 0.02)]
@@ -168,42 +128,6 @@ def test_readings_of_the_attitude_are_those_of_three_vectors():
     other = cramer_rao_bound(t_ns, q, gyro_noise=0.01, attitudes=[whole])
     np.testing.assert_allclose(other.smoothed, one.smoothed, rtol=0, atol=1e-12)
     assert other.unobserved == ""
-
-
-def test_constants_that_an_estimator_does_not_know_are_columns_of_the_normal_equations():
-    """The scale of a gyro and of a vector: all attitudes and constants at once; without these columns, calibrated."""
-    t_ns = stamps(6)
-    q = MOTION.at(t_ns).attitude_xyzw
-    scale = 0.05 * np.eye(3)[np.newaxis]
-    vectors = [VectorReadings(t_ns, UP, 0.4), VectorReadings(t_ns, NORTH, 0.1, linear_errors=scale)]
-    found = cramer_rao_bound(
-        t_ns, q, gyro_noise=0.02, vectors=vectors, initial=INITIAL, gyro_linear_errors=np.eye(3)[np.newaxis]
-    )
-    n = len(t_ns)
-
-    def residuals(x: np.ndarray) -> np.ndarray:
-        delta, (of_gyro, of_north) = x[:-2].reshape(n, 3), x[-2:]
-        r = quaternion.multiply(q, quaternion.exp(delta))
-        rows = [delta[0] / INITIAL, x[-2:]]
-        for k in range(1, n):
-            true_turn = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k - 1]), q[k]))
-            turn = quaternion.log(quaternion.multiply(quaternion.conjugate(r[k - 1]), r[k]))
-            rows.append(((turn - true_turn) / H - of_gyro * true_turn / H) / 0.02)
-        for k in range(n):
-            back = quaternion.conjugate(r[k])
-            rows.append(quaternion.rotate(back, UP) / 0.4)
-            rows.append((1.0 + 0.05 * of_north) * quaternion.rotate(back, NORTH) / 0.1)
-        return np.concatenate(rows)
-
-    step = 1e-5
-    jacobian = np.array([(residuals(step * e) - residuals(-step * e)) / (2.0 * step) for e in np.eye(3 * n + 2)]).T
-    for bound, columns in ((found, 3 * n + 2), (found.calibrated, 3 * n)):
-        assert bound is not None
-        covariance = np.linalg.inv(jacobian[:, :columns].T @ jacobian[:, :columns])
-        np.testing.assert_allclose(bound.smoothed[2], covariance[6:9, 6:9], rtol=0, atol=1e-9)
-        np.testing.assert_allclose(
-            bound.filtered[-1], covariance[3 * n - 3 : 3 * n, 3 * n - 3 : 3 * n], rtol=0, atol=1e-9
-        )
 
 
 @pytest.mark.parametrize("noise", [1e-3, 1e-5, 1e-7])
