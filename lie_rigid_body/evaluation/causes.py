@@ -232,9 +232,9 @@ def fitted_in_time(
 
 def _refined(cause: Cause, found: Array, tracks: MatchedRuns) -> Array:
     """A constant that changes stamps, fitted from a start to the samples that it puts within the truth's times."""
-    for _ in range(2):
+    for _ in range(3):
         known = [track[track.truth.covers(cause.undo(track, found).stamps_ns)] for track in tracks]
-        [(_, found)] = fit(known, [(cause, found)])
+        [(_, found)] = fit(known, [(cause, found)], steps=4)
     return found
 
 

@@ -75,24 +75,18 @@ def test_runs_in_which_either_failed_are_left_out():
 @pytest.mark.parametrize(
     ("first", "second"),
     [
-        ([1.0], [1.0, 2.0]),
+        ([1.0] * 50, [1.0] * 49),
         ([[1.0]], [[1.0]]),
         (1.0, 2.0),
-        (["a"], ["b"]),
+        ([1.0], "b"),
         (None, [1.0]),
         ([1j], [1.0]),
         ([1e308], [1.0]),
     ],
 )
 def test_what_does_not_go_together_is_refused(of, first, second):
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=r"^(first|second)\b"):
         of(first, second)
-
-
-def test_lists_are_read_as_arrays_are():
-    first, second = [1.0, 2.0, 3.0] * 10, [2, 1, 2] * 10
-    for of in (of_run, of_runs):
-        assert of(first, second) == of(np.array(first), np.array(second))
 
 
 def test_too_few_have_no_interval():
@@ -101,13 +95,10 @@ def test_too_few_have_no_interval():
 
 
 @pytest.mark.parametrize("of", [of_run, of_runs])
-def test_lists_are_read_and_odd_shapes_refused(of):
+def test_lists_are_read_as_arrays_are(of):
     draws = np.random.default_rng(8)
     first, second = draws.gamma(4.0, 1.0, (2, 50))
     assert of(first.tolist(), second.tolist()) == of(first, second)
-    for given in ((first, second[1:]), (first.reshape(5, 10), second.reshape(5, 10)), (1.0, 2.0), (first, "a")):
-        with pytest.raises(InputError, match=r"^(first|second): "):
-            of(*given)
 
 
 def test_errors_of_one_run_are_numbers():
