@@ -1,110 +1,149 @@
-"""Bodies and rates of every regime of torque-free motion, and attitudes to start from."""
+"""Random motions of every regime: what the formulas of the exact solution depend on, near and at each of its edges."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
+from numpy.random import Generator
 
-ATTITUDES = [[0.0, 0.0, 0.0, 1.0], [0.1, -0.7, 0.3, -0.5], [0.5, 0.5, -0.5, 0.5]]
+from lie_rigid_body import RigidBody, State
+from lie_rigid_body.lie import quaternion
 
-ASYMMETRIC, FLAT, RATIONAL = [0.6, 0.8, 1.0], [1.0, 2.0, 3.0], [3.0, 4.0, 6.0]
-# l² = 2H I₂ exactly for RATIONAL when |ω₁| = 2|ω₃|
-ON_SEPARATRIX = [[2.0, 3.0, 1.0], [-2.0, 0.3, 1.0], [2.0, -0.3, -1.0], [-2.0, -3.0, -1.0]]
-TINY = [1e-2, 1e-5, 1e-8, 1e-12, 1e-16, 1e-30, 1e-100, 1e-300]
-CLOSE = [1e-4, 1e-8, 1e-12, 4.5e-16, 2.3e-16]
+LONGEST_NS = 9 * 10**18
 
 
-def near_axes():
-    for size in TINY:
-        for axis in range(3):
-            rate = [size, -2.0 * size, 1.5 * size]
-            rate[axis] = -1.3
-            yield FLAT if axis == 1 else ASYMMETRIC, rate
+class Motion(NamedTuple):
+    """Inertia, attitude and body rate at the start, as both the package and a proof take them."""
+
+    inertia: np.ndarray
+    attitude_xyzw: np.ndarray
+    rate: np.ndarray
+
+    @property
+    def body(self) -> RigidBody:
+        return RigidBody(self.inertia)
+
+    @property
+    def start(self) -> State:
+        return State(self.attitude_xyzw, self.rate)
+
+    def stamp(self, radians: float) -> int:
+        """When the body has turned about so far, ns, within 285 years."""
+        speed = float(np.max(np.abs(self.rate))) or 1.0
+        return int(max(-LONGEST_NS, min(1e9 * radians / speed, LONGEST_NS)))
 
 
-def in_principal_planes():
-    for size in (0.4, 1e-9, 1e-200):
-        for rate in ([0, 1, size], [size, 1, 0], [0, size, 1], [size, 0, 1], [1, size, 0], [1, 0, size]):
-            yield ASYMMETRIC, rate
+def moments(rng: Generator) -> np.ndarray:
+    a, b, c = rng.uniform(0.05, 1.0, 3)
+    return np.sort([b + c, a + c, a + b])
 
 
-def nearly_symmetric():
-    for d in CLOSE:
-        for rate in ([0.5, 0.7, 1.1], [0.5, 0.7, 1e-9], [1e-9, 0.7, 0.3], [1.0, 1e-9, 1e-3]):
-            yield [1.0, 1.0 + d, 1.7], rate
-            yield [0.5, 1.7, 1.7 * (1.0 + d)], rate
-            yield [1.0, 1.0 + d, 1.0 + 3.0 * d], rate
+def small(rng: Generator, low: float, high: float) -> float:
+    return float(10.0 ** rng.uniform(low, high) * rng.choice([-1, 1]))
 
 
-def symmetric():
-    for rate in ([0.3, 0.5, 1.1], [0.3, 0.5, -1e-12], [1e-12, -0.5, 1.1], [1e-200, 0.5, 1e-200]):
-        for inertia in ([1.0, 1.0, 1.8], [2.0, 0.5, 2.0], [0.7, 1.0, 1.0], [1.0, 1.0, 2.0]):
-            yield inertia, rate
+def generic(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    return rng.permutation(moments(rng)), rng.normal(size=3)
 
 
-def across_the_separatrix():
-    for rate in ON_SEPARATRIX:
-        yield RATIONAL, rate
-        for k in (1e-1, 1e-4, 1e-9, 1e-15):
-            for side in (1.0 + k, 1.0 - k):
-                yield RATIONAL, [rate[0] * side, *rate[1:]]
+def near_separatrix(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    inertia = moments(rng)
+    e, p = 1.0 / inertia, rng.normal(size=3)
+    p[2] = np.sqrt((e[0] - e[1]) / (e[1] - e[2])) * p[0] * (1.0 + small(rng, -16, -3))
+    return inertia, p / inertia
 
 
-def beside_the_separatrix():
-    """1 − m of about 1e-6 to 1e-30 on each side: with FLAT, l² = 2H I₂ where |ω₁| = √3 |ω₃|."""
-    for size in (1e-3, 1e-6, 1e-9, 1e-12, 1e-15):
-        for rate in ([size, 1.0, 0.2 * size], [-0.2 * size, -1.0, size]):
-            yield FLAT, rate
+def on_separatrix(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    """I₁(I₂−I₁)ω₁² = I₃(I₃−I₂)ω₃² with moments 3, 4 and 6."""
+    size = rng.integers(1, 1000) / 512.0
+    rate = [2.0 * size * rng.choice([-1, 1]), rng.normal(), size * rng.choice([-1, 1])]
+    return np.array([3.0, 4.0, 6.0]) * 2.0 ** rng.integers(-5, 5), np.array(rate)
 
 
-def flat():
-    for inertia in (FLAT, [0.3, 0.7, 1.0], [0.5, 1.0, 0.5]):
-        for rate in ([0.3, 0.5, 1.1], [1.1, -0.5, 0.2], [1e-6, 1e-7, 1.0]):
-            yield inertia, rate
+def flips(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    return moments(rng), np.array([0.0, 1.0, 0.0]) + 10.0 ** rng.uniform(-18, -2) * rng.normal(size=3)
 
 
-def steady():
-    for rate in ([0.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.3], [2.0, 0.0, 0.0]):
-        yield ASYMMETRIC, rate
-    yield [2.0, 2.0, 2.0], [0.3, 0.5, 1.1]
-    yield [1.0, 1.0, 1.8], [0.3, 0.5, 0.0]
-    yield [[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 2.0]], [0.5, -0.5, 0.0]
+def nearly_steady(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    rate = 10.0 ** rng.uniform(-300, -2) * rng.normal(size=3)
+    rate[rng.integers(3)] += 1.0
+    return moments(rng), rate
 
 
-def scaled():
-    for scale in (1e12, 1e-12):
-        yield [0.6 * scale, 0.8 * scale, 1.0 * scale], [0.3 / scale, -0.5 / scale, 0.9 / scale]
-        yield FLAT, [1e-3 * scale, 1.0 * scale, 2e-3 * scale]
-    yield [1e-6, 1.0, 1.0 + 5e-7], [200.0, 0.3, 0.1]
+def in_a_principal_plane(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    rate = rng.permutation([0.0, 1.0, 10.0 ** rng.uniform(-200, 0)])
+    return rng.permutation(moments(rng)), rate
 
 
-def with_products():
-    yield [1.0, 0.1, -0.05, 1.4, 0.2, 1.9], [0.4, -1.2, 0.7]
-    yield [1.0, 1e-20, 0.0, 1.0, 0.0, 0.5], [1.0, 0.5, 0.2]
-    yield [1.0, 1e-100, 0.0, 1.0, 0.0, 0.5], [1.0, 0.5, 0.2]
-    yield [1.0, 0.0, 1e-50, 1.0, 0.0, 0.5], [1.0, 0.5, 0.2]
-    # circulating about one of two moments that the product of inertia sets apart
-    yield [1.0, 1e-20, 0.0, 1.0, 0.0, 0.5], [1.0, 0.5, 1e-11]
-    yield [1.0, 1e-100, 0.0, 1.0, 0.0, 0.5], [1.0, 0.5, 1e-51]
-    yield [2.0, 1.0, 0.0, 2.0, 0.0, 2.0], [1.0, 0.5, 0.2]
-    yield [2.0, 1.0, 0.0, 2.0, 0.0, 2.0], [0.5, -0.5, 0.2]
-    yield [2.25, 0.25, 0.25, 2.25, 0.25, 2.25], [0.5, -0.5, 0.2]
-    yield [1.75, -0.25, -0.25, 1.75, -0.25, 1.75], [0.5, -0.5, 0.2]
-    random = np.random.default_rng(7)
-    for moments in ([0.6, 0.8, 1.0], [0.7, 0.7, 1.0], [0.7, 1.0, 1.0], [0.9, 0.9, 0.9]):
-        axes = np.linalg.qr(random.normal(size=(3, 3)))[0]
-        matrix = axes @ np.diag(moments) @ axes.T
-        yield 0.5 * (matrix + matrix.T), random.normal(size=3)
+def scaled(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Units of mass and of time far from one another."""
+    return moments(rng) * 10.0 ** rng.uniform(-12, 12), rng.normal(size=3) * 10.0 ** rng.uniform(-12, 3)
 
 
-REGIMES = [
-    near_axes,
-    in_principal_planes,
-    nearly_symmetric,
-    symmetric,
-    across_the_separatrix,
-    beside_the_separatrix,
-    flat,
-    steady,
-    scaled,
-    with_products,
-]
+def tiny_products(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Equal moments that a product of inertia of any size sets apart."""
+    product = 10.0 ** rng.uniform(-100, -1)
+    tensor = np.array([[1.0, product, 0.0], [product, 1.0, 0.0], [0.0, 0.0, 0.5]])
+    return tensor, np.array([1.0, 0.5, rng.choice([0.2, 0.5 * np.sqrt(product)])])
+
+
+def steady(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    return moments(rng), np.eye(3)[rng.integers(3)] * rng.normal()
+
+
+def symmetric(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    inertia = moments(rng)
+    inertia[1] = inertia[2]
+    return rng.permutation(inertia), rng.normal(size=3)
+
+
+def nearly_symmetric(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    inertia = moments(rng)
+    inertia[1] = np.nextafter(inertia[2], 0.0) if rng.random() < 0.5 else inertia[2] * (1.0 + small(rng, -15, -5))
+    return rng.permutation(inertia), rng.normal(size=3)
+
+
+def nearly_spherical(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    return 1.0 + 2.0**-50 * rng.permutation(3), rng.normal(size=3)
+
+
+def flat(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    a, b, _ = rng.uniform(0.2, 1.0, 3)
+    return np.array([a, b, a + b]), rng.normal(size=3)
+
+
+def tensor(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    return turned(moments(rng), rng), rng.normal(size=3)
+
+
+def nearly_symmetric_tensor(rng: Generator) -> tuple[np.ndarray, np.ndarray]:
+    return turned(np.array([0.5, 0.5 * (1.0 + 10.0 ** rng.uniform(-17, -3)), 0.8]), rng), rng.normal(size=3)
+
+
+def turned(principal: np.ndarray, rng: Generator) -> np.ndarray:
+    """A tensor with products of inertia."""
+    axes = quaternion.to_matrix(random_attitude(rng))
+    matrix = axes @ np.diag(principal) @ axes.T
+    return 0.5 * (matrix + matrix.T)
+
+
+def random_attitude(rng: Generator) -> np.ndarray:
+    return quaternion.normalize(rng.normal(size=4))
+
+
+REGIMES: dict[str, Callable[[Generator], tuple[np.ndarray, np.ndarray]]] = {
+    draw.__name__: draw
+    for draw in (
+        *(generic, near_separatrix, on_separatrix, flips, nearly_steady, steady, symmetric, nearly_symmetric),
+        *(nearly_spherical, flat, tensor, nearly_symmetric_tensor, in_a_principal_plane, scaled, tiny_products),
+    )
+}
+
+
+def motion(regime: str, seed: int) -> Motion:
+    """One random motion of a regime."""
+    rng = np.random.default_rng([seed, *regime.encode()])
+    inertia, rate = REGIMES[regime](rng)
+    return Motion(inertia, random_attitude(rng), rate)

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("flint", reason="python-flint is not installed")
 
 from flint import arb, ctx, fmpq
-from motions_of_each_regime import REGIMES, motion
+from regimes import REGIMES, motion
 from taylor import enclose_by_taylor, taylor_state
 
 from lie_rigid_body.foundation.errors import InputError
