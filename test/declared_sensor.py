@@ -130,6 +130,7 @@ def test_a_campaign_varies_it(tmp_path: Path) -> None:
     assert 0.01 <= min(noises) < max(noises) <= 0.1
 
 
+@pytest.mark.slow
 def test_a_picture_is_drawn_of_its_bag(bag: Path, tmp_path: Path) -> None:
     assert plot.main([str(bag), "-o", str(tmp_path / "a.png")]) == 0
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")

@@ -8,13 +8,16 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import pytest
+
 HERE = Path(__file__).parent
 
 
-def test_a_declared_sensor_is_one_like_the_others() -> None:
+@pytest.mark.parametrize("which", ["not slow", pytest.param("slow", marks=pytest.mark.slow)])
+def test_a_declared_sensor_is_one_like_the_others(which: str) -> None:
     """The tests of a horizon sensor, which is imported before anything else into a process of its own."""
     options = ["-q", "-p", "horizon_sensor", "-p", "no:cacheprovider", "--noconftest"]
-    options += [] if find_spec("rclpy") else ["-m", "not ros"]
+    options += ["-m", which if find_spec("rclpy") else f"{which} and not ros"]
     command = [sys.executable, "-m", "pytest", *options, str(HERE / "declared_sensor.py")]
     done = subprocess.run(
         command, env={**os.environ, "PYTHONPATH": str(HERE)}, capture_output=True, text=True, check=False

@@ -40,7 +40,17 @@ def parent() -> Iterator[ProcessPoolExecutor]:
         yield pool
 
 
-@pytest.mark.parametrize("name", [name for name in mutations.VERBS if name != "campaign"])
+DRAWING = {"check --report", "plot"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name in DRAWING else name
+        for name in mutations.VERBS
+        if name != "campaign"
+    ],
+)
 def test_honest_files_keep_the_laws_in_each_verb(
     bags: dict[str, bytes], parent: ProcessPoolExecutor, name: str
 ) -> None:
@@ -99,7 +109,7 @@ def replaced(content: bytes, topic: str, number: int | None, at: int, piece: byt
     return mutations.rewritten(messages, "lie_rigid_body", PLAIN, checksums=False)
 
 
-NORM_UNDERFLOWS = ("/pose", 0, 76, struct.pack("<Q", 1), {"check": {1}, "plot": {0}})
+NORM_UNDERFLOWS = ("/pose", 0, 76, struct.pack("<Q", 1), {"check": {1}})
 EDGES = [
     (
         topic,

@@ -26,13 +26,13 @@ from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.league.table import rows_of
 from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
+from lie_rigid_body.recording import summary
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import _MOST_OTHERS
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.mcap_contents import nothing
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.system.bounded_input import (
-    LARGEST_DECLARATIONS,
     LARGEST_DEFINITION,
     LONGEST_NAME,
     LONGEST_NUMBER,
@@ -149,13 +149,14 @@ def with_chunk(content: bytes, chunk: bytes) -> bytes:
 
 
 def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_are_refused(
-    honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """33 kB whose names inflate to 60 times 3 MB, and as many names as there may be, each just within its bound."""
+    """Names that inflate to 3 MB each, and more names than there may be, each just within its bound."""
+    monkeypatch.setattr(summary, "LARGEST_DECLARATIONS", 8 * MIB)
     definition = "d" * (LARGEST_DEFINITION - 100)
-    many = [struct.pack("<H", 100 + i) + text("a/msg/B") + text("ros2msg") + text(definition) for i in range(1, 100)]
+    many = [struct.pack("<H", 100 + i) + text("a/msg/B") + text("ros2msg") + text(definition) for i in range(1, 12)]
     long = [
-        struct.pack("<HH", 100 + i, 0) + text("/" + chr(65 + i) * 3 * MIB) + text("cdr") + text("") for i in range(60)
+        struct.pack("<HH", 100 + i, 0) + text("/" + chr(65 + i) * 3 * MIB) + text("cdr") + text("") for i in range(6)
     ]
     for opcode, contents in ((3, many), (4, long)):
         inner = b"".join(record(opcode, content) for content in contents)
@@ -169,7 +170,7 @@ def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_ar
         assert recover([str(path), "-o", str(tmp_path / f"fixed{opcode}.mcap")]) == 0
         assert (tmp_path / f"fixed{opcode}.mcap").stat().st_size < 20 * len(honest_bag)
         capsys.readouterr()
-    assert len(many) * len(definition) > LARGEST_DECLARATIONS
+    assert len(many) * len(definition) > 8 * MIB
 
 
 HEADER = b"\0\1\0\0" + bytes(8)
