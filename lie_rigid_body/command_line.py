@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, TypeAlias
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.wording import listed, shown, suggestion
 from lie_rigid_body.system.console import UNUSABLE, Main, complain, program, run, say
-from lie_rigid_body.system.portable import MOST_PROCESSES
+from lie_rigid_body.system.portable import MAX_PROCESSES
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -127,10 +127,10 @@ def processes(text: str) -> int:
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is none from 1 to `MOST_PROCESSES`.
+        If it is none from 1 to `MAX_PROCESSES`.
     """
-    if not (text.isascii() and text.isdigit() and len(text) <= 4 and 1 <= int(text) <= MOST_PROCESSES):
-        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to {MOST_PROCESSES}")
+    if not (text.isascii() and text.isdigit() and len(text) <= 4 and 1 <= int(text) <= MAX_PROCESSES):
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a number of processes from 1 to {MAX_PROCESSES}")
     return int(text)
 
 

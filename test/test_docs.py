@@ -17,7 +17,7 @@ import tables
 from lie_rigid_body.diagnosis.probes import NOTES, PROBES
 from lie_rigid_body.diagnosis.repairs import ORDER
 from lie_rigid_body.estimates import programs
-from lie_rigid_body.ros.play import MOST_PRINTED
+from lie_rigid_body.ros.play import MAX_PRINTED
 from reader import DOCS, FENCED, blocks, commands, is_run
 
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -111,7 +111,7 @@ def test_the_page_of_reliability_has_the_limits_of_what_filters_print():
     of_program, of_node = re.findall(r"^\| what the .*? prints.* \| (.+) \|$", text, re.MULTILINE)
     least, each = programs._MIN_BYTES >> 20, programs._BYTES_OF_A_LINE
     assert of_program == f"{least} MiB, and {each} bytes for each line that it is given"
-    assert of_node == f"{MOST_PRINTED >> 20} MiB"
+    assert of_node == f"{MAX_PRINTED >> 20} MiB"
 
 
 def test_what_a_page_of_the_reference_excludes_is_on_another():

@@ -196,7 +196,7 @@ def certify(
                 found.segment,
                 found.count,
                 (found.stamps, *laws.laws, *of_its_sensors),
-                (*_notes(found, laws, as_written=surveyed.as_written), *notes),
+                (*_notes(found, laws, is_original=surveyed.is_original), *notes),
             )
             for found, laws, of_its_sensors, notes in zip(
                 surveyed.segments, held, sensors.laws, sensors.notes, strict=True
@@ -233,13 +233,13 @@ def _results(
     return results
 
 
-def _notes(found: SurveyedSegment, held: SegmentResults, *, as_written: bool) -> Iterator[str]:
+def _notes(found: SurveyedSegment, held: SegmentResults, *, is_original: bool) -> Iterator[str]:
     segment = found.segment
     broken = any(not law.holds for law in held.laws)
     if found.first is not None and found.first > segment.first_sample and found.begins_late:
         late = (segment.clock().stamp_ns(found.first) - segment.start_ns) * 1e-9
         yield f"the recording begins at sample {found.first}, {late:.6g} s after the segment's start"
-    if found.stamps.unit == GAP and not as_written and not broken:  # all go on as if none were missing
+    if found.stamps.unit == GAP and not is_original and not broken:  # all go on as if none were missing
         yield (
             f"messages missing: {found.stamps.worst:.0f} (samples on one topic only: {found.unpaired}); those "
             "that follow are numbered and move on as if they were there: the node published them, and the recorder or "

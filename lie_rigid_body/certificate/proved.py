@@ -15,7 +15,7 @@ from lie_rigid_body.recording.bag_reader import Bag, Recording
 from lie_rigid_body.recording.samples import Block, numbered_blocks
 from lie_rigid_body.simulation import Segment
 
-MOST_PROVED: Final = 10_000
+MAX_PROVED: Final = 10_000
 """Largest number of samples that are proved, which takes half a minute."""
 
 
@@ -84,8 +84,8 @@ def require_count(count: int) -> None:
     LieRigidBodyError
         If python-flint is not installed.
     """
-    if not 1 <= count <= MOST_PROVED:
-        raise InputError(f"--prove {count}: not a number of samples: give 1 to {MOST_PROVED}")
+    if not 1 <= count <= MAX_PROVED:
+        raise InputError(f"--prove {count}: not a number of samples: give 1 to {MAX_PROVED}")
     import lie_rigid_body.proof  # noqa: F401
 
 

@@ -44,7 +44,7 @@ class SensorFindings:
         Full names of the topics whose readings the laws speak of.
     not_certified : tuple of str
         What else there is, or should be, in words.
-    logged_otherwise : int
+    log_time_mismatches : int
         Messages that were not logged, or not published, at their stamps.
     are_exact : bool
         Whether all readings were compared, and are equal to the replayed ones, to the bit.
@@ -55,7 +55,7 @@ class SensorFindings:
     whole: tuple[LawResult, ...]
     topics: tuple[str, ...]
     not_certified: tuple[str, ...]
-    logged_otherwise: int
+    log_time_mismatches: int
     are_exact: bool
 
 
@@ -82,7 +82,7 @@ class SensorLaws:
     ) -> None:
         self._bag = bag
         self._segments = segments
-        self._own = bag.as_written
+        self._own = bag.is_original
         self._watch = watch
         self._max_attitude = max_attitude
         self._spare = SpareReadings(MAX_SPARE_READINGS)
@@ -182,7 +182,7 @@ class SensorLaws:
             whole,
             tuple(topic for topic in certified if topic not in far),
             tuple(not_certified),
-            self._logged_otherwise + sum(self._bag.sensors[name].published_otherwise for name in self.wanted),
+            self._logged_otherwise + sum(self._bag.sensors[name].publish_time_mismatches for name in self.wanted),
             not far and all(topic.is_exact for topic in topics),
         )
 
@@ -269,7 +269,7 @@ class SensorLaws:
                 what = f"{self._full_name(name)}: readings before the first scenario's start: {clocks.early}"
                 laws.append(LawResult.of_faults("sensor stamps", clocks.early, what, clocks.early))
         if self._faults is not None:
-            self._logged_otherwise += self._faults.logged_otherwise
+            self._logged_otherwise += self._faults.log_time_mismatches
             if not self._faults.is_too_long(self._horizon_ns):
                 laws.append(self._faults.result(self._full_name(FAULTS_TOPIC), self._end_ns, self._horizon_ns))
         return tuple(laws)

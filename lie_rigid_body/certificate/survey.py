@@ -138,7 +138,7 @@ class Counts:
         Frames that poses and twists name, and that the scenario of their segment does not.
     moved : int
         Components of position and linear velocity that are not 0.
-    logged_otherwise : int
+    log_time_mismatches : int
         Messages that were not logged at their stamps, scenarios at their starts.
     first_ns : int
         The least stamp, ns.
@@ -150,7 +150,7 @@ class Counts:
         self.messages = [0, 0]
         self.foreign_frames = set[str]()
         self.contradicted_ns = list[int]()
-        self.moved = self.logged_otherwise = 0
+        self.moved = self.log_time_mismatches = 0
         self.first_ns = int(np.iinfo(np.int64).max)
 
     def counted(self, batches: Batches, *, stamped: bool) -> Batches:
@@ -160,7 +160,7 @@ class Counts:
                 self.messages[i] += len(topic)
                 if i == 0 or stamped:
                     self.first_ns = int(topic.stamps_ns.min(initial=self.first_ns))
-                self.logged_otherwise += int(np.count_nonzero(topic.log_times_ns != topic.stamps_ns))
+                self.log_time_mismatches += int(np.count_nonzero(topic.log_times_ns != topic.stamps_ns))
                 self.moved += sum(int(np.count_nonzero(column)) for column in topic.values[:, :3].T)
             yield poses, twists
 
@@ -175,14 +175,14 @@ class Survey:
         Segments without a sample, which a reset followed at once, are left out.
     declared : tuple of Segment
         All that the bag declares, in the order of their starts.
-    as_written : bool
-        See `BagFacts.as_written`.
+    is_original : bool
+        See `BagFacts.is_original`.
     counts : Counts
     """
 
     segments: tuple[SurveyedSegment, ...]
     declared: tuple[Segment, ...]
-    as_written: bool
+    is_original: bool
     counts: Counts
 
 
@@ -220,9 +220,9 @@ class Surveyor:
     def __init__(self, bag: Bag | Recording, inertia: Sequence[float] | None = None) -> None:
         self._declared = declared = declared_segments((text for _, text in bag.scenario_texts), bag.name)
         self._bag = bag
-        self._own = bag.as_written
+        self._own = bag.is_original
         self._counts = Counts()
-        self._counts.logged_otherwise = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
+        self._counts.log_time_mismatches = sum(time != declared[text].start_ns for time, text in bag.scenario_texts)
         self.segments = tuple(_with_inertia(segment, inertia) for segment in declared.values())
         self._tallies = [SegmentTally(place, segment) for place, segment in enumerate(self.segments)]
 

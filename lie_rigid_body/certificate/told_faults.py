@@ -45,7 +45,7 @@ class FaultLaw:
     early, repeated : int
         Number of a recorder's messages about faults before the first segment, and number of repeated messages: whoever
         subscribes anew hears the last ones again.
-    logged_otherwise : int
+    log_time_mismatches : int
         Number of messages whose log time is not the beginning of the fault.
     """
 
@@ -56,7 +56,7 @@ class FaultLaw:
         self._count = self._last_ns = 0
         self._wrong: dict[str, tuple[int, str]] = {}
         self._worst: tuple[int, int] | None = None
-        self.early = self.repeated = self.logged_otherwise = 0
+        self.early = self.repeated = self.log_time_mismatches = 0
 
     def add(self, messages: Iterable[tuple[int, str]]) -> None:
         """Take the next messages of the file, each of log time, ns, and text."""
@@ -70,7 +70,7 @@ class FaultLaw:
         except InputError:
             self._note("that tell of no fault", f"message {self._count}", time_ns, self._count)
             return
-        self.logged_otherwise += time_ns != fault.begin_ns
+        self.log_time_mismatches += time_ns != fault.begin_ns
         where = f"message {self._count} ({_in_words(fault)})"
         if fault.begin_ns < self._segments[0].start_ns and not self._is_whole:
             self.early += 1

@@ -31,8 +31,8 @@ def laws(bag: Bag | Recording, surveyed: Survey, sensors: SensorFindings) -> tup
         LawResult.of_faults("position and linear velocity", counts.moved, moved),
         LawResult.of_faults("declaration", len(faults), "; ".join(faults)),
     ]
-    if surveyed.as_written:  # this package logs and publishes every message at its stamp: by that they are replayed
-        off = bag.published_otherwise + counts.logged_otherwise + sensors.logged_otherwise
+    if surveyed.is_original:  # this package logs and publishes every message at its stamp: by that they are replayed
+        off = bag.publish_time_mismatches + counts.log_time_mismatches + sensors.log_time_mismatches
         message = f"{off} messages are not logged, or not published, at their stamps"
         laws.append(LawResult.of_faults("log times", off, message))
     if bag.expected_samples is not None:
@@ -57,7 +57,7 @@ def _declaration_faults(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]
     twists may be another, and so may the scenario of samples that came before it.
     """
     segments = surveyed.declared
-    if surveyed.as_written and segments[0].first_sample > 0:
+    if surveyed.is_original and segments[0].first_sample > 0:
         yield f"the first scenario begins with sample {segments[0].first_sample}: those before it are not in the bag"
     for before, after in itertools.pairwise(segments):
         number = before.clock().count_until(after.start_ns) - 1
@@ -123,7 +123,7 @@ def uncovered(
 
 
 def _ends(bag: Bag | Recording, surveyed: Survey) -> Iterator[str]:
-    if not surveyed.as_written:
+    if not surveyed.is_original:
         yield "log times: a recorder's"
         yield "what came before its first sample"
         if not bag.stamped:

@@ -20,7 +20,7 @@ _COMPRESSIONS: Final = {"zstd": ("zstd", 105, 145), "lz4": ("lz4", 130, 160), "n
 
 A sample is a pose and a twist. A reading takes a little more than that of an IMU with noise, its bias included.
 """
-_LARGEST_CHUNK: Final = 16 * 1024**2
+_MAX_CHUNK: Final = 16 * 1024**2
 """Largest number of bytes of a chunk, uncompressed."""
 
 
@@ -97,9 +97,9 @@ def main(given: argparse.Namespace) -> int:
 
 
 def _chunk_size(text: str) -> int:
-    if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= _LARGEST_CHUNK):
+    if not (text.isdecimal() and text.isascii() and len(text) < 12 and 0 < int(text) <= _MAX_CHUNK):
         raise InputError(
-            f"--chunk-size {text} is not a number of bytes from 1 to {_LARGEST_CHUNK}: give for example 524288"
+            f"--chunk-size {text} is not a number of bytes from 1 to {_MAX_CHUNK}: give for example 524288"
         )
     return int(text)
 

@@ -27,7 +27,7 @@ from lie_rigid_body.runs.ensemble import scenario_of
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import recording
 from lie_rigid_body.scenario.parameter_table import BY_NAME
-from lie_rigid_body.system.portable import MOST_PROCESSES, cores
+from lie_rigid_body.system.portable import MAX_PROCESSES, cores
 
 MAX_RUNS: Final = 2000
 """Default number of runs of the filter after which no more repairs are tried."""
@@ -241,7 +241,7 @@ def diagnose(
     is_node = isinstance(source, NodeEstimator)
     most, each_core, left_out = (MAX_RUNS_OF_NODE, WORKERS_OF_NODE, LEFT_OUT_OF_NODE) if is_node else (MAX_RUNS, 1, ())
     most = most if max_runs is None else whole_number("max_runs", max_runs, 1)
-    count = each_core * cores() if workers is None else whole_number("workers", workers, 1, MOST_PROCESSES)
+    count = each_core * cores() if workers is None else whole_number("workers", workers, 1, MAX_PROCESSES)
     with closing(Workers(source, count, timeout)) if source else nullcontext() as crew:
         search = Search(
             crew.each if crew else partial(each_alone, cast("Estimator", estimate)),

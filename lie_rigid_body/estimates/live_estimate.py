@@ -28,7 +28,7 @@ from lie_rigid_body.foundation.parameters import NS, exact_duration
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.messages import decode_string
 from lie_rigid_body.messages.definitions import TF_MESSAGE
-from lie_rigid_body.recording.segments import MOST_SEGMENTS
+from lie_rigid_body.recording.segments import MAX_SEGMENTS
 from lie_rigid_body.recording.topic_messages import NO_ORIENTATION, AttitudeTrack, attitudes_of
 from lie_rigid_body.runs.true_motion import TrueMotion
 from lie_rigid_body.simulation import Segment
@@ -58,7 +58,7 @@ class TruthBuffer:
     contradictions : int
         Number of scenarios that were left out, as samples had followed another one that begins at the same stamp.
     beyond : int
-        Number of scenarios that were left out, as there were `MOST_SEGMENTS` before.
+        Number of scenarios that were left out, as there were `MAX_SEGMENTS` before.
     gyro_bias : BiasBuffer
         Of the gyro's readings.
     """
@@ -82,7 +82,7 @@ class TruthBuffer:
         """
         for segment in [Segment.from_json(decode_string(payload)) for payload in payloads]:
             known = self.segments.get(segment.start_ns)
-            if known is None and len(self.segments) == MOST_SEGMENTS:
+            if known is None and len(self.segments) == MAX_SEGMENTS:
                 self.beyond += 1
             elif known in (None, segment) or self.reached_ns < segment.start_ns + NS:
                 self.segments[segment.start_ns] = segment
@@ -326,7 +326,7 @@ class LiveEstimate:
     def _left_out_scenarios(self) -> dict[str, str]:
         reasons = {
             "contradiction": (self.truth.contradictions, "begin when another one does that came before"),
-            "beyond": (self.truth.beyond, f"came after {MOST_SEGMENTS} others"),
+            "beyond": (self.truth.beyond, f"came after {MAX_SEGMENTS} others"),
         }
         return {
             reason: f"{count} scenarios {what}, and are left out: let one node tell the truth"

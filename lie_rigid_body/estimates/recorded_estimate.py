@@ -25,7 +25,7 @@ from lie_rigid_body.messages.batch import POSE
 from lie_rigid_body.messages.definitions import POSE_STAMPED, STRING, TF_MESSAGE, VECTOR3_STAMPED
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, read_scenarios
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic
 from lie_rigid_body.recording.segments import declared_segments
 from lie_rigid_body.recording.topic_discovery import SCENARIO, given_track, told_topics
 from lie_rigid_body.recording.topic_messages import (
@@ -173,7 +173,7 @@ def recorded_estimate(
 
 
 def _with_bias(
-    read: RecordedEstimate, path: Path, contents: McapContents, biases: RawTrack, truth_bag: str | Path
+    read: RecordedEstimate, path: Path, contents: McapContents, biases: RawTopic, truth_bag: str | Path
 ) -> RecordedEstimate:
     """An estimate with biases of the gyro beside the true ones, or with a note why they have no score."""
     if biases.message_type != VECTOR3_STAMPED:
@@ -230,7 +230,7 @@ def _true_motion(
     return TrueMotion(segments, None if pose is None else read_attitudes(path, contents, pose.topic))
 
 
-def _only(path: Path, tracks: list[RawTrack], ending: str, kind: str, estimate_topic: str) -> RawTrack | None:
+def _only(path: Path, tracks: list[RawTopic], ending: str, kind: str, estimate_topic: str) -> RawTopic | None:
     """The track of a type that `nearest` finds."""
     found = {t.topic: t for t in tracks if t.message_type == kind}
     try:

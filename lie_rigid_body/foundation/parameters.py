@@ -23,7 +23,7 @@ NS: Final = 1_000_000_000
 MAX_EPOCH_NS: Final = (2**31 - 1) * NS
 """The latest stamp, in 2038: builtin_interfaces/Time has 32-bit seconds."""
 
-LONGEST_FRAME_NAME: Final = 255
+MAX_FRAME_NAME_LENGTH: Final = 255
 """Largest length of a frame name, characters; every message carries one."""
 
 _NUMBER: Final = re.compile(r"[-+.0-9eE]+")
@@ -201,8 +201,8 @@ def require_frame_name(name: str, value: str) -> None:
     ParameterError
         If it is empty, too long, begins with a slash, or has spaces or unprintable characters.
     """
-    if len(value) > LONGEST_FRAME_NAME:
-        raise ParameterError(name, f"{shown(value)} has {len(value)} characters: give at most {LONGEST_FRAME_NAME}")
+    if len(value) > MAX_FRAME_NAME_LENGTH:
+        raise ParameterError(name, f"{shown(value)} has {len(value)} characters: give at most {MAX_FRAME_NAME_LENGTH}")
     if not value or value.startswith("/") or any(c.isspace() or not c.isprintable() for c in value):
         raise ParameterError(
             name, f"{shown(value)} is not a frame name: give a word without spaces that does not begin with a slash"

@@ -18,7 +18,7 @@ from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.parameters import NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.messages.layout import FRAME_OFFSET, POSE_NUMBERS, TWIST_NUMBERS, numbers_after
-from lie_rigid_body.system.bounded_input import LONGEST_NAME, LONGEST_STRING
+from lie_rigid_body.system.bounded_input import MAX_NAME_LENGTH, MAX_STRING_LENGTH
 
 Bytes: TypeAlias = NDArray[np.uint8]
 """Rows of bytes, one payload in each, shape (N, size)."""
@@ -128,8 +128,8 @@ def _decode_alike(
     at = int(indices[0])
     order = byte_order(head, first + at)
     length = _word(head, 12, order, first + at) if stamped else 0
-    if length > LONGEST_NAME:
-        raise BagError(f"message {first + at} has a frame of {length} bytes: at most {LONGEST_NAME} are read")
+    if length > MAX_NAME_LENGTH:
+        raise BagError(f"message {first + at} has a frame of {length} bytes: at most {MAX_NAME_LENGTH} are read")
     start = numbers_after(FRAME_OFFSET + length) if stamped else 4
     count = values.shape[1]
     _require_size(head, start + 8 * count, first + at)
@@ -198,8 +198,8 @@ def decode_string(payload: bytes, index: int = 0) -> str:
         If the payload is not one.
     """
     length = _word(payload, 4, byte_order(payload, index), index)
-    if length > LONGEST_STRING:
-        raise BagError(f"message {index} has a text of {length} bytes: at most {LONGEST_STRING} are read")
+    if length > MAX_STRING_LENGTH:
+        raise BagError(f"message {index} has a text of {length} bytes: at most {MAX_STRING_LENGTH} are read")
     _require_size(payload, 8 + length, index)
     return text_of(payload[8 : 8 + length], index)
 
@@ -304,8 +304,8 @@ class _Fields:
 
     def _text(self) -> str:
         length = self.word()
-        if length > LONGEST_NAME:
-            raise BagError(f"message {self._index} has a frame of {length} bytes: at most {LONGEST_NAME} are read")
+        if length > MAX_NAME_LENGTH:
+            raise BagError(f"message {self._index} has a frame of {length} bytes: at most {MAX_NAME_LENGTH} are read")
         return text_of(self._unpack(f"{length}s")[0], self._index)
 
     def _unpack(self, what: str) -> tuple:  # type: ignore[type-arg]

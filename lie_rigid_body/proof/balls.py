@@ -15,7 +15,7 @@ from typing import Final, TypeAlias
 
 from flint import arb, fmpq
 
-LARGEST_FLOAT: Final = float(sys.float_info.max)
+MAX_FLOAT: Final = float(sys.float_info.max)
 
 Balls: TypeAlias = tuple[arb, ...]
 """A vector (3 balls) or a quaternion (4 balls, scalar last)."""
@@ -116,8 +116,8 @@ def at_most(ball: arb) -> float:
         return math.inf
     mantissa, exponent = (int(part) for part in ball.upper().man_exp())
     value = Fraction(mantissa) * Fraction(2) ** exponent
-    if abs(value) > LARGEST_FLOAT:
-        return math.inf if value > 0 else -LARGEST_FLOAT
+    if abs(value) > MAX_FLOAT:
+        return math.inf if value > 0 else -MAX_FLOAT
     nearest = float(value)
     return math.nextafter(nearest, math.inf) if Fraction(nearest) < value else nearest
 

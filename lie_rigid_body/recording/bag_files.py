@@ -12,9 +12,9 @@ from typing import Any, Final
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.foundation.wording import listed, shown
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE
-from lie_rigid_body.recording.mcap_contents import McapContents, Progress, Wanted, unheard
+from lie_rigid_body.recording.mcap_contents import McapContents, Progress, TopicFilter, unheard
 from lie_rigid_body.recording.mcap_reader import read_file
-from lie_rigid_body.system.bounded_input import LARGEST_METADATA, as_path, load_yaml, read_text
+from lie_rigid_body.system.bounded_input import MAX_METADATA_BYTES, as_path, load_yaml, read_text
 from lie_rigid_body.system.output_file import reason
 from lie_rigid_body.system.portable import real_path
 
@@ -77,7 +77,7 @@ class BagFiles:
         except OSError as error:
             raise BagError(f"{path} cannot be read: {reason(error)}: give the path of an MCAP file") from None
 
-    def contents(self, wanted: Wanted) -> McapContents:
+    def contents(self, wanted: TopicFilter) -> McapContents:
         """Read all files, and count their messages; those that are wanted are kept.
 
         Raises
@@ -124,7 +124,7 @@ def _named_files(folder: Path) -> list[Path]:
     """The files that the metadata of a folder name; of one that was compressed as a whole the unpacked one."""
     metadata = folder / METADATA_FILE
     try:
-        content: Any = load_yaml(read_text(metadata, LARGEST_METADATA), str(metadata))
+        content: Any = load_yaml(read_text(metadata, MAX_METADATA_BYTES), str(metadata))
         information = content["rosbag2_bagfile_information"]
         names = [str(name) for name in information["relative_file_paths"]]
         mode = str(information.get("compression_mode")).upper()

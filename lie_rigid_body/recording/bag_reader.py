@@ -20,14 +20,14 @@ from lie_rigid_body.recording.mcap_contents import (
     McapContents,
     Progress,
     RawMessages,
-    RawTrack,
-    TrackKey,
+    RawTopic,
+    TopicKey,
     nothing,
     of_types,
     unheard,
 )
 from lie_rigid_body.recording.records import CUT_OFF, METADATA, REWRITTEN
-from lie_rigid_body.recording.segments import MOST_SEGMENTS, UNNAMED
+from lie_rigid_body.recording.segments import MAX_SEGMENTS, UNNAMED
 from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, other_bodies, texts_on, the_body
 from lie_rigid_body.recording.topic_messages import (
     TRUE_TYPES,
@@ -44,7 +44,7 @@ _TEXTS_AT_ONCE: Final = 1000
 """Number of messages about faults that are taken together."""
 _BATCH: Final = 65_536
 """Smallest number of messages of poses, twists and sensors in a batch, but for the last one."""
-_MOST_OTHERS: Final = 1000
+_MAX_OTHERS: Final = 1000
 """Largest number of topics that are named beside those of the bodies."""
 _RECORDER: Final = "libmcap "
 """Beginning of the library name in a file by `ros2 bag record`."""
@@ -67,7 +67,7 @@ class BagFacts:
         Log time, ns, and JSON of every scenario message, in file order.
     expected_samples : int or None
         Number of samples that the writer says it wrote, where it does.
-    published_otherwise : int
+    publish_time_mismatches : int
         Messages of the three topics whose time of publishing is not their log time.
     others : tuple of str
         What the bag holds besides, in words: topics and attachments.
@@ -75,7 +75,7 @@ class BagFacts:
         Chunks, or files without chunks, whose bytes stand under no checksum.
     was_cut_off : bool
         Whether `recover` says that it made the bag of a file that was cut off.
-    sensors : dict of str to RawTrack
+    sensors : dict of str to RawTopic
         Topics of the body's sensors, with their messages counted, by their relative names.
     name : str
         Name in errors: its path, if it has one.
@@ -87,15 +87,15 @@ class BagFacts:
     library: str
     scenario_texts: list[tuple[int, str]]
     expected_samples: int | None = None
-    published_otherwise: int = 0
+    publish_time_mismatches: int = 0
     others: tuple[str, ...] = ()
     without_checksum: int = 0
     was_cut_off: bool = False
-    sensors: Mapping[str, RawTrack] = field(default_factory=dict)
+    sensors: Mapping[str, RawTopic] = field(default_factory=dict)
     name: str = UNNAMED
 
     @property
-    def as_written(self) -> bool:
+    def is_original(self) -> bool:
         """Whether it is to be whole from its run's first sample on, and logged at its stamps, as by `BagWriter`.
 
         It is if it says so, by its library or by the record at its end, or if its first scenario is logged at its
@@ -231,7 +231,7 @@ class Bag(BagFacts):
             library=contents.library,
             scenario_texts=read_scenarios(self._path, contents, scenario),
             expected_samples=_expected_samples(self._path, contents),
-            published_otherwise=sum(track.published_otherwise for track in (pose, twist, scenario)),
+            publish_time_mismatches=sum(track.publish_time_mismatches for track in (pose, twist, scenario)),
             others=_others(contents, [body]),
             without_checksum=contents.without_checksum,
             was_cut_off=CUT_OFF in contents.metadata,
@@ -271,7 +271,7 @@ class Bag(BagFacts):
             yield {name: topic_messages(self._path, key, raw.pop(name), before[name]) for name, key in keys.items()}
             before.update(counts)
 
-    def _batched(self, keys: Mapping[str, TrackKey]) -> Iterator[dict[str, list[RawMessages]]]:
+    def _batched(self, keys: Mapping[str, TopicKey]) -> Iterator[dict[str, list[RawMessages]]]:
         """Messages by their relative names, in whole parts of the files, as many at a time as a batch has at least."""
         waiting = {name: list[RawMessages]() for name in keys}
         count = 0
@@ -326,7 +326,7 @@ def read_bag(path: str | Path) -> Recording:
     return Bag(path, in_memory=True).load()
 
 
-def read_scenarios(path: Path, contents: McapContents, track: RawTrack) -> list[tuple[int, str]]:
+def read_scenarios(path: Path, contents: McapContents, track: RawTopic) -> list[tuple[int, str]]:
     """Log time, ns, and text of each message of a scenario topic, up to the first that is no scenario.
 
     A topic of other texts may be without end.
@@ -336,7 +336,7 @@ def read_scenarios(path: Path, contents: McapContents, track: RawTrack) -> list[
     for time, text in texts_on(path, contents, track):
         is_new = text not in distinct
         kept.append((time, distinct.setdefault(text, text)))
-        if is_new and (len(distinct) > MOST_SEGMENTS or not _is_scenario(text)):
+        if is_new and (len(distinct) > MAX_SEGMENTS or not _is_scenario(text)):
             break
     return kept
 
@@ -362,10 +362,10 @@ def _others(contents: McapContents, known: Sequence[Body]) -> tuple[str, ...]:
     topics = [
         f"topic {track.topic} ({f'as {track.message_type}, ' * (track.topic in shared)}{track.count} messages), "
         "which no scenario determines"
-        for track in besides[:_MOST_OTHERS]
+        for track in besides[:_MAX_OTHERS]
     ]
-    if len(besides) > _MOST_OTHERS:
-        topics.append(f"{len(besides) - _MOST_OTHERS} more topics, which no scenario determines")
+    if len(besides) > _MAX_OTHERS:
+        topics.append(f"{len(besides) - _MAX_OTHERS} more topics, which no scenario determines")
     return (*topics, *([f"{contents.attachments} attachments"] if contents.attachments else []))
 
 

@@ -51,7 +51,7 @@ _TOGETHER: Final = 256
 """Messages of small batches that are laid out at once, in half a millisecond: one alone takes nearly as long."""
 _SYNC_AT_LEAST: Final = 0.5
 """Time, s, after the end of a sync from which on the next flush has one, even if others wait for a slow disk."""
-_LARGEST_BATCH: Final = 8192
+_MAX_BATCH: Final = 8192
 """Largest number of samples computed and written at once."""
 _STEPS_PER_BATCH: Final = 10_000
 """Number of steps of the moving chart that a batch may take, if it holds more than one sample."""
@@ -329,7 +329,7 @@ def write_run(
     scenario = simulation.segment.scenario
     encoder = BatchEncoder(scenario)
     # few samples when each takes many steps, so that an interruption loses little
-    size = scenario.batch_size(_LARGEST_BATCH, _STEPS_PER_BATCH)
+    size = scenario.batch_size(_MAX_BATCH, _STEPS_PER_BATCH)
     bag.begin_segment(simulation.segment)
     while simulation.next_stamp_ns <= last_ns:
         with computing():

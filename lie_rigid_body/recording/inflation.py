@@ -10,7 +10,7 @@ from typing import Final
 from mcap.records import Chunk
 
 from lie_rigid_body.recording.records import ExcessError, UnknownCompressionError, require
-from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
+from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES
 
 ZSTD_MAGIC: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of a frame of zstd, and so of whatever it compressed."""
@@ -57,7 +57,7 @@ def decompress_partial(chunk: Chunk) -> bytes:
     """As much of the records of a chunk as can be decompressed."""
     if chunk.compression not in _PIECES:
         raise UnknownCompressionError(f"{chunk.compression!r:.40}")
-    if chunk.uncompressed_size > LARGEST_CHUNK:
+    if chunk.uncompressed_size > MAX_CHUNK_BYTES:
         raise ExcessError(f"a chunk of {chunk.uncompressed_size} bytes")
     return b"".join(_PIECES[chunk.compression](chunk.data, chunk.uncompressed_size))
 

@@ -12,9 +12,9 @@ from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 
 _NONE: Final = np.empty(0, dtype=np.int64)
-TrackKey: TypeAlias = tuple[str, str]
+TopicKey: TypeAlias = tuple[str, str]
 """Topic and message type."""
-Wanted: TypeAlias = Callable[[str, str], bool]
+TopicFilter: TypeAlias = Callable[[str, str], bool]
 """Whether the messages of a topic, by its name and message type, are kept when a bag is read first."""
 Progress: TypeAlias = Callable[[int], object]
 """Takes notice of how many bytes more were read."""
@@ -73,14 +73,14 @@ class RawMessages:
         return ((time, bytes(self.data[start:end])) for time, start, end in places)
 
 
-Found: TypeAlias = dict[TrackKey, RawMessages]
+ChunkMessages: TypeAlias = dict[TopicKey, RawMessages]
 """Messages in one part of a file, by topic and message type."""
-Parts: TypeAlias = Iterator[tuple[int, Found]]
+Parts: TypeAlias = Iterator[tuple[int, ChunkMessages]]
 """Parts of a file in the order of reading: the size of each in bytes, and its messages."""
 
 
 @dataclass
-class RawTrack:
+class RawTopic:
     """A topic with the messages of one type on it.
 
     Attributes
@@ -90,7 +90,7 @@ class RawTrack:
         Encoding and text of its schema.
     count : int
         Messages.
-    published_otherwise : int
+    publish_time_mismatches : int
         How many of them were not published at their log time.
     """
 
@@ -99,15 +99,15 @@ class RawTrack:
     encoding: str
     definition: tuple[str, bytes] = ("", b"")
     count: int = 0
-    published_otherwise: int = 0
+    publish_time_mismatches: int = 0
 
     @property
-    def key(self) -> TrackKey:
+    def key(self) -> TopicKey:
         """Topic and message type."""
         return self.topic, self.message_type
 
 
-def of_types(types: Container[str]) -> Wanted:
+def of_types(types: Container[str]) -> TopicFilter:
     """Want the messages of some types, whatever their topics."""
     return lambda topic, message_type: message_type in types
 
@@ -127,12 +127,12 @@ class McapContents:
     Attributes
     ----------
     wanted : callable
-        Which messages are kept. See `Wanted`.
-    kept : list of Found
+        Which messages are kept. See `TopicFilter`.
+    kept : list of ChunkMessages
         Those messages, part by part.
     library : str
         The software that wrote the first file.
-    tracks : dict of (topic, message type) to RawTrack
+    tracks : dict of (topic, message type) to RawTopic
     metadata : dict of str to dict
         Metadata records by name.
     attachments : int
@@ -144,22 +144,22 @@ class McapContents:
         Chunks, or files without chunks, whose bytes stand under no checksum.
     """
 
-    wanted: Wanted = nothing
-    kept: list[Found] = field(default_factory=list)
+    wanted: TopicFilter = nothing
+    kept: list[ChunkMessages] = field(default_factory=list)
     library: str = ""
-    tracks: dict[TrackKey, RawTrack] = field(default_factory=dict)
+    tracks: dict[TopicKey, RawTopic] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: int = 0
     last_ns: int = 0
-    again: list[Callable[[Collection[TrackKey], Progress], Iterator[Found]]] = field(default_factory=list)
+    again: list[Callable[[Collection[TopicKey], Progress], Iterator[ChunkMessages]]] = field(default_factory=list)
     without_checksum: int = 0
 
-    def read(self, keys: Collection[TrackKey], progress: Progress = unheard) -> Iterator[Found]:
+    def read(self, keys: Collection[TopicKey], progress: Progress = unheard) -> Iterator[ChunkMessages]:
         """Messages of some tracks, part by part, perhaps among others: those that were kept, or else read again.
 
         Parameters
         ----------
-        keys : collection of TrackKey
+        keys : collection of TopicKey
         progress : callable, optional
             Called with the number of bytes of each part that is read again.
 
@@ -174,6 +174,6 @@ class McapContents:
         for read in self.again:
             yield from read(keys, progress)
 
-    def messages(self, key: TrackKey) -> RawMessages:
+    def messages(self, key: TopicKey) -> RawMessages:
         """All messages of a track."""
         return RawMessages.joined(found[key] for found in self.read([key]) if key in found)

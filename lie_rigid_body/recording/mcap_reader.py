@@ -22,13 +22,13 @@ from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.wording import counted
 from lie_rigid_body.recording.inflation import decompress, decompress_partial, other_format
 from lie_rigid_body.recording.mcap_contents import (
-    Found,
+    ChunkMessages,
     McapContents,
     Parts,
     Progress,
     RawMessages,
-    RawTrack,
-    TrackKey,
+    RawTopic,
+    TopicKey,
 )
 from lie_rigid_body.recording.records import (
     CHANGED,
@@ -54,7 +54,7 @@ from lie_rigid_body.recording.summary import Summary
 _NO_ROWS: Final = np.empty((0, 2), dtype="<u8")
 _NO_SCHEMA: Final = Schema(data=b"", encoding="", id=0, name="")
 _PROFILES: Final = ("ros2", "")
-_Place: TypeAlias = tuple[int, int, dict[TrackKey, list[int]]]
+_Place: TypeAlias = tuple[int, int, dict[TopicKey, list[int]]]
 """Bytes where a part with messages begins and ends, and the channels in it by their tracks."""
 
 
@@ -71,7 +71,7 @@ def read_file(path: Path, contents: McapContents) -> Parts:
     ------
     size : int
         Bytes that were read.
-    found : Found
+    found : ChunkMessages
         Those messages in them that are wanted.
 
     Raises
@@ -88,8 +88,8 @@ def read_file(path: Path, contents: McapContents) -> Parts:
 
 
 def _read_again(
-    path: Path, state: tuple[int, ...], places: Iterable[_Place], keys: Collection[TrackKey], progress: Progress
-) -> Iterator[Found]:
+    path: Path, state: tuple[int, ...], places: Iterable[_Place], keys: Collection[TopicKey], progress: Progress
+) -> Iterator[ChunkMessages]:
     """Messages of some tracks in a file that was read before, and was in some state then; see `McapContents.read`."""
     with closing(FileBytes(path)) as file:
         try:
@@ -103,7 +103,7 @@ def _read_again(
             raise BagError(f"{path} {CHANGED}") from error
 
 
-def _found_again(raw: bytes, channels: Mapping[TrackKey, Sequence[int]]) -> Found:
+def _found_again(raw: bytes, channels: Mapping[TopicKey, Sequence[int]]) -> ChunkMessages:
     """Messages of some tracks in a part whose checksum was compared when it was read first."""
     chunk, hints = chunk_of(raw)
     return _by_track(find_messages(decompress_partial(chunk) if chunk else raw, hints), channels)
@@ -122,7 +122,7 @@ class _FileReader:
         self._file = file
         self._contents = contents
         self._state = file.state()
-        self._tracks: dict[int, RawTrack] = {}
+        self._tracks: dict[int, RawTopic] = {}
         self._places: list[_Place] = []
         self._summary = Summary()
         self._crc = zlib.crc32(MAGIC)  # of the data section
@@ -157,7 +157,7 @@ class _FileReader:
             hint = other_format(start) or "it does not begin as one: give a bag"
             raise BagError(f"{path} is not an MCAP file: {hint}")
 
-    def _take(self, part: Place) -> Found:
+    def _take(self, part: Place) -> ChunkMessages:
         """Take a part of the data section; return the messages of it that are wanted."""
         if part.end - part.begin > MAX_RECORD_BYTES:
             raise ExcessError(f"a record of {part.end - part.begin} bytes")
@@ -194,7 +194,7 @@ class _FileReader:
         if not declared:
             self._contents.without_checksum += self._bare_chunks or not self._chunks
 
-    def _take_messages(self, part: Place, raw: bytes) -> Found:
+    def _take_messages(self, part: Place, raw: bytes) -> ChunkMessages:
         """Take messages in a chunk or in none; return those that are wanted."""
         chunk, hints = chunk_of(raw)
         if chunk is not None:
@@ -206,21 +206,21 @@ class _FileReader:
         require(is_whole, f"no record that ends in its chunk stands at byte {len(table.data)} of it")
         self._summary.add_messages(table)
         otherwise = table.heads["channel"][table.heads["log_time"] != table.heads["publish_time"]]
-        channels: dict[TrackKey, list[int]] = {}
+        channels: dict[TopicKey, list[int]] = {}
         for channel, rows in table.index.items():
             track = self._track(channel)
             track.count += len(rows)
-            track.published_otherwise += int(np.count_nonzero(otherwise == channel))
+            track.publish_time_mismatches += int(np.count_nonzero(otherwise == channel))
             channels.setdefault(track.key, []).append(channel)
         self._places.append((part.start, part.end, channels))
         return _by_track(table, {key: own for key, own in channels.items() if self._contents.wanted(*key)})
 
-    def _track(self, number: int) -> RawTrack:
+    def _track(self, number: int) -> RawTopic:
         """Track of a channel."""
         if number not in self._tracks:
             channel = self._summary.channels[number]
             schema = self._summary.schemas.get(channel.schema_id, _NO_SCHEMA)
-            own = RawTrack(channel.topic, schema.name, channel.message_encoding, (schema.encoding, schema.data))
+            own = RawTopic(channel.topic, schema.name, channel.message_encoding, (schema.encoding, schema.data))
             track = self._contents.tracks.setdefault(own.key, own)
             require(track.encoding == own.encoding, f"topic {channel.topic} has messages of two encodings")
             self._tracks[number] = track
@@ -250,9 +250,9 @@ class _FileReader:
         return BagError(f"{path} was cut off, or is still being written: it {holds}: rescue them with {RESCUE}")
 
 
-def _by_track(table: MessageTable, channels: Mapping[TrackKey, Sequence[int]]) -> Found:
+def _by_track(table: MessageTable, channels: Mapping[TopicKey, Sequence[int]]) -> ChunkMessages:
     """Messages of some tracks, each of which has several channels where there were several publishers or recorders."""
-    found = Found()
+    found = ChunkMessages()
     for key, own in channels.items():
         several = [table.index.get(channel, _NO_ROWS) for channel in own]
         rows = several[0] if len(several) == 1 else _in_order(np.concatenate(several))

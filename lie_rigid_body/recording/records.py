@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from lie_rigid_body.foundation.arrays import Integers, items
 from lie_rigid_body.foundation.errors import BagError, InputError
-from lie_rigid_body.system.bounded_input import LARGEST_CHUNK, LARGEST_DEFINITION, open_file
+from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES, MAX_DEFINITION_BYTES, open_file
 from lie_rigid_body.system.output_file import reason
 
 MAGIC: Final = b"\x89MCAP0\r\n"
@@ -51,7 +51,7 @@ HEAD: Final = np.dtype(
 """Fields before the payload of a message record."""
 MAX_TIME: Final = 2**63 - 1
 """Largest time of a message, ns: ROS 2 counts in 64 bits with a sign."""
-MAX_RECORD_BYTES: Final = LARGEST_CHUNK + 2**16
+MAX_RECORD_BYTES: Final = MAX_CHUNK_BYTES + 2**16
 """Largest size of a record."""
 NO_HINTS: Final = np.empty(0, dtype=np.int64)
 WITH_MESSAGES: Final = (Opcode.CHUNK, Opcode.MESSAGE)
@@ -207,7 +207,7 @@ def parsed(opcode: int, content: bytes) -> Any:
     if kind is None:
         return None
     name = kind.__name__.lower()
-    if kind not in _LARGE and len(content) > LARGEST_DEFINITION:
+    if kind not in _LARGE and len(content) > MAX_DEFINITION_BYTES:
         raise ExcessError(f"a {name} of {len(content)} bytes")
     try:
         record = kind.read(ReadDataStream(BytesIO(content)))

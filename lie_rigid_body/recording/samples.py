@@ -102,7 +102,7 @@ def stamped_topics(bag: Bag | Recording, batches: Batches, clock: SampleClock) -
     BagError
         At the end, if bare twists in order are not as many as poses.
     """
-    by_log: bool | None = True if bag.stamped or bag.as_written else None
+    by_log: bool | None = True if bag.stamped or bag.is_original else None
     stamps = np.empty(0, dtype=np.int64)
     waiting = list[TopicMessages]()
     for poses, twists in batches:
@@ -215,7 +215,7 @@ def samples_in_memory(bag: Recording) -> tuple[Block, list[Segment], list[Segmen
     samples = Block.joined(blocks)
     first_ns = min(int(topic.stamps_ns.min()) for topic in ([bag.poses, bag.twists] if bag.stamped else [bag.poses]))
     require_samples(bag.name, declared, first_ns, len(samples.stamps_ns))
-    places = segments_with_samples(declared, seen, whole=bag.as_written)
+    places = segments_with_samples(declared, seen, whole=bag.is_original)
     return samples, declared, [declared[i] for i, _ in places]
 
 

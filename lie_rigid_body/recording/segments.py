@@ -22,7 +22,7 @@ from lie_rigid_body.recording.topic_messages import TopicMessages
 from lie_rigid_body.sensors.fault import nanoseconds
 from lie_rigid_body.simulation import SampleClock, Segment
 
-MOST_SEGMENTS: Final = 10_000
+MAX_SEGMENTS: Final = 10_000
 """Largest number of segments of a bag: each takes up to 1 ms."""
 UNNAMED: Final = "the bag"
 """Name that errors give a bag without a name."""
@@ -49,8 +49,8 @@ def declared_segments(scenario_texts: Iterable[str], bag: str = UNNAMED) -> dict
     """
     texts = list(scenario_texts)
     distinct = len({*texts})
-    if distinct > MOST_SEGMENTS:
-        raise BagError(f"{bag} declares {distinct} segments: at most {MOST_SEGMENTS} are read, record fewer resets")
+    if distinct > MAX_SEGMENTS:
+        raise BagError(f"{bag} declares {distinct} segments: at most {MAX_SEGMENTS} are read, record fewer resets")
     segments = dict[str, Segment]()
     latest = dict[int, str]()
     try:

@@ -21,7 +21,7 @@ from mcap.records import (
 )
 
 from lie_rigid_body.recording.records import MAX_TIME, ExcessError, MessageTable, parsed, require
-from lie_rigid_body.system.bounded_input import LARGEST_DECLARATIONS
+from lie_rigid_body.system.bounded_input import MAX_DECLARATION_BYTES
 
 
 class Summary:
@@ -60,7 +60,7 @@ class Summary:
         record = parsed(opcode, content)
         if isinstance(record, Metadata) or (isinstance(record, Schema | Channel) and self.declare(record)):
             self._declared_bytes += len(content)
-            if self._declared_bytes > LARGEST_DECLARATIONS:
+            if self._declared_bytes > MAX_DECLARATION_BYTES:
                 raise ExcessError(f"names and definitions of {self._declared_bytes} bytes")
         return record
 

@@ -18,13 +18,13 @@ from lie_rigid_body.foundation.wording import listed, shortened, shown, suggesti
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST
 from lie_rigid_body.messages.definitions import BARE_TWIST, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_files import missing_beside, whole_of
-from lie_rigid_body.recording.mcap_contents import McapContents, RawTrack, TrackKey
+from lie_rigid_body.recording.mcap_contents import McapContents, RawTopic, TopicKey
 from lie_rigid_body.recording.topic_messages import texts
 
 SCENARIO: Final = "scenario"
 BODY_TOPICS: Final = (POSE, TWIST, SCENARIO)
 """Relative names of the topics that every body has."""
-Tracks: TypeAlias = dict[str, RawTrack]
+Tracks: TypeAlias = dict[str, RawTopic]
 """Topics of a body by their relative names."""
 _MAX_LIST: Final = 60
 """Characters of the topics that there are, in an error line that has to say more."""
@@ -44,7 +44,7 @@ class Body:
     ----------
     name : str
         The namespace of its pose, such as ``/a``; empty for the root namespace.
-    tracks : dict of str to RawTrack
+    tracks : dict of str to RawTopic
         Its topics by their relative names: pose, twist and scenario, and what its sensors read, and their faults, as
         far as it is there.
     fault : BagError, optional
@@ -105,18 +105,18 @@ def the_body(path: Path, contents: McapContents, topics: Mapping[str, str]) -> B
     return found[0]
 
 
-def texts_on(path: Path, contents: McapContents, track: RawTrack) -> Iterator[tuple[int, str]]:
+def texts_on(path: Path, contents: McapContents, track: RawTopic) -> Iterator[tuple[int, str]]:
     """Log time, ns, and text of each message of a topic of texts, as they are read from the parts that have any."""
     return texts(path, track.topic, (part[track.key] for part in contents.read([track.key]) if track.key in part))
 
 
-def told_topics(path: Path, contents: McapContents, tracks: Iterable[RawTrack]) -> dict[TrackKey, Mapping[str, str]]:
+def told_topics(path: Path, contents: McapContents, tracks: Iterable[RawTopic]) -> dict[TopicKey, Mapping[str, str]]:
     """Topics that scenarios name, by the tracks of these; of texts whose first message is none there is no entry.
 
     They are found in one pass: there may be ten thousands. A damaged one is a scenario, and names none.
     """
     waiting = {track.key: track for track in tracks if track.count}
-    found = dict[TrackKey, Mapping[str, str]]()
+    found = dict[TopicKey, Mapping[str, str]]()
     for part in contents.read(waiting.keys()) if waiting else ():  # which are fewer from part to part
         for key in part.keys() & waiting.keys():
             track = waiting.pop(key)
@@ -158,7 +158,7 @@ def _declared(
         tracks = {**own, SCENARIO: scenario}
         if len(own) == 1 and scenario.key in told:
             name = TWIST if POSE in own else POSE
-            tracks[name] = RawTrack(f"{space}/{name}", topic_types()[name][0], "cdr")
+            tracks[name] = RawTopic(f"{space}/{name}", topic_types()[name][0], "cdr")
             fault = f"{path} has {scenario.topic} and no topic {tracks[name].topic}: record it as well"
             lacking[space] = tracks, names, BagError(fault)
         elif len(own) == 2 and space not in whole:
@@ -170,7 +170,7 @@ def _declared(
     return [every[space] for space in sorted(every)]
 
 
-def _truth(contents: McapContents, scenario: RawTrack, names: Mapping[str, str]) -> tuple[str, Tracks]:
+def _truth(contents: McapContents, scenario: RawTopic, names: Mapping[str, str]) -> tuple[str, Tracks]:
     """Namespace, pose and twist of a scenario, as far as they are there: those that it names, or the nearest above."""
     own = _tracks(contents, {name: names.get(name, "") for name in (POSE, TWIST)})
     if len(own) == 2:
@@ -188,7 +188,7 @@ def _tracks(contents: McapContents, topics: Mapping[str, str]) -> Tracks:
     return {name: track for name, topic in topics.items() if (track := _track(contents, name, topic))}
 
 
-def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTrack:
+def _find(path: Path, contents: McapContents, name: str, near: str | None) -> RawTopic:
     """The track with the right last name, of several that in the namespace; or else the only one of its types."""
     alike = _of_types(contents, name)
     named = [track for track in alike if _last(track.topic) == name]
@@ -227,7 +227,7 @@ def _remedy(path: Path, otherwise: str) -> str:
     return otherwise
 
 
-def _several(path: Path, name: str, found: list[RawTrack]) -> ChoiceError:
+def _several(path: Path, name: str, found: list[RawTopic]) -> ChoiceError:
     topics = listed([track.topic for track in found])
     said = f"{path} has several topics .../{name}: {topics}: say which, as by {{choice}}"
     return ChoiceError(said, name, found[0].topic)
@@ -247,7 +247,7 @@ def require_topics(topics: Mapping[str, str]) -> None:
             raise InputError(f"topics: no topic {shown(name)}: {suggestion(name, topic_types(), 'topics of a body')}")
 
 
-def given_track(path: Path, contents: McapContents, name: str, topic: str) -> RawTrack:
+def given_track(path: Path, contents: McapContents, name: str, topic: str) -> RawTopic:
     """The track of a topic that the user named."""
     track = _track(contents, name, topic)
     if track is not None and track.count:
@@ -263,12 +263,12 @@ def given_track(path: Path, contents: McapContents, name: str, topic: str) -> Ra
     raise ChoiceError(f"{path}: {{choice}}: {said}", name, topic)
 
 
-def _track(contents: McapContents, name: str, topic: str) -> RawTrack | None:
+def _track(contents: McapContents, name: str, topic: str) -> RawTopic | None:
     found = [track for kind in topic_types()[name] if (track := contents.tracks.get((topic, kind)))]
     return max(found, key=lambda track: track.count, default=None)
 
 
-def _of_types(contents: McapContents, name: str) -> list[RawTrack]:
+def _of_types(contents: McapContents, name: str) -> list[RawTopic]:
     alike = [track for (_, kind), track in contents.tracks.items() if kind in topic_types()[name]]
     return [track for track in alike if name != SCENARIO or _last(track.topic) != _last(FAULTS_TOPIC)]  # texts as well
 
@@ -308,7 +308,7 @@ def _body(
     return Body(tracks[POSE].topic.rpartition("/")[0], {**{name: tracks[name] for name in BODY_TOPICS}, **there}, fault)
 
 
-def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTrack | None:
+def _sensor(contents: McapContents, name: str, tracks: Tracks, *, alone: bool) -> RawTopic | None:
     """The track of what a sensor reads in the body's namespace; of a body that is alone the only one of that name."""
     last = name.removeprefix("~/")
     private = last != name  # of the node, one name below its namespace

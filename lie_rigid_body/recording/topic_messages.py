@@ -34,7 +34,7 @@ from lie_rigid_body.messages.definitions import (
     places,
 )
 from lie_rigid_body.recording.inflation import COMPRESSED_ONE_BY_ONE, ZSTD_MAGIC
-from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.mcap_contents import McapContents, RawMessages, RawTopic, TopicKey
 from lie_rigid_body.sensors import SENSORS, Field, Topic
 
 TRUE_TYPES: Final = (POSE_STAMPED, TWIST_STAMPED, BARE_TWIST)
@@ -147,7 +147,7 @@ def decoding(path: Path, topic: str, found: RawMessages) -> Iterator[None]:
         raise BagError(f"{path}: topic {topic}: {error}: record the bag again") from None
 
 
-def require_cdr(path: Path, track: RawTrack) -> None:
+def require_cdr(path: Path, track: RawTopic) -> None:
     """Refuse a topic whose messages are encoded otherwise."""
     if track.encoding != "cdr":
         raise BagError(f"{path}: topic {track.topic} is encoded as {track.encoding!r}: give one in cdr")
@@ -162,7 +162,7 @@ def texts(path: Path, topic: str, pieces: Iterable[RawMessages]) -> Iterator[tup
                 yield time, decode_string(payload, next(numbers))
 
 
-def topic_messages(path: Path, key: TrackKey, parts: Iterable[RawMessages], first: int = 0) -> TopicMessages:
+def topic_messages(path: Path, key: TopicKey, parts: Iterable[RawMessages], first: int = 0) -> TopicMessages:
     """Decode messages of a topic, the first of which has a number, for errors."""
     raw = RawMessages.joined(parts)
     return _decoded(path, *key, raw, first) if len(raw) else TopicMessages.none_of(key[1])
@@ -361,7 +361,7 @@ def _track(topic: str, message_type: str, stamps_ns: Integers, numbers: Array, f
     return AttitudeTrack(topic, message_type, stamps_ns, numbers[:, first : first + 4], covariance, *frames)
 
 
-def _find(path: Path, contents: McapContents, topic: str) -> RawTrack:
+def _find(path: Path, contents: McapContents, topic: str) -> RawTopic:
     found = [track for track in contents.tracks.values() if track.topic == topic]
     usable = [track for track in found if track.message_type in ATTITUDE_TYPES]
     if not found:

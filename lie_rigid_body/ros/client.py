@@ -28,7 +28,7 @@ from lie_rigid_body.system.interruption import Interruption
 
 SHOWN_EVERY: Final = 0.2
 """Shortest time between two printed poses, s."""
-LONGEST_SILENCE: Final = 5.0
+MAX_SILENCE: Final = 5.0
 """Longest wait, s, for the first pose, whose absence is then reported, for a service, and for a service's answer."""
 SIGNAL_INTERVAL: Final = 0.1
 """Longest time between two looks whether a signal has come, s."""
@@ -92,7 +92,7 @@ class Client:
 
         with translated_errors(f"--pose {topic!r}"):
             self._node.create_subscription(PoseStamped, topic, show, QoSProfile(depth=10))
-        silence = self._node.create_timer(LONGEST_SILENCE, report_silence)
+        silence = self._node.create_timer(MAX_SILENCE, report_silence)
         self._spin_while(lambda: heard and not self._interruption.requested)
 
     def scenario(self, topic: str) -> None:
@@ -142,8 +142,8 @@ class Client:
         return future.result()
 
     def _wait(self, done: Callable[[], bool], complaint: str) -> None:
-        """Wait until something is done, at most `LONGEST_SILENCE`."""
-        end = time.monotonic() + LONGEST_SILENCE
+        """Wait until something is done, at most `MAX_SILENCE`."""
+        end = time.monotonic() + MAX_SILENCE
         self._spin_while(lambda: not (done() or self._interruption.requested or time.monotonic() > end))
         if not done():
             if self._interruption.requested:

@@ -16,11 +16,11 @@ REQUIRED_PACKAGES: Final = (
     *("geometry_msgs", "sensor_msgs", "diagnostic_msgs", "visualization_msgs"),
 )
 """Packages without which no node starts."""
-LARGEST_DOMAIN: Final = 232
+MAX_DOMAIN: Final = 232
 """Largest ROS domain for which DDS has ports."""
-_LEAST_FILES: Final = 32
+_MIN_FILES: Final = 32
 """Least number of files that a node may need open at once, measured: from 22 on it runs."""
-_LEAST_MEMORY: Final = 750_000_000
+_MIN_MEMORY: Final = 750_000_000
 """Least memory that a node may need, bytes, measured: from 680 MB on it runs; with less a library ends the process."""
 _SWITCHES: Final = ("RCUTILS_COLORIZED_OUTPUT", "RCUTILS_LOGGING_BUFFERED_STREAM", "RCUTILS_LOGGING_USE_STDOUT")
 """Variables of rcutils that are 0, 1 or empty; of another value it prints a line of its own."""
@@ -58,8 +58,8 @@ def require_environment() -> None:
     memory = limit("RLIMIT_AS")
     security = [given.get(f"ROS_SECURITY_{name}", "") for name in ("ENABLE", "STRATEGY", "KEYSTORE")]
     faults = {
-        f"ROS_DOMAIN_ID {domain} is above {LARGEST_DOMAIN}: give one from 0 to {LARGEST_DOMAIN}": (
-            domain.isdecimal() and int(domain[:9]) > LARGEST_DOMAIN
+        f"ROS_DOMAIN_ID {domain} is above {MAX_DOMAIN}: give one from 0 to {MAX_DOMAIN}": (
+            domain.isdecimal() and int(domain[:9]) > MAX_DOMAIN
         ),
         f"RMW_IMPLEMENTATION {shown(middleware)} is not installed: install it, or unset RMW_IMPLEMENTATION": (
             middleware != "" and not _is_middleware(middleware)
@@ -69,9 +69,9 @@ def require_environment() -> None:
         ),
         "ROS_SECURITY_STRATEGY is Enforce, and ROS_SECURITY_KEYSTORE is empty: name the folder of the keys, or set "
         "ROS_SECURITY_ENABLE to false": security == ["true", "Enforce", ""],
-        f"open files are limited to {files:g} (ulimit -n): allow {_LEAST_FILES} at least": files < _LEAST_FILES,
-        f"memory is limited to {memory / 1e6:g} MB (ulimit -v): allow a node {_LEAST_MEMORY // 10**6} MB at least": (
-            memory < _LEAST_MEMORY
+        f"open files are limited to {files:g} (ulimit -n): allow {_MIN_FILES} at least": files < _MIN_FILES,
+        f"memory is limited to {memory / 1e6:g} MB (ulimit -v): allow a node {_MIN_MEMORY // 10**6} MB at least": (
+            memory < _MIN_MEMORY
         ),
         **{
             f"{name} is {shown(given[name])}: give 0 or 1, or unset it": given[name] not in ("", "0", "1")

@@ -21,7 +21,7 @@ DOMAINS: Final = range(1, 102)
 """Domains whose ports are not in the range that Linux hands out to clients, but for 0, everybody's default."""
 ENDING_S: Final = 2.0
 """Time that a node has to end when it is asked to, s."""
-MOST_PRINTED: Final = 2**28
+MAX_PRINTED: Final = 2**28
 """Largest output of a node, bytes."""
 _PLAYED: Final = "\0lie_rigid_body/played-to/{}"
 """Name of the socket that holds a domain. It is in no folder, and ends with its process (unix(7), abstract)."""
@@ -91,8 +91,8 @@ def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
     def require_alive() -> None:
         if process.poll() is not None:
             raise LieRigidBodyError(f"ended with status {process.returncode}: mend it")
-        if os.fstat(output.fileno()).st_size > MOST_PRINTED:
-            raise LieRigidBodyError(f"prints more than {MOST_PRINTED} bytes: let it log less")
+        if os.fstat(output.fileno()).st_size > MAX_PRINTED:
+            raise LieRigidBodyError(f"prints more than {MAX_PRINTED} bytes: let it log less")
 
     try:
         yield require_alive

@@ -30,13 +30,13 @@ from lie_rigid_body.foundation.wording import shown
 
 _RCL: Final = "rcl"
 _NAME: Final = re.compile(r"(?:\w+:)?__(?:node|name|ns):=(.*)")
-LONGEST_NODE_NAME: Final = 200
+MAX_NODE_NAME_LENGTH: Final = 200
 """Longest name of a node and longest namespace, characters: those of its services are longer, and may have 247."""
-LARGEST_DEPTH: Final = 2**31 - 1
+MAX_DEPTH: Final = 2**31 - 1
 """Most messages of a topic that can be kept."""
-LONGEST_LOOK: Final = 0.05
+MAX_LOOK: Final = 0.05
 """Longest wait for the next callback, s, before it is seen whether the node ends."""
-LONGEST_JOIN: Final = 0.5
+MAX_JOIN: Final = 0.5
 """Longest wait for the background thread at the end, s."""
 THREADS: Final = 4
 """Number of executor threads, so that services answer while some wait for long steps."""
@@ -81,10 +81,10 @@ def initialised(arguments: Sequence[str]) -> Iterator[None]:
 
 def _require_short_name(arguments: Sequence[str]) -> None:
     for argument in arguments:
-        if (rule := _NAME.fullmatch(argument)) and len(rule[1]) > LONGEST_NODE_NAME:
+        if (rule := _NAME.fullmatch(argument)) and len(rule[1]) > MAX_NODE_NAME_LENGTH:
             raise InputError(
                 f"{shown(argument)}: this node would have a name of {len(rule[1])} characters: at most "
-                f"{LONGEST_NODE_NAME} leave room for those of its services"
+                f"{MAX_NODE_NAME_LENGTH} leave room for those of its services"
             )
 
 
@@ -122,17 +122,17 @@ def spinning(node: Node) -> Iterator[None]:
         yield
     finally:
         ended.set()
-        thread.join(LONGEST_JOIN)
+        thread.join(MAX_JOIN)
         # rclpy's own shutdown waits for no callback, and one that goes on without ROS prints its error
         executor._executor.shutdown()
         rclpy.try_shutdown()  # which also ends a wait for the next callback, should a clock have been set back
-        thread.join(LONGEST_JOIN)
+        thread.join(MAX_JOIN)
 
 
 def _spin(executor: MultiThreadedExecutor, node: Node, ended: Event) -> None:
     while rclpy.ok() and not ended.is_set():
         try:
-            executor.spin_once(LONGEST_LOOK)
+            executor.spin_once(MAX_LOOK)
         except Exception as error:
             if not rclpy.ok():  # it ended amid a look of the executor, or between two, whose wait set then fails
                 return
@@ -155,8 +155,8 @@ def offered(node: Node, kind: type, topic: str, quality: QoSProfile) -> Publishe
 
 def _possible(quality: QoSProfile) -> SetParametersResult:
     """Whether ROS would take a quality of service: of a wrong depth it warns, or tells no value."""
-    limits = f"depth {quality.depth} is outside [1, {LARGEST_DEPTH}]: give for example 10"
-    return SetParametersResult(successful=1 <= quality.depth <= LARGEST_DEPTH, reason=limits)
+    limits = f"depth {quality.depth} is outside [1, {MAX_DEPTH}]: give for example 10"
+    return SetParametersResult(successful=1 <= quality.depth <= MAX_DEPTH, reason=limits)
 
 
 def message_class(name: str) -> type:

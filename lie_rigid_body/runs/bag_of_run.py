@@ -153,7 +153,7 @@ def _declared(segments: tuple[Segment, ...], recording: Recording | None) -> tup
     if recording is None:
         return {segment.to_json(): segment for segment in segments}, {}
     declared = declared_segments((text for _, text in recording.scenario_texts), recording.name)
-    if recording.as_written:
+    if recording.is_original:
         return declared, {"end": CUT_OFF} if recording.was_cut_off and recording.expected_samples is None else {}
     recorder = recording.library.partition(REWRITTEN)[0]
     return declared, {"end": None, "library": f"{recorder}{REWRITTEN}{__version__}"}

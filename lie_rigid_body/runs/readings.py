@@ -133,7 +133,7 @@ class SensorArrays:
         if name not in found and not models:
             return None
         first = found.setdefault(name, TopicMessages.none_of(message_type))
-        is_heard = not recording.as_written
+        is_heard = not recording.is_original
         clocks = SensorClocks(segments, sensor.name)
         arrived_ns = clocks.measured_ns(first.stamps_ns) if is_heard else first.log_times_ns
         declared = {field.array for model in models for topic in sensor.topics for field in told_fields(topic, model)}

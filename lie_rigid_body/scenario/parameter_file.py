@@ -25,7 +25,7 @@ CONFIG: Final = Path(__file__).parent.parent / "config"
 NODE_NAME: Final = "lie_rigid_body"
 PARAMETERS_KEY: Final = "ros__parameters"
 
-LARGEST_FILE: Final = 128 * 1024
+MAX_FILE_BYTES: Final = 128 * 1024
 """Largest size of a parameter file, bytes: YAML takes 10 µs a byte."""
 
 Source: TypeAlias = tuple[str | Path | None, dict[str, object]]
@@ -38,7 +38,7 @@ _TEXT: Final = "tag:yaml.org,2002:str"
 _TRUE: Final = frozenset({"Y", "y", "yes", "Yes", "YES", "true", "True", "TRUE", "on", "On", "ON"})
 _FALSE: Final = frozenset({"N", "n", "no", "No", "NO", "false", "False", "FALSE", "off", "Off", "OFF"})
 _INTEGER: Final = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
-_MOST_DIGITS: Final = 24
+_MAX_DIGITS: Final = 24
 """Largest number of characters of an integer that is tried with 64 bits; octal ones are the longest."""
 _FLOAT: Final = re.compile(
     r"[-+]?((\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|\.?inf|infinity|\.?nan)", re.IGNORECASE | re.ASCII
@@ -110,7 +110,7 @@ def read_yaml(path: str | Path, *, pipes: bool = True) -> Any:
     InputError
         If the file cannot be read, is not YAML, or gives a key twice.
     """
-    return load_yaml(read_text(path, LARGEST_FILE, pipes=pipes), str(path), _Loader)
+    return load_yaml(read_text(path, MAX_FILE_BYTES, pipes=pipes), str(path), _Loader)
 
 
 def assignments(parameters: Mapping[str, object]) -> list[str]:
@@ -274,7 +274,7 @@ def _plain(text: str) -> object:
 def _integer(sign: str, digits: str) -> int | float:
     """An integer if it has 64 bits, and a double beyond."""
     is_hexadecimal = digits[:2] in ("0x", "0X")
-    if len(digits) <= _MOST_DIGITS:
+    if len(digits) <= _MAX_DIGITS:
         value = int(sign + digits, 16 if is_hexadecimal else 8 if digits[0] == "0" else 10)
         if -(2**63) <= value < 2**63:
             return value

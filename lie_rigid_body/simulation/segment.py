@@ -17,7 +17,7 @@ from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS, NS
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors.fault import TransportFaults, nanoseconds
-from lie_rigid_body.system.bounded_input import LONGEST_NUMBER
+from lie_rigid_body.system.bounded_input import MAX_NUMBER_LENGTH
 
 SOFTWARE: Final = "lie_rigid_body"
 """Name of this software in the scenario message."""
@@ -194,8 +194,8 @@ def _parsed(text: str) -> dict[str, Any]:
 
 
 def _integer(digits: str) -> int:
-    if len(digits) > LONGEST_NUMBER:  # Python reads none of more than 4300 digits
-        raise ValueError(f"it has a number of {len(digits)} characters, where {LONGEST_NUMBER} are read")
+    if len(digits) > MAX_NUMBER_LENGTH:  # Python reads none of more than 4300 digits
+        raise ValueError(f"it has a number of {len(digits)} characters, where {MAX_NUMBER_LENGTH} are read")
     return int(digits)
 
 

@@ -16,19 +16,19 @@ import yaml
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.foundation.wording import shown
 
-LONGEST_NUMBER: Final = 1000
+MAX_NUMBER_LENGTH: Final = 1000
 """Largest length of a number in YAML, characters: of parts with colons between them it is computed part by part."""
-LARGEST_CHUNK: Final = 256 * 2**20
+MAX_CHUNK_BYTES: Final = 256 * 2**20
 """Largest size of an inflated chunk, bytes. Recorders make chunks of some MB, or of one message that is larger."""
-LONGEST_NAME: Final = 4096
+MAX_NAME_LENGTH: Final = 4096
 """Largest length of a name in a bag, such as that of a topic, a type, a frame or a library, characters."""
-LARGEST_DEFINITION: Final = 2**20
+MAX_DEFINITION_BYTES: Final = 2**20
 """Largest size of the definition of a message type, bytes."""
-LARGEST_METADATA: Final = 2**20
+MAX_METADATA_BYTES: Final = 2**20
 """Largest size of a metadata.yaml, and of the metadata of a channel or of a record, bytes."""
-LARGEST_DECLARATIONS: Final = 64 * 2**20
+MAX_DECLARATION_BYTES: Final = 64 * 2**20
 """Largest size of all names, definitions and metadata of a file, bytes."""
-LONGEST_STRING: Final = 2**20
+MAX_STRING_LENGTH: Final = 2**20
 """Largest size of a text in a message, bytes."""
 _REAL: Final = re.compile(r"\s*[-+]?((\d+\.?\d*|\.\d+)(e[-+]?\d+)?|inf(inity)?|nan)\s*", re.ASCII | re.IGNORECASE)
 """How programs write numbers. Python also reads underscores and the digits of all scripts, which tell of a mistake."""
@@ -150,9 +150,9 @@ class BoundedLoader(yaml.SafeLoader):
 
     def construct_scalar(self, node: yaml.ScalarNode | yaml.MappingNode) -> str:
         """Refuse a number without end."""
-        if node.tag in NUMBERS and len(node.value) > LONGEST_NUMBER:
+        if node.tag in NUMBERS and len(node.value) > MAX_NUMBER_LENGTH:
             raise yaml.MarkedYAMLError(
-                problem=f"a number of {len(node.value)} characters, where {LONGEST_NUMBER} are read",
+                problem=f"a number of {len(node.value)} characters, where {MAX_NUMBER_LENGTH} are read",
                 problem_mark=node.start_mark,
             )
         return str(super().construct_scalar(node))
@@ -202,6 +202,8 @@ def load_yaml(text: str, source: str, loader: type[BoundedLoader] = BoundedLoade
         mark = error.problem_mark
         where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         raise InputError(f"{source}{where}: not readable as YAML: {error.problem or error.context}") from None
+    except RecursionError:
+        raise InputError(f"{source}: not readable as YAML: it is nested too deeply: write it flatter") from None
     except Exception as error:  # the constructors fail in many ways on explicit tags
         problem = (str(error).splitlines() or [""])[0] or type(error).__name__
         raise InputError(f"{source}: not readable as YAML: {problem}") from None

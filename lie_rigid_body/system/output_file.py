@@ -20,7 +20,7 @@ _PART: Final = ".lie_rigid_body-{}.part"
 NO_ROOM: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Numbers of errors by which a write fails for want of room."""
 
-LARGEST_BACKLOG: Final = 32 * 1024**2
+MAX_BACKLOG: Final = 32 * 1024**2
 """Bytes that may wait for the disk: at 1000 samples a second those of two minutes."""
 
 
@@ -212,8 +212,8 @@ class DiskQueue:
         TimeoutError
             If too much is in the queue.
         """
-        self._forget(lambda done: done or (self._waits and self._waiting + size > LARGEST_BACKLOG))
-        if not self._waits and self._waiting + size > LARGEST_BACKLOG:
+        self._forget(lambda done: done or (self._waits and self._waiting + size > MAX_BACKLOG))
+        if not self._waits and self._waiting + size > MAX_BACKLOG:
             raise TimeoutError(f"the disk does not keep up, {self._waiting} bytes wait for it")
         self._jobs.append((self._thread.submit(self._do, job), size))
 

@@ -11,7 +11,7 @@ import stat
 from pathlib import Path
 from typing import Final
 
-MOST_PROCESSES: Final = 9999
+MAX_PROCESSES: Final = 9999
 """Largest number of processes that a caller may ask for."""
 
 

@@ -140,12 +140,12 @@ def moved(by_ns: int) -> Change:
     return on(MAG, at(37, move))
 
 
-@pytest.mark.parametrize("as_written", [True, False])
+@pytest.mark.parametrize("is_original", [True, False])
 @pytest.mark.parametrize(
     "by_ns", sampled([1, -1, 1000, -10_000_000, 10_000_000, 10**9, -(10**18), -(10**9), 10**17], every=3)
 )
-def test_another_stamp_is_named(bag, tmp_path, by_ns, as_written):
-    change, late = moved(by_ns), (lambda ms: ms) if as_written else recorded(0.1)
+def test_another_stamp_is_named(bag, tmp_path, by_ns, is_original):
+    change, late = moved(by_ns), (lambda ms: ms) if is_original else recorded(0.1)
     found = certificate(bag, tmp_path, lambda ms: late(change(ms)))
     assert broken(found) & {"magnetometer stamps", "sensor stamps"}
     if abs(by_ns) <= 1000:

@@ -210,7 +210,7 @@ def test_one_that_begins_late_is_not_reproached(stamps, noisy, with_estimate):
 
 
 def test_scenarios_without_end_are_counted_and_not_kept(own, monkeypatch):
-    monkeypatch.setattr(live_estimate, "MOST_SEGMENTS", 1)
+    monkeypatch.setattr(live_estimate, "MAX_SEGMENTS", 1)
     live = LiveEstimate("/estimate", POSE_STAMPED, LIMITS)
     first, second = (payload for topic, payload in of(own) if topic.endswith("/scenario"))
     live.truth.hear_scenarios([first, second, first, second])

@@ -20,7 +20,14 @@ from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.messages.definitions import BARE_TWIST, IMU, POSE_STAMPED, STRING, TWIST_STAMPED
 from lie_rigid_body.recording.bag_reader import Bag
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.mcap_contents import Found, McapContents, Progress, RawMessages, RawTrack, TrackKey
+from lie_rigid_body.recording.mcap_contents import (
+    ChunkMessages,
+    McapContents,
+    Progress,
+    RawMessages,
+    RawTopic,
+    TopicKey,
+)
 from lie_rigid_body.recording.topic_discovery import BODY_TOPICS, Body, bodies, the_body
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
@@ -35,14 +42,14 @@ BODY = {"/pose": POSE, "/twist": RATE, "/lie_rigid_body/scenario": TEXT}
 def contents(
     topics: dict[str, str], ours: tuple[str, ...] = ("",), counts: Mapping[str, int] = MappingProxyType({})
 ) -> McapContents:
-    tracks = [RawTrack(topic, kind, "cdr", count=counts.get(topic, 3)) for topic, kind in topics.items()]
+    tracks = [RawTopic(topic, kind, "cdr", count=counts.get(topic, 3)) for topic, kind in topics.items()]
     return McapContents(tracks={(track.topic, track.message_type): track for track in tracks}, again=[texts(ours)])
 
 
-def texts(ours: tuple[str, ...]) -> Callable[[Collection[TrackKey], Progress], Iterator[Found]]:
+def texts(ours: tuple[str, ...]) -> Callable[[Collection[TopicKey], Progress], Iterator[ChunkMessages]]:
     """Messages of topics of texts, those of some topics scenarios."""
 
-    def read(keys: Collection[TrackKey], progress: Progress) -> Iterator[Found]:
+    def read(keys: Collection[TopicKey], progress: Progress) -> Iterator[ChunkMessages]:
         for key in tuple(keys):  # whoever asks may want fewer from part to part
             data = encode_string('{"inertia": [1, 2, 3]}' if key[0].startswith(ours) else "9 lanes")
             yield {key: RawMessages(memoryview(data), np.array([len(data)]), np.array([0]))}

@@ -25,11 +25,11 @@ from foreign_bags import record, text
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.messages import encode_string
 from lie_rigid_body.system import console
-from lie_rigid_body.system.bounded_input import LARGEST_CHUNK
+from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES
 
 GIB = 2**30
 MIB = 2**20
-MEMORY = 2 * LARGEST_CHUNK + 200 * MIB
+MEMORY = 2 * MAX_CHUNK_BYTES + 200 * MIB
 """What a verb may take: its libraries, and the largest chunk that is read, which the library of lz4 holds twice."""
 SECONDS = 120
 """Time on a processor after which a verb is taken to hang."""
@@ -177,7 +177,7 @@ def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pyt
 def test_none_takes_more_than_the_bound(
     tmp_path: Path, verb: str, record_property: Callable[[str, object], None]
 ) -> None:
-    paths = made(tmp_path, LARGEST_CHUNK)
+    paths = made(tmp_path, MAX_CHUNK_BYTES)
     out = "" if verb == "check" else str(tmp_path / ("out.png" if verb == "plot" else "out"))
     with subprocess.Popen(
         [sys.executable, "-c", RUN, verb, out, *map(str, paths)],

@@ -28,15 +28,15 @@ from lie_rigid_body.league.table import rows_of
 from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
 from lie_rigid_body.recording import summary
 from lie_rigid_body.recording.bag_files import BagFiles
-from lie_rigid_body.recording.bag_reader import _MOST_OTHERS
+from lie_rigid_body.recording.bag_reader import _MAX_OTHERS
 from lie_rigid_body.recording.bag_writer import LIBRARY
 from lie_rigid_body.recording.mcap_contents import nothing
 from lie_rigid_body.simulation import Segment
 from lie_rigid_body.system.bounded_input import (
-    LARGEST_DEFINITION,
-    LONGEST_NAME,
-    LONGEST_NUMBER,
-    LONGEST_STRING,
+    MAX_DEFINITION_BYTES,
+    MAX_NAME_LENGTH,
+    MAX_NUMBER_LENGTH,
+    MAX_STRING_LENGTH,
     load_json,
     load_yaml,
 )
@@ -135,7 +135,7 @@ def test_each_definition_has_a_bound(opcode: int, tmp_path: Path) -> None:
             12: text(name) + text(""),
         }[opcode]
 
-    size = LARGEST_DEFINITION - len(content(0))
+    size = MAX_DEFINITION_BYTES - len(content(0))
     path = tmp_path / "x.mcap"
     path.write_bytes(framed(record(opcode, content(size))))
     BagFiles(path).contents(nothing)
@@ -152,8 +152,8 @@ def test_all_names_together_have_a_bound_and_small_files_that_inflate_to_them_ar
     honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Names that inflate to 3 MB each, and more names than there may be, each just within its bound."""
-    monkeypatch.setattr(summary, "LARGEST_DECLARATIONS", 8 * MIB)
-    definition = "d" * (LARGEST_DEFINITION - 100)
+    monkeypatch.setattr(summary, "MAX_DECLARATION_BYTES", 8 * MIB)
+    definition = "d" * (MAX_DEFINITION_BYTES - 100)
     many = [struct.pack("<H", 100 + i) + text("a/msg/B") + text("ros2msg") + text(definition) for i in range(1, 12)]
     long = [
         struct.pack("<HH", 100 + i, 0) + text("/" + chr(65 + i) * 3 * MIB) + text("cdr") + text("") for i in range(6)
@@ -185,7 +185,7 @@ STRINGS: dict[str, tuple[Callable[[bytes], object], bytes]] = {
 
 
 @pytest.mark.parametrize("name", STRINGS)
-@pytest.mark.parametrize("length", [2**32 - 1, 2**31, LONGEST_STRING + 1])
+@pytest.mark.parametrize("length", [2**32 - 1, 2**31, MAX_STRING_LENGTH + 1])
 def test_every_length_of_a_message_at_its_largest_is_refused(name: str, length: int) -> None:
     read, before = STRINGS[name]
     for behind in (b"", bytes(500)):
@@ -196,22 +196,27 @@ def test_every_length_of_a_message_at_its_largest_is_refused(name: str, length: 
 @pytest.mark.parametrize("name", ["frame of a pose", "frame of an odometry", "frame of a transform"])
 def test_a_frame_has_a_bound_though_the_message_is_as_long(name: str) -> None:
     read, before = STRINGS[name]
-    with refused_as("frame", size=LONGEST_NAME + 1, most=LONGEST_NAME):
-        read(before + sized(b"f" * LONGEST_NAME + b"\0") + bytes(1000))
+    with refused_as("frame", size=MAX_NAME_LENGTH + 1, most=MAX_NAME_LENGTH):
+        read(before + sized(b"f" * MAX_NAME_LENGTH + b"\0") + bytes(1000))
 
 
 def test_a_text_has_a_bound_though_the_message_is_as_long() -> None:
-    with refused_as("text", most=LONGEST_STRING):
-        decode_string(b"\0\1\0\0" + sized(bytes(LONGEST_STRING + 1)))
+    with refused_as("text", most=MAX_STRING_LENGTH):
+        decode_string(b"\0\1\0\0" + sized(bytes(MAX_STRING_LENGTH + 1)))
 
 
 @pytest.mark.parametrize(
-    "number", ["1" + 60 * LONGEST_NUMBER * ":1", "1" * 2000, "0x" + "f" * 2000, "1:" * 2000 + "1.5"]
+    "number", ["1" + 60 * MAX_NUMBER_LENGTH * ":1", "1" * 2000, "0x" + "f" * 2000, "1:" * 2000 + "1.5"]
 )
 def test_numbers_of_yaml_have_a_bound(number: str) -> None:
-    with refused_as("long number", most=LONGEST_NUMBER):
+    with refused_as("long number", most=MAX_NUMBER_LENGTH):
         load_yaml(f"a: {number}", "x")
     assert load_yaml(f"a: '{number}'", "x") == {"a": number}
+
+
+def test_yaml_that_is_nested_too_deeply_is_told_so() -> None:
+    with pytest.raises(InputError, match="nested too deeply: "):
+        load_yaml("[" * 3000, "x")
 
 
 @pytest.mark.parametrize("content", ["[" * 100_000, '{"a":' * 100_000, "1" * 10_000, "nul", "\ud800", ""])
@@ -272,4 +277,4 @@ def test_ten_thousand_other_topics_are_read_in_one_pass(
     assert evaluate([str(path), "--estimate", "/pose"]) == 0
     assert check([str(path)]) == 0
     assert time.process_time() - begin < 60
-    assert f" {10_000 - _MOST_OTHERS} " in " ".join(capsys.readouterr().out.split())
+    assert f" {10_000 - _MAX_OTHERS} " in " ".join(capsys.readouterr().out.split())

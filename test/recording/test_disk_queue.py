@@ -17,7 +17,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system import output_file
-from lie_rigid_body.system.output_file import LARGEST_BACKLOG, DiskQueue
+from lie_rigid_body.system.output_file import MAX_BACKLOG, DiskQueue
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def disk() -> Iterator[Event]:
 def test_jobs_are_done_in_order() -> None:
     queue, done = DiskQueue(waits=True), list[int]()
     for k in range(100):
-        queue.put(lambda k=k: done.append(k), LARGEST_BACKLOG // 3)  # type: ignore[misc]
+        queue.put(lambda k=k: done.append(k), MAX_BACKLOG // 3)  # type: ignore[misc]
     queue.finish()
     assert done == list(range(100))
 
@@ -39,7 +39,7 @@ def test_jobs_are_done_in_order() -> None:
 def test_a_live_run_does_not_wait_and_says_when_too_much_is_waiting(disk: Event) -> None:
     queue, done = DiskQueue(waits=False), list[str]()
     queue.put(disk.wait)
-    queue.put(lambda: done.append("written"), LARGEST_BACKLOG)
+    queue.put(lambda: done.append("written"), MAX_BACKLOG)
     with pytest.raises(TimeoutError):
         queue.put(lambda: done.append("too much"), 1)
     assert done == []
@@ -68,7 +68,7 @@ def test_after_an_error_nothing_is_written_and_it_is_told_once(disk: Event) -> N
 def test_a_bag_whose_disk_stands_still_is_given_up_and_what_is_written_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, disk: Event
 ) -> None:
-    monkeypatch.setattr(output_file, "LARGEST_BACKLOG", 100_000)
+    monkeypatch.setattr(output_file, "MAX_BACKLOG", 100_000)
     scenario = Scenario.from_parameters({"motion": "closed_form"})
     simulation = Simulation(scenario)
     bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True, chunk_size=10_000, wait_for_disk=False)

@@ -23,10 +23,10 @@ from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.recording.inflation import decompress
 from lie_rigid_body.recording.mcap_contents import of_types
 from lie_rigid_body.recording.records import DamageError
-from lie_rigid_body.recording.segments import MOST_SEGMENTS, declared_segments
+from lie_rigid_body.recording.segments import MAX_SEGMENTS, declared_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation.segment import MAX_SCENARIO_TEXT, Segment
-from lie_rigid_body.system.bounded_input import LONGEST_NUMBER
+from lie_rigid_body.system.bounded_input import MAX_NUMBER_LENGTH
 
 PACK = {"zstd": zstandard.compress, "lz4": lz4.frame.compress}
 SKIPPABLE = struct.pack("<II", 0x184D2A50, 4) + b"abcd"
@@ -117,7 +117,7 @@ def test_a_scenario_message_is_short_and_flat() -> None:
         ("[]", refused("no object")),
         ('{"first_sample": 0}', refused("no key", key="start_ns")),
         ("[" * MAX_SCENARIO_TEXT, refused("nested")),
-        (f'{{"software": -{"7" * 5000}}}', refused("long integer", length=5001, most=LONGEST_NUMBER)),
+        (f'{{"software": -{"7" * 5000}}}', refused("long integer", length=5001, most=MAX_NUMBER_LENGTH)),
     ):
         with error:
             Segment.from_json(text)
@@ -130,6 +130,6 @@ def test_many_resets_take_little_time(make_bag: MakeBag) -> None:
     first, second, _ = (Segment.from_json(text) for text in texts)
     assert first.scenario is second.scenario
     assert (second.first_sample, second.start_ns) == (1, 10_000_000)
-    recording = replace(read_bag(make_bag()), scenario_texts=[(i, str(i)) for i in range(MOST_SEGMENTS + 1)])
-    with refused("segments", count=MOST_SEGMENTS + 1, most=MOST_SEGMENTS):
+    recording = replace(read_bag(make_bag()), scenario_texts=[(i, str(i)) for i in range(MAX_SEGMENTS + 1)])
+    with refused("segments", count=MAX_SEGMENTS + 1, most=MAX_SEGMENTS):
         declared_segments(text for _, text in recording.scenario_texts)

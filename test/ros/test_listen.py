@@ -21,7 +21,7 @@ LISTEN = (sys.executable, "-m", "lie_rigid_body.ros.listen")
 
 
 def test_silence_is_told_once() -> None:
-    soon = "from lie_rigid_body.ros import client, listen; client.LONGEST_SILENCE = 0.2; listen.main(['--pose', '/no'])"
+    soon = "from lie_rigid_body.ros import client, listen; client.MAX_SILENCE = 0.2; listen.main(['--pose', '/no'])"
     with subprocess.Popen((sys.executable, "-c", soon), stderr=subprocess.PIPE, text=True) as process:
         patience = threading.Timer(DEADLINE, process.kill)
         patience.start()
@@ -64,7 +64,7 @@ def test_scenario_control_and_parameters_without_the_ros2_command(capfd: pytest.
 def test_whom_nobody_answers_is_told_in_one_line(
     asked: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("lie_rigid_body.ros.client.LONGEST_SILENCE", 0.1)
+    monkeypatch.setattr("lie_rigid_body.ros.client.MAX_SILENCE", 0.1)
     assert main(asked.split()) == 2
     [line] = capfd.readouterr().err.splitlines()
     assert f" /nobody in domain {os.environ['ROS_DOMAIN_ID']}: " in line

@@ -14,7 +14,7 @@ from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.recording.bag_reader import read_bag
 from lie_rigid_body.report import write_plot, write_report
-from lie_rigid_body.scenario.parameter_file import LARGEST_FILE, gather, read_parameter_file
+from lie_rigid_body.scenario.parameter_file import MAX_FILE_BYTES, gather, read_parameter_file
 from lie_rigid_body.system.bounded_input import load_yaml, open_file, read_text
 from said import refusals
 
@@ -65,10 +65,10 @@ def test_whatever_pyyaml_raises_is_one_error(text: str) -> None:
 
 def test_a_file_has_a_largest_size(tmp_path: Path) -> None:
     path = tmp_path / "long.yaml"
-    path.write_bytes(PARAMETERS + b" " * (LARGEST_FILE - len(PARAMETERS)))
+    path.write_bytes(PARAMETERS + b" " * (MAX_FILE_BYTES - len(PARAMETERS)))
     assert read_parameter_file(path) == {"rate": 10.0}
     os.truncate(path, 2**40)
-    with refused("long", bytes=LARGEST_FILE):
+    with refused("long", bytes=MAX_FILE_BYTES):
         read_parameter_file(path)
 
 

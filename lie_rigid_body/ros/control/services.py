@@ -65,7 +65,7 @@ FEEDBACK_INTERVAL: Final = 0.1
 SCOPE_DEFAULT: Final = 0
 SCOPE_STATE: Final = 2
 CATEGORY_DYNAMIC_OBJECT: Final = 4
-LONGEST_PATTERN: Final = 1000
+MAX_PATTERN_LENGTH: Final = 1000
 """Largest length of a regular expression, characters."""
 PATTERN_S: Final = 2
 """Longest processor time that a regular expression may take, s."""
@@ -379,9 +379,9 @@ def _is_found(pattern: str, name: str) -> bool:
     LieRigidBodyError
         If it is none, or takes too long.
     """
-    if len(pattern) > LONGEST_PATTERN:
+    if len(pattern) > MAX_PATTERN_LENGTH:
         raise LieRigidBodyError(
-            f"filter {shown(pattern)} has {len(pattern)} characters: give at most {LONGEST_PATTERN}, or none"
+            f"filter {shown(pattern)} has {len(pattern)} characters: give at most {MAX_PATTERN_LENGTH}, or none"
         )
     command = [sys.executable, "-I", "-c", _SEARCH]
     given = json.dumps([pattern, name, PATTERN_S])

@@ -20,7 +20,7 @@ DIAGNOSTICS_TOPIC: Final = "/diagnostics"
 INTERVAL_NS: Final = NS
 Status: TypeAlias = tuple[bytes, str, Mapping[str, str]]
 """Level, message and values of a report."""
-LARGEST_DRIFT: Final = 1e-6
+MAX_DRIFT: Final = 1e-6
 """Relative drift of energy or momentum beyond which the level is ERROR."""
 
 
@@ -98,7 +98,7 @@ class Diagnostics(Sink):
 def _judgement(failure: str, missed: int, drift: float) -> tuple[bytes, str]:
     if failure:
         return DiagnosticStatus.ERROR, failure
-    if drift > LARGEST_DRIFT:
+    if drift > MAX_DRIFT:
         return DiagnosticStatus.ERROR, "energy or momentum drifts: choose a better method or a smaller max_step"
     if missed:
         return DiagnosticStatus.WARN, "samples were late; none is left out"

@@ -21,14 +21,14 @@ from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.batch import FAULTS_TOPIC, POSE, SENSOR_TOPICS, TWIST, Batch, sensor_topics
 from lie_rigid_body.messages.layout import ENCAPSULATION
 from lie_rigid_body.ros.session import message_class, offered
-from lie_rigid_body.ros.timing.sink import FOREVER, LARGEST_BATCH, Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import FOREVER, MAX_BATCH, Punctuality, Sink
 from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.simulation import Segment
 
 PRIVATE_SCENARIO: Final = "~/scenario"
 IMU_TOPIC: Final = "imu/data_raw"
 CLOCK: Final = "/clock"
-DEPTH: Final = 4 * LARGEST_BATCH
+DEPTH: Final = 4 * MAX_BATCH
 """Messages of a topic kept until reliable subscribers confirm them: no batch displaces the one before."""
 CLOCK_DEPTH: Final = 6 * DEPTH
 """Messages of the clock kept: it has one for each time of the truth, of each sensor and of a fault."""
@@ -130,7 +130,7 @@ class SamplePublisher(Sink):
         self._rest.extend(self._in_order(batch))
         self.ready()
         self._unconfirmed += max(len(messages.payloads) for messages in batch.topics)
-        if self._unconfirmed >= LARGEST_BATCH and self._history is HistoryPolicy.KEEP_LAST:
+        if self._unconfirmed >= MAX_BATCH and self._history is HistoryPolicy.KEEP_LAST:
             self._wait_for_confirmation(BATCH_CONFIRMATION_NS)
 
     def ready(self) -> bool:

@@ -18,20 +18,20 @@ from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.ros.timing.lockstep import LOOK_NS, Lockstep
 from lie_rigid_body.ros.timing.pace import BREATH_NS, Pace, UpTo, credit_ns, pace_of
 from lie_rigid_body.ros.timing.requests import ControlError, Mailbox, P, StepRequest, T
-from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality, Sink
+from lie_rigid_body.ros.timing.sink import MAX_BATCH, Punctuality, Sink
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 from lie_rigid_body.system.interruption import Interruption
 
 STEPS_PER_BATCH: Final = 2000
 """Largest number of steps of the moving chart between two looks into the mailbox, about 20 ms of work."""
-MOST_LIVE_STEPS: Final = 1_000_000
+MAX_LIVE_STEPS: Final = 1_000_000
 """Largest number of steps of the moving chart between two samples, half a second of compiled work; calls wait."""
-SHORTEST_WAIT_NS: Final = 1_000_000
+MIN_WAIT_NS: Final = 1_000_000
 """Shortest time between two batches, ns: samples of a rate above 1 kHz go out in one batch each millisecond."""
 FAR_BEHIND_NS: Final = 10 * NS
 """Lateness from which a run that is woken too seldom sends more at once, ns: else it would fall behind for ever."""
-LONGEST_WAIT_NS: Final = 3600 * NS
+MAX_WAIT_NS: Final = 3600 * NS
 """Longest wait for a call, ns: some waits of the operating system cannot be longer than a few weeks."""
 
 
@@ -45,10 +45,10 @@ def live_scenario(values: Mapping[str, object]) -> Scenario:
     """
     scenario = Scenario.from_parameters(values)
     steps = scenario.steps_per_sample(min(scenario.rates))
-    if steps > MOST_LIVE_STEPS:
+    if steps > MAX_LIVE_STEPS:
         raise ParameterError(
             "max_step",
-            f"{scenario.longest_step:.3g} s takes {steps:.3g} steps between samples, more than {MOST_LIVE_STEPS} of a "
+            f"{scenario.longest_step:.3g} s takes {steps:.3g} steps between samples, more than {MAX_LIVE_STEPS} of a "
             "live node: give a longer step, higher rates or a slower body, or use closed_form",
         )
     return scenario
@@ -306,7 +306,7 @@ class LiveRun:
         scenario = segment.scenario
         self._encoder = BatchEncoder(scenario)
         # few samples when each costs many steps, so that calls need not wait long
-        self._batch_size = scenario.batch_size(LARGEST_BATCH, STEPS_PER_BATCH)
+        self._batch_size = scenario.batch_size(MAX_BATCH, STEPS_PER_BATCH)
         self._set_deadline()
         self._rested_ns = 0
         if self._lockstep is not None:
@@ -317,8 +317,8 @@ class LiveRun:
 
     def _set_deadline(self) -> None:
         factor = self.factor or 1.0
-        self._deadline_ns = max(SHORTEST_WAIT_NS, math.ceil(self._simulation.clock.period_ns / Fraction(factor)))
-        self._is_fast = self._lockstep is None and max(self.segment.scenario.rates) * factor * SHORTEST_WAIT_NS > NS
+        self._deadline_ns = max(MIN_WAIT_NS, math.ceil(self._simulation.clock.period_ns / Fraction(factor)))
+        self._is_fast = self._lockstep is None and max(self.segment.scenario.rates) * factor * MIN_WAIT_NS > NS
 
     def _send_due(self) -> None:
         """Send samples that are due: at most one batch, and of those that are late a few."""
@@ -371,8 +371,8 @@ class LiveRun:
             return 0
         if self._lockstep is not None and self._lockstep.is_waiting and wait <= 0:
             wait = LOOK_NS
-        if self._is_fast and wait and -SHORTEST_WAIT_NS < wait < SHORTEST_WAIT_NS:
-            wait = SHORTEST_WAIT_NS
+        if self._is_fast and wait and -MIN_WAIT_NS < wait < MIN_WAIT_NS:
+            wait = MIN_WAIT_NS
         if (rest := self._rested_ns - now) >= 0:
             wait = max(wait, rest, BREATH_NS)
-        return min(wait, LONGEST_WAIT_NS, *others)
+        return min(wait, MAX_WAIT_NS, *others)

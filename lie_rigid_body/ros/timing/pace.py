@@ -13,7 +13,7 @@ CATCH_UP: Final = 1.25
 """Speed of a late run, as a multiple of that of simulated time: a higher one would overrun subscribers."""
 BREATH_NS: Final = 500_000
 """Shortest rest of a late run, ns: at high rates a rest after each sample would cost too much."""
-LONGEST_CREDIT_NS: Final = 3_000_000
+MAX_CREDIT_NS: Final = 3_000_000
 """Longest oversleep that a late run makes up for at once, ns: 3 samples at 1 kHz, as many subscribers keep 10."""
 STALL_NS: Final = 25_000_000
 """Oversleep from which on it counts as a stall, of which nothing is made up for at once, ns."""
@@ -29,7 +29,7 @@ def credit_ns(overslept_ns: int, *, is_far_behind: bool) -> int:
     if overslept_ns >= STALL_NS:
         return 0
     gaining = min(overslept_ns, 2 * BREATH_NS)  # half of it may be what the breath before left over
-    credit = int(CATCH_UP * gaining) + min(overslept_ns, LONGEST_CREDIT_NS) - gaining
+    credit = int(CATCH_UP * gaining) + min(overslept_ns, MAX_CREDIT_NS) - gaining
     return max(credit, int(CATCH_UP * overslept_ns)) if is_far_behind else credit
 
 

@@ -10,7 +10,7 @@ from lie_rigid_body.simulation import Segment
 
 FOREVER: Final = 2**63
 """A time longer than any wait, and later than any stamp, ns."""
-LARGEST_BATCH: Final = 250
+MAX_BATCH: Final = 250
 """Largest number of samples of the truth, or readings of one sensor, in a batch. Publishers keep four times as many."""
 
 
@@ -56,7 +56,7 @@ class Sink(Protocol):
         """Take the segment that the next samples belong to, at the start and at each reset."""
 
     def write(self, batch: Batch) -> None:
-        """Take messages, at most `LARGEST_BATCH` of a kind. Called only when every sink is ready."""
+        """Take messages, at most `MAX_BATCH` of a kind. Called only when every sink is ready."""
 
     def ready(self) -> bool:
         """Whether there is room for another batch. A sink that always has room leaves this as it is."""

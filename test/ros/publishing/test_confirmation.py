@@ -8,7 +8,7 @@ from importlib.util import find_spec
 import pytest
 
 from lie_rigid_body.messages.batch import BatchEncoder
-from lie_rigid_body.ros.timing.sink import LARGEST_BATCH, Punctuality
+from lie_rigid_body.ros.timing.sink import MAX_BATCH, Punctuality
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
@@ -47,7 +47,7 @@ def test_only_those_that_catch_up_wait(
     scenario = Scenario.from_parameters({"rate": 1000.0, "motion": "closed_form"})
     simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
     publisher.set_factor(factor)
-    for k in range(BURSTS * LARGEST_BATCH):
+    for k in range(BURSTS * MAX_BATCH):
         publisher.write(encoder.encode(simulation.take_until(simulation.clock.stamp_ns(k), 1)))
         publisher.tick(k * 1_000_000, Punctuality(lateness_ns=lateness_ns))
     pose_and_twist = 2

@@ -17,7 +17,7 @@ from lie_rigid_body.simulation import Simulation, SimulationStep
 if find_spec("rclpy"):
     from builtin_interfaces.msg import Time
 
-    from lie_rigid_body.ros.publishing.diagnostics import LARGEST_DRIFT, Diagnostics
+    from lie_rigid_body.ros.publishing.diagnostics import MAX_DRIFT, Diagnostics
 
 pytestmark = pytest.mark.ros
 
@@ -76,7 +76,7 @@ def test_a_motion_that_drifts_is_an_error(
     diagnostics: Diagnostics, published: list[Any], drift: float, level: bytes
 ) -> None:
     samples = Simulation(SCENARIO, NS).take(1)
-    faster = (1.0 + drift * LARGEST_DRIFT) * samples.states.body_rate
+    faster = (1.0 + drift * MAX_DRIFT) * samples.states.body_rate
     drifted = type(samples)(samples.stamps_ns, State(samples.states.attitude_xyzw, faster))
     diagnostics.write(BatchEncoder(SCENARIO).encode(SimulationStep(drifted)))
     diagnostics.tick(0, Punctuality())
@@ -84,6 +84,6 @@ def test_a_motion_that_drifts_is_an_error(
     [report] = published
     assert report.status[0].level == level
     momentum = float(values(report)["momentum drift since the last reset (relative)"])
-    assert momentum == pytest.approx(drift * LARGEST_DRIFT, rel=1e-2, abs=1e-15)
+    assert momentum == pytest.approx(drift * MAX_DRIFT, rel=1e-2, abs=1e-15)
     energy = float(values(report)["energy drift since the last reset (relative)"])
-    assert energy == pytest.approx(2.0 * drift * LARGEST_DRIFT, rel=1e-2, abs=1e-15)
+    assert energy == pytest.approx(2.0 * drift * MAX_DRIFT, rel=1e-2, abs=1e-15)

@@ -120,7 +120,7 @@ def test_full_disk_ends_the_recording_but_not_the_node(tmp_path: Path) -> None:
 SMALL_BACKLOG = """
 import sys
 from lie_rigid_body.system import output_file
-output_file.LARGEST_BACKLOG = 1
+output_file.MAX_BACKLOG = 1
 from lie_rigid_body.__main__ import main
 sys.exit(main(["sim", *sys.argv[1:]]))
 """

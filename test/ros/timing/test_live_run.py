@@ -12,7 +12,7 @@ from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
 from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun, RunState
 from lie_rigid_body.ros.timing.requests import Call, ClosedError, Mailbox
-from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
+from lie_rigid_body.ros.timing.sink import MAX_BATCH
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system.interruption import Interruption
@@ -92,7 +92,7 @@ def test_failed_reset_is_answered_and_changes_nothing() -> None:
         call.outcome.result()
 
 
-@pytest.mark.parametrize(("max_step", "most"), [(0.01, LARGEST_BATCH), (1e-4, 20), (2e-6, 1)])
+@pytest.mark.parametrize(("max_step", "most"), [(0.01, MAX_BATCH), (1e-4, 20), (2e-6, 1)])
 def test_batches_are_bounded_by_their_work(max_step: float, most: int) -> None:
     sink = run(FakeTime({}), most + 5, factor=0.0, motion="moving_chart", max_step=max_step)
     assert max(len(event) for event in sink.events if isinstance(event, list)) == most

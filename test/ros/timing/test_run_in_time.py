@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.ros.timing.live_run import SHORTEST_WAIT_NS, RunState
-from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, LONGEST_CREDIT_NS, STALL_NS
+from lie_rigid_body.ros.timing.live_run import MIN_WAIT_NS, RunState
+from lie_rigid_body.ros.timing.pace import BREATH_NS, CATCH_UP, MAX_CREDIT_NS, STALL_NS
 from lie_rigid_body.ros.timing.requests import ControlError, StepRequest
-from lie_rigid_body.ros.timing.sink import LARGEST_BATCH
+from lie_rigid_body.ros.timing.sink import MAX_BATCH
 from lie_rigid_body.scenario import Scenario
 from sampled import sampled
 
@@ -60,7 +60,7 @@ def test_without_a_limit_nothing_is_waited_for() -> None:
     run = ScriptedRun(factor=0.0)
     run.play((100 * MS, nothing))
     assert run.sink.stamps == truth(len(run.sink.stamps))
-    assert len(run.sink.stamps) > 20 * LARGEST_BATCH
+    assert len(run.sink.stamps) > 20 * MAX_BATCH
     assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
 
 
@@ -92,7 +92,7 @@ def test_a_step_is_one_sample_and_what_sensors_read_until_then() -> None:
         assert field_stamps == [stamp for stamp in field if stamp <= last]
 
 
-@pytest.mark.parametrize("count", [1, 2, LARGEST_BATCH, LARGEST_BATCH + 1, 1000])
+@pytest.mark.parametrize("count", [1, 2, MAX_BATCH, MAX_BATCH + 1, 1000])
 def test_as_many_steps_as_asked_for(count: int) -> None:
     run = ScriptedRun(paused=True)
     [stepping, _, again, _] = run.play(
@@ -135,11 +135,11 @@ def test_what_breaks_off_steps_says_how_many_were_done(why: str) -> None:
         "reset_to": lambda: run.live.reset_to(run.scenario.start()),
     }
     [stepping, *_] = run.play((NS, lambda: run.live.step(1000)), (NS, actions[why]), (2 * NS, nothing))
-    assert broken_off(stepping) == LARGEST_BATCH
+    assert broken_off(stepping) == MAX_BATCH
     assert (run.live.state is RunState.PLAYING) == (why == "resumed")
     count = len(run.sink.stamps)
     assert run.sink.stamps == truth(count)
-    assert (count == LARGEST_BATCH) == (why != "resumed")
+    assert (count == MAX_BATCH) == (why != "resumed")
 
 
 def test_a_body_whose_samples_take_seconds_is_refused() -> None:
@@ -202,7 +202,7 @@ def test_a_late_run_sends_an_even_stream(rate: float, factor: float) -> None:
     assert stamps == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]
     assert run.sink.punctuality.worst_ns >= late - NS / rate / factor
     assert run.sink.latest[-1] <= MS
-    assert most_ahead_ns(run) <= CATCH_UP * SHORTEST_WAIT_NS
+    assert most_ahead_ns(run) <= CATCH_UP * MIN_WAIT_NS
     if rate * factor * BREATH_NS * CATCH_UP <= NS:
         assert np.diff(at).min() >= NS / rate / factor / CATCH_UP - 2
 
@@ -224,9 +224,9 @@ def test_late_wakings_bring_no_burst(rate: float, factor: float) -> None:
     period = NS / rate / factor
     moments, counts = np.unique(run.sink.sent_at, return_counts=True)
     for silence, count in zip(np.diff(moments).tolist(), counts[1:].tolist(), strict=True):
-        assert (count - 1) * period <= min(silence, LONGEST_CREDIT_NS) + GAIN_NS
+        assert (count - 1) * period <= min(silence, MAX_CREDIT_NS) + GAIN_NS
         assert count == 1 or silence < STALL_NS + 5 * MS
-    assert most_ahead_ns(run) <= LONGEST_CREDIT_NS + GAIN_NS + 2
+    assert most_ahead_ns(run) <= MAX_CREDIT_NS + GAIN_NS + 2
     if rate * factor <= 1000.0:  # the subscribers that keep 10 samples have so long to take them
         sent_at = np.array(run.sink.sent_at)
         assert (sent_at[10:] - sent_at[:-10]).min() >= 5 * MS
