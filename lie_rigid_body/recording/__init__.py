@@ -2,7 +2,7 @@
 
 - `records`: records, and where the messages among them stand, in a file, in a chunk, read or written;
 - `summary`: what the records of a file declare and count, and the summary at its end;
-- `mcap_file`: messages laid out as arrays, many at once, in chunks, with their indexes and the summary;
+- `mcap_writer`: messages laid out as arrays, many at once, in chunks, with their indexes and the summary;
 - `bag_writer`: messages into an MCAP file, in batches or a whole run;
 - `inflation`: the records of a chunk, within bounds;
 - `mcap_reader`, `mcap_contents`: a file, read from its start to its end, as raw messages;

@@ -28,7 +28,7 @@ from lie_rigid_body.messages.batch import (
     Messages,
     sensor_topics,
 )
-from lie_rigid_body.recording.mcap_file import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
+from lie_rigid_body.recording.mcap_writer import ChunkBuilder, McapFile, RawChunk, compressed, laid_out
 from lie_rigid_body.recording.records import METADATA, RESCUE
 from lie_rigid_body.simulation import SOFTWARE, Segment, Simulation
 from lie_rigid_body.system.output_file import DiskQueue, OutputFile, reason, remedy

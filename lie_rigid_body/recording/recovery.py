@@ -16,7 +16,7 @@ from mcap.records import Attachment, Channel, Chunk, Footer, Header, Metadata, S
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.recording.inflation import decompress, decompress_partial, other_format
-from lie_rigid_body.recording.mcap_file import McapFile, compressed
+from lie_rigid_body.recording.mcap_writer import McapFile, compressed
 from lie_rigid_body.recording.records import (
     CUT_OFF,
     MAGIC,

@@ -50,7 +50,7 @@ for told in sys.argv[1:]:
     print(chr(0), json.dumps([status, sorted(map(str, Path(".").rglob("*")))]), chr(0), sep="", end="", flush=True)
     print(chr(0), end="", file=sys.stderr, flush=True)
 """
-CHUNK = "lie_rigid_body.recording.mcap_file:McapFile.add_chunk"
+CHUNK = "lie_rigid_body.recording.mcap_writer:McapFile.add_chunk"
 READ = "lie_rigid_body.recording.bag_files:BagFiles.contents"
 WRITTEN = "lie_rigid_body.system.output_file:OutputFile.commit"
 DISCARDED = "lie_rigid_body.system.output_file:OutputFile.discard"

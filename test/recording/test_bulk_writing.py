@@ -16,7 +16,7 @@ from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.messages.batch import Batch, BatchEncoder
 from lie_rigid_body.messages.layout import Template
 from lie_rigid_body.recording.bag_writer import BagWriter
-from lie_rigid_body.recording.mcap_file import ZSTD_LEVEL
+from lie_rigid_body.recording.mcap_writer import ZSTD_LEVEL
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment, Simulation
 from sampled import sampled
