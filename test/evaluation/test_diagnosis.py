@@ -16,6 +16,7 @@ from lie_rigid_body.evaluation.explanations import FORMS, Explanation, matrix
 from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.lie import quaternion
 from said import numbers
+from sampled import sampled
 
 NOISE_DEG = 1.0
 MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
@@ -61,13 +62,16 @@ def test_a_fault_is_named_with_what_is_left(motion, fault):
 @two_motions
 @pytest.mark.parametrize(
     ("faults", "named"),
-    [
-        (("heading_offset", "inverted"), ["inverted", "heading_offset"]),
-        (("body_mounting", "scalar_first"), ["scalar_first", "body_mounting"]),
-        (("inverted", "scalar_first"), ["scalar_first", "inverted"]),
-        (("heading_offset", "body_mounting"), ["body_mounting", "heading_offset"]),
-        (("heading_offset", "ned_world"), ["ned_world", "heading_offset"]),
-    ],
+    sampled(
+        [
+            (("heading_offset", "inverted"), ["inverted", "heading_offset"]),
+            (("body_mounting", "scalar_first"), ["scalar_first", "body_mounting"]),
+            (("inverted", "scalar_first"), ["scalar_first", "inverted"]),
+            (("heading_offset", "body_mounting"), ["body_mounting", "heading_offset"]),
+            (("heading_offset", "ned_world"), ["ned_world", "heading_offset"]),
+        ],
+        every=2,
+    ),
 )
 def test_two_faults_at_once_are_both_named_the_larger_first(motion, faults, named):
     estimate = noisy(motion)
@@ -183,7 +187,7 @@ HONEST = {
 }
 
 
-@pytest.mark.parametrize("error", HONEST)
+@pytest.mark.parametrize("error", sampled(HONEST, every=2))
 @pytest.mark.parametrize(
     ("motion", "axes"),
     [

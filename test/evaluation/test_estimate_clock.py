@@ -235,8 +235,7 @@ def test_of_a_top_the_nearest_lag_is_named_with_the_fewest_causes(cause, lag_s):
     assert score.findings[-1].rms_deg_after < 1e-3
 
 
-@pytest.mark.parametrize("lag_s", [0.0, 0.025])
-@pytest.mark.parametrize("motion", ["dzhanibekov", "precession", "slow_tumble", "fast_tumble"])
+@pytest.mark.parametrize(("motion", "lag_s"), sampled(product(MOTIONS, [0.0, 0.025]), every=3))
 def test_a_tilt_of_the_world_is_no_lag_and_a_lag_beside_it_is_told_within_its_error(motion: str, lag_s: float) -> None:
     """A tilt of 3° is none of the names, as sensors err by more, and to a body that turns evenly it is nearly a lag."""
     stamps = INNER - round(lag_s * 1e9)
