@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
-from functools import partial
 from itertools import islice
 from queue import SimpleQueue
 from tempfile import TemporaryDirectory
@@ -20,6 +19,7 @@ from typing import Any, BinaryIO, Final, TypeVar
 
 from lie_rigid_body.foundation.errors import FilterError, LieRigidBodyError, describe
 from lie_rigid_body.system.console import DEBUG
+from lie_rigid_body.system.interruption import Interruption
 
 R = TypeVar("R")
 T = TypeVar("T")
@@ -134,7 +134,8 @@ class Interpreters:
 
     def map(self, do: Callable[[Interpreter, T], R], items: Iterable[T]) -> Iterator[R]:
         """Results of a function, in the order of the items: each call gets an idle interpreter and an item."""
-        return self._threads.map(partial(self._with_idle, do), items)
+        futures = [self._submitted(do, item) for item in items]
+        return (future.result() for future in futures)
 
     def completed(self, do: Callable[[Interpreter, T], R], items: Iterable[T]) -> Iterator[R]:
         """Results of a function as they come; few items are taken ahead of the interpreters that are idle."""
@@ -142,11 +143,18 @@ class Interpreters:
         pending: set[Future[R]] = set()
         while True:
             ahead = islice(waiting, 2 * len(self._all) - len(pending))
-            pending |= {self._threads.submit(self._with_idle, do, item) for item in ahead}
+            pending |= {self._submitted(do, item) for item in ahead}
             if not pending:
                 return
             done, pending = wait(pending, return_when=FIRST_COMPLETED)
             yield from (future.result() for future in done)
+
+    def _submitted(self, do: Callable[[Interpreter, T], R], item: T) -> Future[R]:
+        interruption = Interruption.current()
+        with interruption.noted():  # an exception as a thread starts would hide that thread from `close`
+            future = self._threads.submit(self._with_idle, do, item)
+        interruption.heed()
+        return future
 
     def _with_idle(self, do: Callable[[Interpreter, T], R], item: T) -> R:
         interpreter = self._idle.get()

@@ -86,11 +86,15 @@ class Interruption:
         before = self._allowed
         self._allowed = True
         try:
-            if self.requested:
-                raise KeyboardInterrupt
+            self.heed()
             yield
         finally:
             self._allowed = before
+
+    def heed(self) -> None:
+        """Raise KeyboardInterrupt if the process is to end, where that is allowed."""
+        if self.requested and self._allowed:
+            raise KeyboardInterrupt
 
     @contextmanager
     def noted(self) -> Iterator[Interruption]:

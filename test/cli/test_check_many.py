@@ -160,4 +160,4 @@ def test_its_processes_end_with_it(tmp_path, number):
         time.sleep(0.01)
     assert out == ""
     if number == signal.SIGINT:
-        assert (process.returncode, err.count("\n")) == (130, 1)
+        assert (process.returncode, err.count("\n")) == (130, 1), err

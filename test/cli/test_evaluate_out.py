@@ -16,6 +16,8 @@ from lie_rigid_body import Run, certify
 from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 
+pytestmark = pytest.mark.usefixtures("undiagnosed")
+
 POSES = "/filter/PoseWithCovarianceStamped"
 
 

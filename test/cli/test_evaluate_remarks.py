@@ -42,6 +42,7 @@ FAR = 2**31 * 10**9 - 10**9
 """A stamp of the year 2038, ns."""
 
 
+@pytest.mark.usefixtures("undiagnosed")
 def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_path, capsys):
     t, q = stamps.copy(), run.attitude().at(stamps)
     t[3] = FAR
@@ -52,6 +53,7 @@ def test_one_stamp_far_ahead_does_not_hide_what_follows(own, run, stamps, tmp_pa
     assert numbers(note) == [1, 250, FAR / 1e9]
 
 
+@pytest.mark.usefixtures("undiagnosed")
 def test_what_is_out_of_order_is_left_out_and_counted(own, run, stamps, noisy, tmp_path, capsys):
     order = np.r_[100:125, :125, 125:250]
     bag = beside(own, tmp_path / "back.mcap", (IMU, HOW[IMU], "/estimate", stamps[order], noisy[order]))
@@ -63,6 +65,7 @@ def test_what_is_out_of_order_is_left_out_and_counted(own, run, stamps, noisy, t
     assert content["nees"]["mean"] == pytest.approx(expected["nees"]["mean"])
 
 
+@pytest.mark.usefixtures("undiagnosed")
 @pytest.mark.parametrize(
     ("kind", "names", "told"),
     [
@@ -81,6 +84,7 @@ def test_other_frames_are_named(kind, names, told, own, stamps, noisy, tmp_path,
 ASYMMETRIC = np.array([[2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]])
 
 
+@pytest.mark.usefixtures("undiagnosed")
 @pytest.mark.parametrize(
     ("covariance", "faults"),
     [

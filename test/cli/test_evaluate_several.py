@@ -14,6 +14,8 @@ from scipy.spatial.transform import Rotation
 from lie_rigid_body import Estimate, attitude_error, simulate
 from lie_rigid_body.cli.evaluate import main
 
+pytestmark = pytest.mark.usefixtures("undiagnosed")
+
 WORSE = 3.0
 
 

@@ -16,6 +16,8 @@ from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 from said import numbers
 
+pytestmark = pytest.mark.usefixtures("undiagnosed")
+
 
 def test_the_truth_in_another_bag_or_by_the_scenario_alone(own, bag, stamps, noisy, tmp_path, capsys):
     alone = write(tmp_path / "alone.mcap", POSE, HOW[POSE], "/pose", stamps, noisy)
