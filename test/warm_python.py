@@ -27,10 +27,12 @@ from typing import Any
 
 PRELOADED = (
     *(f"lie_rigid_body.cli.{verb}" for verb in ("check", "evaluate", "record", "recover", "plot", "campaign")),
-    *("lie_rigid_body.cli.checking", "lie_rigid_body.campaign.carrying_out", "scipy.optimize", "tqdm"),
-    *("lie_rigid_body.ros.sim", "lie_rigid_body.ros.evaluate", "lie_rigid_body.ros.node", "lie_rigid_body.ros.listen"),
+    *("lie_rigid_body.cli.checking", "lie_rigid_body.campaign.workers", "scipy.optimize", "tqdm"),
+    *("lie_rigid_body.ros.timing.live_run", "lie_rigid_body.ros.timing.lockstep"),
+    *(f"{kind}_msgs.msg" for kind in ("diagnostic", "geometry", "nav", "rosgraph", "sensor", "std", "visualization")),
+    *("builtin_interfaces.msg", "rcl_interfaces.msg", "rcl_interfaces.srv", "std_srvs.srv"),
 )
-"""What processes import most; nothing of it reads the environment, starts a thread or handles a signal."""
+"""What processes import most. None of it reads the environment, handles a signal, or starts a thread, as rclpy does."""
 ITS_OWN = ("PYTHON", "LC_", "LANG", "OPENBLAS_NUM_THREADS", "LD_")
 """Variables, by how they begin, that Python reads as it starts."""
 REQUEST_BYTES = 2**17
@@ -117,6 +119,7 @@ def warm() -> socket.socket:
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 start_new_session=True,
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
             )
         WarmPopen._control = ours
         atexit.register(lambda: (ours.close(), process.wait()))
@@ -128,6 +131,7 @@ def serve(control: socket.socket) -> tuple[Any, list[int]] | None:
     for name in PRELOADED:
         with suppress(ImportError):
             import_module(name)
+    assert len(os.listdir("/proc/self/task")) == 1, "threads are not copied"
     sys.path.pop(0)
     gc.collect()
     gc.freeze()
