@@ -1,4 +1,4 @@
-"""What no node in this process can be asked: refusals of ROS itself, of limits, and at its end.
+"""What no node in this process can be asked: refusals of ROS itself, of limits, without libraries, and at its end.
 
 Which arguments are refused, each in one line with status 2, is in `words_of_nodes`.
 """
@@ -6,13 +6,15 @@ Which arguments are refused, each in one line with status 2, is in `words_of_nod
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from simulator_process import DEADLINE, sim_command
+from simulator_process import DEADLINE, SimulatorProcess, sim_command
 
 from lie_rigid_body.ros.sim import main
 from sampled import sampled
@@ -41,9 +43,9 @@ ENVIRONMENTS = [
 """Settings that ROS refuses: some by a status of its own, some by lines of its own, some without a reason."""
 
 
-def refusal(*arguments: str, **options: Any) -> str:
+def refusal(*arguments: str, without: Sequence[str] = (), **options: Any) -> str:
     """The one line of a process that ends with status 2."""
-    command = sim_command(*arguments)
+    command = sim_command(*arguments, without=without)
     done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE, check=False, **options)
     assert (done.returncode, done.stdout) == (2, "")
     [line] = done.stderr.splitlines()
@@ -72,6 +74,17 @@ def test_a_limit_within_which_no_node_works_is_refused(name: str, limit: int, sa
     limited = {"preexec_fn": lambda: resource.setrlimit(number, (limit, limit))}
     assert said in refusal("-p", f"record_path:={path}", **limited)
     assert not path.exists()
+
+
+def test_without_a_bag_and_sensors_the_node_needs_few_libraries() -> None:
+    with SimulatorProcess(without=["mcap", "zstandard", "scipy", "matplotlib", "tqdm"]) as running:
+        assert running.end(signal.SIGINT) == 0
+    assert running.errors() == []
+
+
+def test_a_bag_that_cannot_be_written_is_told_before_the_first_sample(tmp_path: Path) -> None:
+    assert refusal("-p", "record_path:=run.mcap", without=["mcap"], cwd=tmp_path).endswith(": pip install mcap")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.usefixtures("own_signals")
