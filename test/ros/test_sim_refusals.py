@@ -71,7 +71,7 @@ def test_a_limit_within_which_no_node_works_is_refused(name: str, limit: int, sa
 
     number = getattr(resource, f"RLIMIT_{name}")
     path = tmp_path / "new.mcap"
-    limited = {"preexec_fn": lambda: resource.setrlimit(number, (limit, limit))}
+    limited: dict[str, Any] = {"preexec_fn": lambda: resource.setrlimit(number, (limit, limit))}
     assert said in refusal("-p", f"record_path:={path}", **limited)
     assert not path.exists()
 
