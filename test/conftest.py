@@ -6,7 +6,6 @@ import faulthandler
 import gc
 import os
 import signal
-import subprocess
 import sys
 import time
 from collections import Counter
@@ -175,17 +174,6 @@ def asked_here(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     import one_python  # loads the package
 
     with one_python.asked_here(tmp_path_factory.getbasetemp()):
-        yield
-
-
-@pytest.fixture(scope="session", autouse=True)
-def warm_pythons(pytestconfig: pytest.Config) -> Iterator[None]:
-    """Processes that tests start have imported the package already; those of the slow suite start anew."""
-    from warm_python import WarmPopen
-
-    with pytest.MonkeyPatch.context() as patch:
-        if not (pytestconfig.getoption("--run-slow") or "slow" in pytestconfig.getoption("-m")):
-            patch.setattr(subprocess, "Popen", WarmPopen)
         yield
 
 

@@ -12,9 +12,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from random import Random
-from typing import Any
-
-from warm_python import COLD
 
 DEADLINE = 120.0
 LONGEST_GAP_S = 0.06
@@ -39,11 +36,9 @@ def heeds_signals(process: int) -> bool:
     return bool(int(caught.split()[1], 16) >> signal.SIGTERM - 1 & 1)
 
 
-def started(
-    command: Sequence[str | Path], folder: Path, stderr: int = -1, kind: type[subprocess.Popen[Any]] = COLD
-) -> subprocess.Popen[str]:
-    """A process that heeds signals, and has begun nothing else, not even to import."""
-    process = kind(command, cwd=folder, stdout=-1, stderr=stderr, text=True)
+def started(command: Sequence[str | Path], folder: Path, stderr: int = -1) -> subprocess.Popen[str]:
+    """A process that heeds signals, and has begun nothing else."""
+    process = subprocess.Popen(command, cwd=folder, stdout=-1, stderr=stderr, text=True)
     end = time.monotonic() + DEADLINE
     while not heeds_signals(process.pid):
         assert process.poll() is None

@@ -40,7 +40,7 @@ WITH_A_LIBRARY = "import allantools\ndef test_a(): ...\ndef test_b(): ..."
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    for file in (CONFTEST, *map(CONFTEST.with_name, ("ros_domains.py", "warm_python.py"))):
+    for file in (CONFTEST, CONFTEST.with_name("ros_domains.py")):
         shutil.copy(file, tmp_path)
     (tmp_path / "test_parts.py").write_text(TESTS, encoding="utf-8")
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n    ros\n    slow\n", encoding="utf-8")
