@@ -272,13 +272,16 @@ def read(path: Path) -> Case:
     return Case(files, tuple(content["command"]), content["signal"], content["after_s"], content["original"])
 
 
-def warmed() -> None:
-    """Load what the verbs load, so that children have it."""
-    import matplotlib.figure
-    import matplotlib.pyplot  # noqa: F401
-
+def warmed(*, draw: bool = True) -> None:
+    """Load what the verbs load, so that children have it; what draws takes a second."""
     from lie_rigid_body.cli import campaign, check, checking, evaluate, explain, plot, record, recover  # noqa: F401
-    from lie_rigid_body.report import certificates, figures, recording_picture, scores  # noqa: F401
+    from lie_rigid_body.report import certificates, scores  # noqa: F401
+
+    if draw:
+        import matplotlib.figure
+        import matplotlib.pyplot  # noqa: F401
+
+        from lie_rigid_body.report import figures, recording_picture  # noqa: F401
 
 
 def fuzz(

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from random import Random
@@ -34,9 +35,11 @@ def bags() -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def parent() -> Iterator[ProcessPoolExecutor]:
-    """The process whose children cases are."""
-    with ProcessPoolExecutor(1, get_context("spawn"), initializer=fuzzing.warmed) as pool:
+def parent(request: pytest.FixtureRequest) -> Iterator[ProcessPoolExecutor]:
+    """The process whose children cases are; what draws is for the slow ones."""
+    draw = bool(request.config.getoption("--run-slow") or request.config.getoption("-m"))
+    warmed = partial(fuzzing.warmed, draw=draw)
+    with ProcessPoolExecutor(1, get_context("spawn"), initializer=warmed) as pool:
         yield pool
 
 

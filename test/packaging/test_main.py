@@ -68,6 +68,8 @@ def test_sim_without_ros_says_what_is_missing(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "rclpy", None)
+    if "lie_rigid_body.ros" in sys.modules:  # the module that is imported meanwhile is not that of other tests
+        monkeypatch.setattr(lie_rigid_body, "ros", sys.modules["lie_rigid_body.ros"])
     for name in [name for name in sys.modules if name.startswith("lie_rigid_body.ros")]:
         monkeypatch.delitem(sys.modules, name)
     assert main(["sim"]) == 2
