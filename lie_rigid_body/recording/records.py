@@ -65,6 +65,8 @@ _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _LARGE: Final = (Chunk, Attachment)
 """Records with data beside their fields."""
+_CHUNK_FIXED_BYTES: Final = struct.calcsize("<QQQII")
+"""Bytes of a chunk before the name of its compression, behind which stands the size of its records."""
 _KINDS: Final[dict[int, type[McapRecord]]] = {
     Opcode.HEADER: Header,
     Opcode.SCHEMA: Schema,
@@ -213,8 +215,12 @@ def parsed(opcode: int, content: bytes) -> Any:
         record = kind.read(ReadDataStream(BytesIO(content)))
     except UNREADABLE:
         raise DamageError(f"a record that is no {name}") from None
-    # the library takes the end of the content for that of a field
-    is_whole = kind in _LARGE or content.startswith(record_bytes(record)[RECORD_HEAD.size :])
+    # the library takes the end of the content for that of a field; what is large is not copied to see
+    if kind is Chunk:
+        at = _CHUNK_FIXED_BYTES + len(record.compression.encode())
+        is_whole = int.from_bytes(content[at : at + 8], "little") == len(record.data)
+    else:
+        is_whole = kind is Attachment or content.startswith(record_bytes(record)[RECORD_HEAD.size :])
     require(is_whole, f"the fields of a {name} have other lengths than they say")
     return record
 

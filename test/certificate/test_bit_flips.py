@@ -37,7 +37,7 @@ UNCERTIFIED = {"software", "motion", "method", "max_step", "gravity"}
 OUTCOMES = {"refused", "a law is broken", "nothing that is certified changes"}
 Content = dict[str, list[list[Any]]]
 TEXTS: dict[str, bytes] = {}
-"""Definitions of the types, by name, of whole bags, which are read first: a certificate does not speak of them."""
+"""Texts of the schemas, by name, of whole bags, which are read first: a certificate does not speak of schemas."""
 
 
 def own(compression: str, folder: Path) -> Path:
@@ -100,7 +100,8 @@ def content(path: Path) -> Content:
     with path.open("rb") as stream:
         for record in StreamReader(stream).records:
             if isinstance(record, Schema):
-                schemas[record.id] = replace(record, data=TEXTS.setdefault(record.name, record.data))
+                text = TEXTS.setdefault(record.name, record.data)
+                schemas[record.id] = replace(record, data=text, encoding="ros2msg")
             elif isinstance(record, Channel):
                 channels[record.id] = record
             elif isinstance(record, DataEnd):  # what follows are hints
