@@ -65,7 +65,8 @@ def full_node(isolated_ros: None) -> Iterator[SimulatorProcess]:
     Each file starts one: it would work on through all that comes after, for far longer than it takes to start.
     """
     sensors = {"imu_rate": 40.0, "magnetometer_rate": 10.0, "attitude_sensor_rate": 5.0, "sun_sensor_rate": 5.0}
-    given = assignments(rate=25.0, **sensors, gyro_temperature_drift=1e-6, publish_clock="true")
+    given = assignments(rate=25.0, **sensors, inertia="[1, 2, 2.5]", publish_clock="true")
+    given += assignments(gyro_temperature_drift=1e-6)
     with own_domain() as domain, SimulatorProcess(*given, domain=domain) as running:
         yield running
 

@@ -160,6 +160,10 @@ class ScriptedRun:
             paused=paused,
         )
 
+    def stall(self, length_ns: int) -> Callable[[], object]:
+        """An action during which so much time passes."""
+        return lambda: setattr(self.time, "now", self.time.now + length_ns)
+
     def play(self, *script: tuple[int, Callable[[], object]]) -> list[object]:
         """Run through a script; return what its actions returned or raised."""
         self.time.script = list(script)

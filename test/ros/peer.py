@@ -32,6 +32,7 @@ class Peer:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients: dict[str, Any] = {}
+        self._parameters: AsyncParameterClient | None = None
 
     def __enter__(self) -> Peer:
         return self
@@ -92,11 +93,11 @@ class Peer:
         return self.answer(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request).result
 
     def parameters(self) -> AsyncParameterClient:
-        client = AsyncParameterClient(self.node, NODE)
-        assert client.wait_for_services(DEADLINE)
-        return client
+        self._parameters = self._parameters or AsyncParameterClient(self.node, NODE)
+        assert self._parameters.wait_for_services(DEADLINE)
+        return self._parameters
 
-    def values(self, client: AsyncParameterClient, *names: str) -> list[Any]:
-        found = self.wait_for(client.get_parameters(list(names))).values
+    def values(self, *names: str) -> list[Any]:
+        found = self.wait_for(self.parameters().get_parameters(list(names))).values
         messages = [ParameterMessage(name=name, value=value) for name, value in zip(names, found, strict=True)]
         return [Parameter.from_parameter_msg(message).value for message in messages]

@@ -11,8 +11,11 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from threading import Event, Thread
-from types import TracebackType
+from threading import Thread
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 DEADLINE = 120.0
 """s: far beyond what a loaded machine takes; only a failure waits as long."""
@@ -47,20 +50,14 @@ def without_lateness(complained: Iterable[str]) -> list[str]:
     return [line for line in complained if CATCHING_UP not in line]
 
 
-class SimulatorProcess:
-    """A running ``sim``; leaving the context kills it if it still runs."""
+class Process:
+    """A Python process whose lines are kept; leaving the context kills it if it still runs."""
 
-    def __init__(
-        self,
-        *arguments: str,
-        domain: int | None = None,
-        preexec: Callable[[], None] | None = None,
-        without: Sequence[str] = (),
-        program: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, *command: str, domain: int | None = None, preexec: Callable[[], None] | None = None) -> None:
         self.domain = int(os.environ["ROS_DOMAIN_ID"]) if domain is None else domain
         self.process = subprocess.Popen(
-            [sys.executable, *program, *arguments] if program else sim_command(*arguments, without=without),
+            [sys.executable, *command],
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -69,34 +66,47 @@ class SimulatorProcess:
         )
         self.said: list[str] = []
         self.complained: list[str] = []
-        self._running = Event()
-        self._readers = [
-            Thread(target=self._read, args=(stream, lines), daemon=True)
-            for stream, lines in ((self.process.stdout, self.said), (self.process.stderr, self.complained))
-        ]
+        streams = (self.process.stdout, self.said), (self.process.stderr, self.complained)
+        self._readers = [Thread(target=self._read, args=pair, daemon=True) for pair in streams]
         for reader in self._readers:
             reader.start()
 
-    def _read(self, stream: object, lines: list[str]) -> None:
-        for line in stream:  # type: ignore[attr-defined]
+    @staticmethod
+    def _read(stream: Any, lines: list[str]) -> None:
+        for line in stream:
             lines.append(line.rstrip("\n"))
-            if line.rstrip("\n") == LAST_LINE:
-                self._running.set()
-        if lines is self.said:
-            self._running.set()  # it ended
 
-    def __enter__(self) -> SimulatorProcess:
-        assert self._running.wait(DEADLINE), "sim did not start"
-        assert self.process.poll() is None, self.complained
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *failure: object) -> None:
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGCONT)
             self.process.kill()
         self.wait()
+
+    def wait(self) -> int:
+        status = self.process.wait(DEADLINE)
+        for reader in self._readers:
+            reader.join(DEADLINE)
+        return status
+
+    def heard(self, word: str) -> bool:
+        assert self.process.poll() is None, self.complained
+        return any(word in line for line in self.complained)
+
+
+class SimulatorProcess(Process):
+    """A running ``sim``, or a program that does the same."""
+
+    def __init__(self, *arguments: str, without: Sequence[str] = (), program: Sequence[str] = (), **given: Any) -> None:
+        command = [*program, *arguments] if program else sim_command(*arguments, without=without)[1:]
+        super().__init__(*command, **given)
+
+    def __enter__(self) -> Self:
+        eventually(lambda: LAST_LINE in self.said or self.process.poll() is not None, "a simulator")
+        assert self.process.poll() is None, self.complained
+        return self
 
     def errors(self) -> list[str]:
         """What it complained of, but for being late, which is the machine's."""
@@ -109,59 +119,28 @@ class SimulatorProcess:
             time.sleep(0.002)
         return self.wait()
 
-    def wait(self) -> int:
-        status = self.process.wait(DEADLINE)
-        for reader in self._readers:
-            reader.join(DEADLINE)
-        return status
 
+class RawClient(Process):
+    """A process that keeps the bytes of every message."""
 
-class RawClient:
-    """A process that keeps the bytes of every message; leaving the context kills it if it still runs."""
-
-    def __init__(self, out: Path, namespace: str, *topics: str) -> None:
+    def __init__(self, out: Path, *topics: str) -> None:
         self._out = out
-        command = [sys.executable, str(RAW_CLIENT), str(out), namespace, *topics]
-        self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-        self._heard = Event()
-        self._reader = Thread(target=self._wait_until_heard, daemon=True)
-
-    def _wait_until_heard(self) -> None:
-        assert self._process.stdout is not None
-        self._process.stdout.readline()  # or it ended
-        self._heard.set()
-
-    def __enter__(self) -> RawClient:
-        self._reader.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self._process.kill()
-        self._process.wait(DEADLINE)
-        self._reader.join(DEADLINE)
+        super().__init__(str(RAW_CLIENT), str(out), *topics)
 
     def meet(self, send: Callable[[], object]) -> None:
         """Have the node send until each topic has been heard: only what is sent from then on is sure to come."""
 
         def sent_and_heard() -> bool:
             send()
-            return self._heard.is_set()
+            return bool(self.said)
 
         eventually(sent_and_heard, "a client that hears all topics")
-        self._reader.join(DEADLINE)
-        assert self._process.poll() is None, self._process.stderr
 
     def finish(self, last_ns: Mapping[str, int]) -> dict[str, list[bytes]]:
         """The messages of each topic, when the last have come."""
-        try:
-            _, complaint = self._process.communicate(json.dumps(last_ns), timeout=DEADLINE)
-        finally:
-            self._process.kill()
-        assert self._process.returncode == 0, complaint
+        assert self.process.stdin is not None
+        print(json.dumps(last_ns), file=self.process.stdin, flush=True)
+        assert self.wait() == 0, self.complained
         seen: dict[str, list[bytes]] = pickle.loads(self._out.read_bytes())
         return seen
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from evaluator_process import Process, evaluator, of
-from simulator_process import SimulatorProcess, assignments, eventually
+from evaluator_process import evaluator, of
+from simulator_process import Process, SimulatorProcess, assignments, eventually
 
 from lie_rigid_body.ros.evaluate import main
 from lie_rigid_body.simulation import Segment
@@ -47,7 +47,7 @@ def domain(isolated_ros: None) -> Iterator[int]:
     with (
         own_domain() as number,
         SimulatorProcess("--scenario", "tumbling_cubesat", *BENCH, domain=number),
-        Process(number, str(ESTIMATOR)),
+        Process(str(ESTIMATOR), domain=number),
     ):
         yield number
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shlex
 import signal
@@ -9,7 +10,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
@@ -30,7 +30,6 @@ if find_spec("rclpy"):
     from rcl_interfaces.msg import Parameter as ParameterMessage
     from rcl_interfaces.msg import ParameterValue
     from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
-    from rclpy.parameter_client import AsyncParameterClient
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     from std_msgs.msg import String
     from std_srvs.srv import Trigger
@@ -38,46 +37,27 @@ if find_spec("rclpy"):
 pytestmark = pytest.mark.ros
 
 
-@pytest.fixture(scope="module")
-def simulator(isolated_ros: None) -> Iterator[SimulatorProcess]:
-    with SimulatorProcess("--scenario", "dzhanibekov", "-p", "inertia:=[1, 2, 2.5]") as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def module_peer(simulator: SimulatorProcess) -> Iterator[Peer]:
-    with Peer("peer") as peer:
-        yield peer
-
-
-@pytest.fixture
-def peer(module_peer: Peer) -> Iterator[Peer]:
-    yield module_peer
-    module_peer.listen_no_more()
-
-
-@pytest.fixture(scope="module")
-def parameters(module_peer: Peer) -> AsyncParameterClient:
-    return module_peer.parameters()
-
-
-def test_late_joiner_gets_the_scenario(peer: Peer) -> None:
+def test_late_joiner_gets_the_scenario(observer: Peer) -> None:
     for _ in range(2):
-        messages = peer.listen(String, "/lie_rigid_body/scenario", LATCHED)
-        peer.spin_until(partial(bool, messages), "the latched scenario")
+        messages = observer.listen(String, "/lie_rigid_body/scenario", LATCHED)
+        observer.spin_until(partial(bool, messages), "the latched scenario")
         segment = Segment.from_json(messages[0].data)
         assert segment.scenario.inertia == (1.0, 2.0, 2.5)
         assert abs(segment.scenario.epoch_ns - time.time_ns()) < 600e9
 
 
-def test_every_parameter_is_described(peer: Peer, parameters: AsyncParameterClient) -> None:
-    listed = peer.wait_for(parameters.list_parameters([], 0)).result.names
+def test_every_parameter_is_described(observer: Peer) -> None:
+    listed = observer.wait_for(observer.parameters().list_parameters([], 0)).result.names
     names = [parameter.name for parameter in PARAMETERS]
     assert set(names) <= set(listed)
-    described = dict(zip(names, peer.wait_for(parameters.describe_parameters(names)).descriptors, strict=True))
+    described = dict(
+        zip(names, observer.wait_for(observer.parameters().describe_parameters(names)).descriptors, strict=True)
+    )
     assert [name for name in names if not described[name].description] == []
     [rate] = described["rate"].floating_point_range
     assert (rate.from_value, rate.to_value) == (1e-6, 1e9)
+    [factor] = described["real_time_factor"].floating_point_range
+    assert (factor.from_value, factor.to_value) == (0.0, 1e6)
     assert len(described["max_step"].floating_point_range) == 1
     assert len(described["epoch_ns"].integer_range) == 1
     fixed = {"stamped_twist", "epoch_ns", "record_path", "publish_clock", "paused", "publish_tf", "marker_rate"}
@@ -87,10 +67,10 @@ def test_every_parameter_is_described(peer: Peer, parameters: AsyncParameterClie
     assert "rad/s" in described["initial_body_rate"].description
 
 
-def test_integers_stand_for_doubles(peer: Peer, parameters: AsyncParameterClient) -> None:
-    assert peer.values(parameters, "inertia") == [pytest.approx([1.0, 2.0, 2.5])]
-    assert peer.set_together(rate=50, inertia=[2, 3, 4]).successful
-    inertia, rate = peer.values(parameters, "inertia", "rate")
+def test_integers_stand_for_doubles(observer: Peer) -> None:
+    assert observer.values("inertia") == [pytest.approx([1.0, 2.0, 2.5])]
+    assert observer.set_together(rate=50, inertia=[2, 3, 4]).successful
+    inertia, rate = observer.values("inertia", "rate")
     assert (list(inertia), rate) == ([2.0, 3.0, 4.0], 50.0)
     assert isinstance(rate, float)
 
@@ -106,32 +86,37 @@ def test_integers_stand_for_doubles(peer: Peer, parameters: AsyncParameterClient
         ({"rte": 1.0}, "rte: "),
         ({"\x1b[2J": 1.0}, r"\x1b[2J: "),
         ({"body_frame": "good", "inertia": [0.0, 1.0, 1.0]}, "inertia: "),
+        ({"real_time_factor": -1.0}, "real_time_factor: "),
+        ({"real_time_factor": math.nan}, "real_time_factor: "),
+        ({"real_time_factor": 20.0, "inertia": [1.0, 1.0, 3.0]}, "inertia: "),
+        ({"real_time_factor": 20.0, "imu_rate": -1.0}, "imu_rate: "),
+        ({"real_time_factor": 20.0, "paused": True}, "paused: "),
+        ({"publish_clock": False}, "publish_clock: "),
+        ({"gyro_rate": "guessed"}, "gyro_rate: "),
     ],
 )
-def test_bad_change_is_refused_with_the_reason(
-    peer: Peer, parameters: AsyncParameterClient, changes: dict[str, Any], wrong: str
-) -> None:
+def test_bad_change_is_refused_with_the_reason(observer: Peer, changes: dict[str, Any], wrong: str) -> None:
     known = [name for name in changes if name in BY_NAME]
-    before = peer.values(parameters, *known)
-    result = peer.set_together(**changes)
+    before = observer.values(*known)
+    result = observer.set_together(**changes)
     assert not result.successful
     assert result.reason.startswith(wrong)
-    assert peer.values(parameters, *known) == before
+    assert observer.values(*known) == before
 
 
-def test_a_value_of_an_unknown_type_is_answered_and_its_neighbours_are_set(peer: Peer) -> None:
+def test_a_value_of_an_unknown_type_is_answered_and_its_neighbours_are_set(observer: Peer) -> None:
     unknown = ParameterMessage(name="rate", value=ParameterValue(type=42))
     known = ParameterMessage(name="sensor_seed", value=ParameterValue(type=2, integer_value=7))
-    each = peer.answer(SetParameters, f"{NODE}/set_parameters", SetParameters.Request(parameters=[unknown, known]))
+    each = observer.answer(SetParameters, f"{NODE}/set_parameters", SetParameters.Request(parameters=[unknown, known]))
     assert [result.successful for result in each.results] == [False, True]
     assert each.results[0].reason.startswith("rate: type 42 ")
     request = SetParametersAtomically.Request(parameters=[known, unknown])
-    together = peer.answer(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request).result
+    together = observer.answer(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request).result
     assert (together.successful, together.reason) == (False, each.results[0].reason)
 
 
-def test_what_every_node_has_can_be_set(peer: Peer) -> None:
-    assert peer.set_together(use_sim_time=False).successful
+def test_what_every_node_has_can_be_set(observer: Peer) -> None:
+    assert observer.set_together(use_sim_time=False).successful
 
 
 def test_a_second_node_of_one_name_and_what_has_no_effect_are_warned_about() -> None:
@@ -163,22 +148,22 @@ def test_at_its_end_the_node_says_how_much_it_sent() -> None:
     assert len(numbers(simulator.said[-1])) in (1, 3)  # how many, and of late ones how many and by how much
 
 
-def test_change_takes_effect_at_the_reset_and_not_before(peer: Peer) -> None:
-    scenarios = peer.listen(String, "/lie_rigid_body/scenario", LATCHED)
-    poses = peer.listen(PoseStamped, "/pose")
-    peer.spin_until(lambda: scenarios and poses, "the scenario and a pose")
+def test_change_takes_effect_at_the_reset_and_not_before(observer: Peer) -> None:
+    scenarios = observer.listen(String, "/lie_rigid_body/scenario", LATCHED)
+    poses = observer.listen(PoseStamped, "/pose")
+    observer.spin_until(lambda: scenarios and poses, "the scenario and a pose")
     change = {"world_frame": "map", "initial_attitude_xyzw": [1.0, 0.0, 0.0, 0.0], "rate": 40.0}
-    assert peer.set_together(**change).successful
+    assert observer.set_together(**change).successful
     count = len(poses)
-    peer.spin_until(lambda: len(poses) > count + 20, "more poses")
+    observer.spin_until(lambda: len(poses) > count + 20, "more poses")
     assert {pose.header.frame_id for pose in poses} == {"world"}
-    answer = peer.call("reset")
+    answer = observer.call("reset")
     assert answer.success
-    peer.spin_until(lambda: len(scenarios) > 1 and poses[-1].header.frame_id == "map", "the new scenario")
+    observer.spin_until(lambda: len(scenarios) > 1 and poses[-1].header.frame_id == "map", "the new scenario")
     segment = Segment.from_json(scenarios[-1].data)
     assert str(segment.start_ns) in answer.message
     assert (segment.scenario.world_frame, segment.scenario.rate) == ("map", 40.0)
-    peer.spin_until(lambda: len([p for p in poses if p.header.frame_id == "map"]) > 5, "poses of the new motion")
+    observer.spin_until(lambda: len([p for p in poses if p.header.frame_id == "map"]) > 5, "poses of the new motion")
     stamps = [pose.header.stamp.sec * 10**9 + pose.header.stamp.nanosec for pose in poses]
     assert all(a < b for a, b in pairwise(stamps))
     first = poses[stamps.index(segment.start_ns)]
@@ -187,10 +172,10 @@ def test_change_takes_effect_at_the_reset_and_not_before(peer: Peer) -> None:
     assert stamps[stamps.index(segment.start_ns) + 1] - segment.start_ns == 25_000_000
 
 
-def test_announced_commands_work(simulator: SimulatorProcess) -> None:
+def test_announced_commands_work(full_node: SimulatorProcess) -> None:
     """Without the ros2 command line they are our own; with it, they are not ours to test."""
     listen, reset = (
-        line.strip() for line in simulator.said if "--pose" in line or "--reset" in line or "ros2 " in line
+        line.strip() for line in full_node.said if "--pose" in line or "--reset" in line or "ros2 " in line
     )
     if "ros2 " in listen:
         pytest.skip("the ros2 command line is installed, and announced")
@@ -205,22 +190,22 @@ def test_announced_commands_work(simulator: SimulatorProcess) -> None:
     assert re.match(r"\d+\.\d{9} s  x [-+]\d\.\d{6}  y ", line)
 
 
-def test_names_types_and_qualities_of_service_are_the_users(peer: Peer) -> None:
+def test_names_types_and_qualities_of_service_are_the_users(observer: Peer, full_node: SimulatorProcess) -> None:
     qos = "qos_overrides./a/truth.publisher"
     arguments = ["--ros-args", "-r", "__ns:=/a", "-r", "__node:=top", "-r", "pose:=truth"]
     arguments += assignments(**{"stamped_twist": "false", f"{qos}.reliability": "best_effort", f"{qos}.depth": 7})
-    poses = peer.listen(PoseStamped, "/a/truth", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
-    twists = peer.listen(Twist, "/a/twist")
-    scenarios = peer.listen(String, "/a/top/scenario", LATCHED)
-    with SimulatorProcess(*arguments) as other:
-        peer.spin_until(lambda: poses and twists and scenarios, "renamed topics")
-        assert peer.answer(Trigger, "/a/top/reset", Trigger.Request()).success
+    poses = observer.listen(PoseStamped, "/a/truth", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
+    twists = observer.listen(Twist, "/a/twist")
+    scenarios = observer.listen(String, "/a/top/scenario", LATCHED)
+    with SimulatorProcess(*arguments, domain=full_node.domain) as other:
+        observer.spin_until(lambda: poses and twists and scenarios, "renamed topics")
+        assert observer.answer(Trigger, "/a/top/reset", Trigger.Request()).success
         assert any("/a/truth" in line for line in other.said)
         assert any("/a/top" in line for line in other.said)
-        [truth] = peer.publishers("/a/truth")
-        [twist] = peer.publishers("/a/twist")
+        [truth] = observer.publishers("/a/truth")
+        [twist] = observer.publishers("/a/twist")
         asked = GetParameters.Request(names=[f"{qos}.depth", f"{qos}.reliability"])
-        depth, reliability = peer.answer(GetParameters, "/a/top/get_parameters", asked).values
+        depth, reliability = observer.answer(GetParameters, "/a/top/get_parameters", asked).values
     qualities = truth.qos_profile.reliability, twist.qos_profile.reliability
     assert qualities == (ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE)
     assert (depth.integer_value, reliability.string_value) == (7, "best_effort")
@@ -228,24 +213,20 @@ def test_names_types_and_qualities_of_service_are_the_users(peer: Peer) -> None:
     assert not Segment.from_json(scenarios[0].data).scenario.stamped_twist
 
 
-def test_topics_are_reliable_and_stamped_by_default(peer: Peer) -> None:
-    for topic, kind in (("/pose", "geometry_msgs/msg/PoseStamped"), ("/twist", "geometry_msgs/msg/TwistStamped")):
-        assert {(info.topic_type, info.qos_profile.reliability) for info in peer.publishers(topic)} == {
-            (kind, ReliabilityPolicy.RELIABLE)
-        }
-
-
 @pytest.mark.slow
-def test_own_options_give_way_to_ros_arguments_and_later_files(peer: Peer, tmp_path: Path) -> None:
+def test_own_options_give_way_to_ros_arguments_and_later_files(
+    observer: Peer, full_node: SimulatorProcess, tmp_path: Path
+) -> None:
     file = tmp_path / "p.yaml"
     for_all, for_one = "rate: 20.0, body_frame: from_file", "rate: 21.0"
     file.write_text(f"/**: {{ros__parameters: {{{for_all}}}}}\ntop: {{ros__parameters: {{{for_one}}}}}\n")
     own = ["--scenario", "dzhanibekov", "--params-file", str(file), "-p", "world_frame:=own"]
     graded = ["-p", "imu_rate:=10.0", "-p", "sensor_grade:=mems"]
     single = ["-p", "gyro_turn_on_bias:=0.125"]
-    with SimulatorProcess(*own, *single, "--ros-args", "-r", "__node:=top", "-p", "world_frame:=ros", *graded):
-        scenarios = peer.listen(String, "/top/scenario", LATCHED)
-        peer.spin_until(lambda: scenarios, "the scenario")
+    arguments = [*own, *single, "--ros-args", "-r", "__node:=top", "-p", "world_frame:=ros", *graded]
+    with SimulatorProcess(*arguments, domain=full_node.domain):
+        scenarios = observer.listen(String, "/top/scenario", LATCHED)
+        observer.spin_until(lambda: scenarios, "the scenario")
     scenario = Segment.from_json(scenarios[0].data).scenario
     assert (scenario.world_frame, scenario.body_frame, scenario.rate) == ("ros", "from_file", 21.0)
     values = scenario.parameters()

@@ -21,12 +21,6 @@ from sampled import sampled
 
 pytestmark = pytest.mark.ros
 
-ARGUMENTS = [
-    ["--ros-args", "--params-file", "broken.yaml"],  # before rclpy is initialised,
-    ["--ros-args", "-r", "pose"],  # while it is,
-    ["--ros-args", "-p", "qos_overrides./pose.publisher.depth:=0"],  # and while the node is made
-    ["--ros-args", "-r", f"__node:={300 * 'n'}"],
-]
 SECURE = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce"}
 ENVIRONMENTS = [
     ({"ROS_DOMAIN_ID": "99999"}, "ROS_DOMAIN_ID 99999 "),
@@ -51,12 +45,6 @@ def refusal(*arguments: str, without: Sequence[str] = (), **options: Any) -> str
     [line] = done.stderr.splitlines()
     assert line.startswith("lie-rigid-body sim: error: ")
     return line
-
-
-@pytest.mark.parametrize("arguments", sampled(ARGUMENTS, every=3))
-def test_process_ends_with_status_2(arguments: list[str], tmp_path: Path) -> None:
-    (tmp_path / "broken.yaml").write_text("/**: [")
-    refusal(*arguments, cwd=tmp_path)
 
 
 @pytest.mark.parametrize(("settings", "said"), sampled(ENVIRONMENTS, every=3))

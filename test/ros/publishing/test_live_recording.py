@@ -8,26 +8,32 @@ import resource
 import shlex
 import signal
 import subprocess
-import sys
-from importlib.util import find_spec
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from broken_bag import stamps_in_whole_chunks
-from simulator_process import DEADLINE, SimulatorProcess, cpu_seconds, eventually, sim_command, without_lateness
+from simulator_process import (
+    DEADLINE,
+    SimulatorProcess,
+    assignments,
+    cpu_seconds,
+    eventually,
+    sim_command,
+    without_lateness,
+)
 
+from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli import check
 from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.recovery import recover
 from sampled import sampled
-
-if find_spec("rclpy"):
-    pass
 
 pytestmark = pytest.mark.ros
 
 
-def test_kill_leaves_whole_chunks_without_a_gap(tmp_path: Path) -> None:
+def test_what_was_written_before_a_kill_is_recovered(tmp_path: Path) -> None:
     bag = tmp_path / "killed.mcap"
     # in a namespace of its own, as others go on to see for a while what dies without a word
     arguments = ("-p", "rate:=200.0", "-p", f"record_path:={bag}", "--ros-args", "-r", "__ns:=/killed")
@@ -36,9 +42,11 @@ def test_kill_leaves_whole_chunks_without_a_gap(tmp_path: Path) -> None:
         safe = stamps_in_whole_chunks(bag)
         simulator.process.send_signal(signal.SIGKILL)
         assert simulator.wait() == -signal.SIGKILL
-    stamps = stamps_in_whole_chunks(bag)
-    assert stamps[: len(safe)] == safe
-    assert set(np.diff(stamps).tolist()) == {5_000_000}
+    recover(bag, tmp_path / "fixed.mcap", overwrite=False)
+    recording = read_bag(tmp_path / "fixed.mcap")
+    assert certify(recording).passed
+    assert set(np.diff(stamps := recording.poses.stamps_ns).tolist()) == {5_000_000}
+    assert {*safe} <= {*stamps.tolist()}
 
 
 @pytest.mark.parametrize(
@@ -60,15 +68,7 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
 
 def test_the_command_that_certifies_names_the_topics_that_were_remapped(tmp_path: Path) -> None:
     bag, remaps = tmp_path / "a.mcap", ("imu/data_raw:=/imu", "~/faults:=/odd")
-    arguments = (
-        "-p",
-        f"record_path:={bag}",
-        "-p",
-        "imu_rate:=50.0",
-        "-p",
-        "imu_dropout_probability:=0.5",
-        "--ros-args",
-    )
+    arguments = assignments(record_path=bag, imu_rate=50.0, imu_dropout_probability=0.5)
     with SimulatorProcess(*arguments, "--ros-args", *(word for remap in remaps for word in ("-r", remap))) as simulator:
         eventually(lambda: len(stamps_in_whole_chunks(bag)) > 20, "samples")
         assert simulator.end(signal.SIGTERM) == 0
@@ -107,11 +107,8 @@ def end_of_a_lost_recording(simulator: SimulatorProcess, bag: Path) -> None:
 def test_full_disk_ends_the_recording_but_not_the_node(tmp_path: Path) -> None:
     bag = tmp_path / "full.mcap"
     limit = 60_000
-
-    def shrink() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-
-    with SimulatorProcess("-p", "rate:=1000.0", "-p", f"record_path:={bag}", preexec=shrink) as simulator:
+    shrink = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (limit, limit))
+    with SimulatorProcess(*assignments(rate=1000.0, record_path=bag), preexec=shrink) as simulator:
         eventually(lambda: bool(simulator.errors()), "a complaint")
         end_of_a_lost_recording(simulator, bag)
     assert bag.stat().st_size <= limit
@@ -131,19 +128,15 @@ def test_only_a_run_that_promises_no_time_waits_for_a_disk_that_does_not_keep_up
     tmp_path: Path, factor: float, status: int
 ) -> None:
     bag = tmp_path / "whole.mcap"
-    arguments = ["-p", f"real_time_factor:={factor}", "-p", f"record_path:={bag}", "-p", "rate:=200.0"]
-    command = [sys.executable, "-c", SMALL_BACKLOG, *arguments]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            eventually(lambda: bag.exists() and bag.stat().st_size > 6000 * (status == 0), "samples")
-            if status:
-                assert process.stderr is not None
-                assert bag.name in process.stderr.readline()  # told in the log at once
-            process.send_signal(signal.SIGINT)
-            process.communicate(timeout=DEADLINE)
-        finally:
-            process.kill()
-    assert process.returncode == status
+    arguments = assignments(real_time_factor=factor, record_path=bag, rate=200.0)
+    with SimulatorProcess(*arguments, program=["-c", SMALL_BACKLOG]) as simulator:
+        eventually(
+            lambda: bool(simulator.complained) if status else bag.stat().st_size > 6000, "samples, or a complaint"
+        )
+        if status:
+            end_of_a_lost_recording(simulator, bag)
+        else:
+            assert simulator.end(signal.SIGINT) == 0
 
 
 @pytest.mark.parametrize("stdout", sampled(["without a reader", "closed"], every=2))

@@ -37,10 +37,32 @@ def recorded(path: Path) -> dict[str, list[bytes]]:
     return found
 
 
+def require_heard_as_recorded(seen: dict[str, list[bytes]], bag: Path) -> None:
+    sent = recorded(bag)
+    for topic in TOPICS:  # the client hears each from some sample on
+        assert 100 < len(seen[topic]) <= len(sent[topic])
+        assert seen[topic] == sent[topic][-len(seen[topic]) :], topic
+
+
+@pytest.mark.slow
+def test_without_a_limit_of_speed_a_client_loses_nothing(peer: Peer, tmp_path: Path) -> None:
+    """The bytes are those of a headless recording: `test_live_faults`."""
+    bag = tmp_path / "live.mcap"
+    given = assignments(rate=1000.0, real_time_factor=0.0, paused="true", record_path=bag)
+    with SimulatorProcess(*given) as simulator, RawClient(tmp_path / "seen", *TOPICS) as client:
+        client.meet(lambda: peer.stamp("step"))
+        size = bag.stat().st_size
+        assert peer.call("resume").success
+        eventually(lambda: bag.stat().st_size > size, "samples in the bag")
+        seen = client.finish(dict.fromkeys(TOPICS, peer.stamp("pause") - 1_000_000))
+        assert simulator.end(signal.SIGTERM) == 0
+    require_heard_as_recorded(seen, bag)
+
+
 def test_what_is_published_is_recorded_and_true(peer: Peer, tmp_path: Path) -> None:
     bag, start = tmp_path / "live.mcap", "[0.1, 0.5, -0.1, 0.854400374531753]"
     given = assignments(rate=200.0, record_path=bag, initial_attitude_xyzw=start)
-    with SimulatorProcess(*given) as simulator, RawClient(tmp_path / "seen", "", *TOPICS) as client:
+    with SimulatorProcess(*given) as simulator, RawClient(tmp_path / "seen", *TOPICS) as client:
         client.meet(lambda: time.sleep(0.01))
         reset_ns = peer.stamp("reset")
         simulator.process.send_signal(signal.SIGSTOP)
@@ -53,10 +75,7 @@ def test_what_is_published_is_recorded_and_true(peer: Peer, tmp_path: Path) -> N
         seen = client.finish(dict.fromkeys(TOPICS, last_ns))
         assert simulator.end(signal.SIGINT) == 0
     assert simulator.errors() == []
-    sent = recorded(bag)
-    for topic in TOPICS:  # the client hears each from some sample on
-        assert 100 < len(seen[topic]) <= len(sent[topic])
-        assert seen[topic] == sent[topic][-len(seen[topic]) :], topic
+    require_heard_as_recorded(seen, bag)
     recording = read_bag(bag)
     stamps = recording.poses.stamps_ns
     assert stamps.tolist() == recording.twists.stamps_ns.tolist()

@@ -75,10 +75,7 @@ def test_a_crash_at_any_moment_loses_less_than_a_second(
     with BagWriter(tmp_path / "a.mcap", stamped_twist=True) as writer:
         crash = Crash(writer, synced)
         run = ScriptedRun(rate=rate, sinks=[Recorder(writer, pytest.fail), crash])
-
-        def stall() -> None:
-            run.time.now += stall_ns
-
+        stall = run.stall(stall_ns)
         run.play((NS, stall), (NS + NS // 2, stall), (2 * NS, stall), (3 * NS, lambda: None))
     assert len(crash.lost_ns) > 2 * rate
     assert max(crash.lost_ns) < LOST_BY_A_CRASH_NS

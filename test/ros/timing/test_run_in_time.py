@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import random
-from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -62,14 +61,6 @@ def test_without_a_limit_nothing_is_waited_for() -> None:
     assert run.sink.stamps == truth(len(run.sink.stamps))
     assert len(run.sink.stamps) > 20 * MAX_BATCH
     assert run.sink.punctuality.missed == run.sink.punctuality.worst_ns == 0
-
-
-def test_paused_at_the_start_sends_nothing() -> None:
-    run = ScriptedRun(paused=True, imu_rate=250.0)
-    run.play((100 * NS, nothing))
-    assert run.sink.batches == []
-    assert len(run.sink.segments) == 1
-    assert run.live.state is RunState.PAUSED
 
 
 def test_a_step_is_one_sample_and_what_sensors_read_until_then() -> None:
@@ -160,17 +151,7 @@ def test_the_end_breaks_off_steps() -> None:
 
 
 def test_time_goes_on_from_where_it_stood() -> None:
-    run = ScriptedRun()
-    [halted, *_] = run.play((NS + 5 * MS, run.live.pause), (10 * NS, run.live.resume), (11 * NS, nothing))
-    assert halted == 2 * NS + 5 * MS
-    stamps, at = run.sink.stamps, run.sink.sent_at
-    assert stamps == truth(len(stamps))
-    assert at[:101] == [k * PERIOD for k in range(101)]
-    assert at[101:] == [10 * NS + 5 * MS + k * PERIOD for k in range(len(at) - 101)]
-    assert len(at) == 201
-
-
-def test_resuming_twice_and_pausing_twice_is_the_same_as_once() -> None:
+    """Resumed twice, and paused twice, as well."""
     run = ScriptedRun()
     pauses = run.play(
         (NS + 5 * MS, run.live.pause),
@@ -180,7 +161,10 @@ def test_resuming_twice_and_pausing_twice_is_the_same_as_once() -> None:
         (11 * NS, nothing),
     )[:2]
     assert pauses == [2 * NS + 5 * MS] * 2
-    assert run.sink.sent_at[101:103] == [10 * NS + 5 * MS, 10 * NS + 15 * MS]
+    stamps, at = run.sink.stamps, run.sink.sent_at
+    assert stamps == truth(201)
+    assert at[:101] == [k * PERIOD for k in range(101)]
+    assert at[101:] == [10 * NS + 5 * MS + k * PERIOD for k in range(100)]
 
 
 def most_ahead_ns(run: ScriptedRun) -> float:
@@ -197,7 +181,7 @@ def test_a_late_run_sends_an_even_stream(rate: float, factor: float) -> None:
     """Over every time a multiple of what passes of simulated time, and no more; until it is late no longer."""
     run, late = ScriptedRun(rate=rate, factor=factor), NS // 10
     caught_up = late + math.ceil(late / (CATCH_UP - 1)) + 100 * MS
-    run.play((10 * MS, lambda: setattr(run.time, "now", run.time.now + late)), (caught_up, nothing))
+    run.play((10 * MS, run.stall(late)), (caught_up, nothing))
     stamps, at = run.sink.stamps, np.array(run.sink.sent_at)
     assert stamps == [NS + round(k * NS / Fraction(repr(rate))) for k in range(len(stamps))]
     assert run.sink.punctuality.worst_ns >= late - NS / rate / factor
@@ -217,10 +201,7 @@ def test_late_wakings_bring_no_burst(rate: float, factor: float) -> None:
         script.append((at, randomness.choice([MS // 10, MS // 2, MS, 2 * MS, 4 * MS, 8 * MS, 30 * MS])))
         at += script[-1][1]
 
-    def wake_late(late: int) -> Callable[[], object]:
-        return lambda: setattr(run.time, "now", run.time.now + late)
-
-    run.play(*((at, wake_late(late)) for at, late in script), (at + 20 * MS, nothing))
+    run.play(*((at, run.stall(late)) for at, late in script), (at + 20 * MS, nothing))
     period = NS / rate / factor
     moments, counts = np.unique(run.sink.sent_at, return_counts=True)
     for silence, count in zip(np.diff(moments).tolist(), counts[1:].tolist(), strict=True):
@@ -282,7 +263,7 @@ def test_a_factor_changed_while_paused_acts_when_time_goes_on() -> None:
         (2 * NS, nothing),
         (2 * NS, run.live.resume),
         # 50 ms late is in time when samples are 100 ms apart
-        (2 * NS + 950 * MS, lambda: setattr(run.time, "now", run.time.now + 100 * MS)),
+        (2 * NS + 950 * MS, run.stall(100 * MS)),
         (4 * NS, nothing),
     )
     assert 10 <= len(run.sink.stamps) - 6 <= 20
@@ -292,13 +273,8 @@ def test_a_factor_changed_while_paused_acts_when_time_goes_on() -> None:
 
 def test_time_paused_while_catching_up_stands_at_what_was_sent() -> None:
     run = ScriptedRun()
-
-    def stall() -> None:
-        run.time.now += 30 * NS
-
-    [_, halted, *_] = run.play(
-        (NS + 5 * MS, stall), (2 * NS, run.live.pause), (100 * NS, run.live.resume), (101 * NS, nothing)
-    )
+    stalled = NS + 5 * MS, run.stall(30 * NS)
+    [_, halted, *_] = run.play(stalled, (2 * NS, run.live.pause), (100 * NS, run.live.resume), (101 * NS, nothing))
     sent = 101 + 1
     assert halted == NS + sent * PERIOD - 1
     assert run.sink.stamps == truth(len(run.sink.stamps))
@@ -315,17 +291,10 @@ def test_missed_deadlines_are_those_of_the_definition(
     rate: float, factor: float, stalls: list[tuple[int, int]]
 ) -> None:
     run, script, at = ScriptedRun(rate=rate, factor=factor), [], 0
-
-    def stall(length: int) -> object:
-        def act() -> None:
-            run.time.now += length
-
-        return act
-
     for gap, length in stalls:
         at += gap
-        script.append((at, stall(length)))
-    run.play(*script, (at + 200 * MS, nothing))  # type: ignore[arg-type]
+        script.append((at, run.stall(length)))
+    run.play(*script, (at + 200 * MS, nothing))
     lateness = [
         moment - math.ceil((stamp - NS) / Fraction(repr(factor)))
         for stamp, moment in zip(run.sink.stamps, run.sink.sent_at, strict=True)
@@ -393,7 +362,7 @@ def test_no_stamp_is_lost_or_doubled_whatever_comes(rain: list[tuple[int, str]])
         "half": lambda: live.change_factor(0.5),
         "double": lambda: live.change_factor(2.0),
         "unlimited": lambda: live.change_factor(0.0) if live.state is not RunState.PLAYING else None,
-        "stall": lambda: setattr(run.time, "now", run.time.now + 3 * NS),
+        "stall": run.stall(3 * NS),
     }
     script = []
     for gap, name in rain:
