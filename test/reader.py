@@ -27,11 +27,7 @@ LANGUAGES = {
 }
 """What becomes of a block."""
 
-PROGRAMS = {
-    "python": "",
-    "lie-rigid-body": "-m lie_rigid_body",
-    "pytest": "-m pytest -p no:cacheprovider",
-}
+PROGRAMS = {"python": "", "lie-rigid-body": "-m lie_rigid_body", "pytest": "-m pytest -p no:cacheprovider"}
 """Programs of the package, as arguments of this Python."""
 OTHERS = {"echo", "g++", "sed", "timeout"}
 

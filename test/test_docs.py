@@ -65,11 +65,7 @@ def test_a_verb_understands_what_a_page_gives_it(page, verb, words):
 def test_commands_are_found():
     assert len(SHOWN) > 30
     console, bash = "```console\n$ lie-rigid-body a b  # c\n```\n", "```bash\nlie-rigid-body f --ros-args g\n```\n"
-    assert verbs(f"{console}`lie-rigid-body d e`\n\n{bash}") == [
-        ["a", "b"],
-        ["f"],
-        ["d", "e"],
-    ]
+    assert verbs(f"{console}`lie-rigid-body d e`\n\n{bash}") == [["a", "b"], ["f"], ["d", "e"]]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())

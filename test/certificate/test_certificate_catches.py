@@ -40,8 +40,7 @@ QUICK = {"closed form", "products"}
 
 
 @pytest.fixture(
-    scope="module",
-    params=[pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SCENARIOS],
+    scope="module", params=[pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in SCENARIOS]
 )
 def bag(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("bags") / "honest.mcap"

@@ -116,10 +116,7 @@ FORGERIES: dict[tuple[str, str], tuple[Change, set[str]]] = {
     ("CDR", "encapsulation"): (one("/pose", lambda m: m._replace(data=b"\0\3" + m.data[2:])), REFUSED),
     ("CDR", "options"): (one("/pose", lambda m: m._replace(data=m.data[:3] + b"\1" + m.data[4:])), CERTIFIED),
     **headers(),
-    ("PoseStamped", "pose.position"): (
-        one("/pose", number(7, lambda x: x + 1e-300)),
-        {"position and linear velocity"},
-    ),
+    ("PoseStamped", "pose.position"): (one("/pose", number(7, lambda x: x + 1e-300)), {"position and linear velocity"}),
     ("PoseStamped", "pose.orientation"): (one("/pose", rotated(1e-14, np.array([0.3, 0.8, -0.5]))), {"attitude"}),
     ("PoseStamped", "pose.orientation, its sign"): (one("/pose", flipped), {"sign continuity"}),
     ("PoseStamped", "pose.orientation, its norm"): (
@@ -132,22 +129,13 @@ FORGERIES: dict[tuple[str, str], tuple[Change, set[str]]] = {
     ),
     ("TwistStamped", "twist.angular"): (one("/twist", scaled_rate(1.0 + 1e-13)), {"body rate"}),
     ("Imu", "orientation"): (one(IMU, number(37, lambda x: x + 1e-11)), {"IMU orientation"}),
-    ("Imu", "orientation_covariance"): (
-        one(IMU, number(33, lambda x: x + 1e-12)),
-        {"IMU frame and covariances"},
-    ),
+    ("Imu", "orientation_covariance"): (one(IMU, number(33, lambda x: x + 1e-12)), {"IMU frame and covariances"}),
     ("Imu", "angular_velocity"): (one(IMU, number(24, lambda x: x + 1e-9)), {"gyro"}),
     ("Imu", "angular_velocity, a bias"): (one(BIAS, number(24, lambda x: x + 1e-11)), {"gyro bias"}),
     ("Imu", "angular_velocity_covariance"): (one(IMU, number(21, lambda x: 2 * x)), {"IMU frame and covariances"}),
     ("Imu", "linear_acceleration"): (one(IMU, number(12, lambda x: x + 1e-9)), {"accelerometer"}),
-    ("Imu", "linear_acceleration, a bias"): (
-        one(BIAS, number(12, lambda x: x * (1 + 1e-9))),
-        {"accelerometer bias"},
-    ),
-    ("Imu", "linear_acceleration_covariance"): (
-        one(IMU, number(9, lambda x: x + 1e-9)),
-        {"IMU frame and covariances"},
-    ),
+    ("Imu", "linear_acceleration, a bias"): (one(BIAS, number(12, lambda x: x * (1 + 1e-9))), {"accelerometer bias"}),
+    ("Imu", "linear_acceleration_covariance"): (one(IMU, number(9, lambda x: x + 1e-9)), {"IMU frame and covariances"}),
     ("MagneticField", "magnetic_field"): (one(MAG, number(12, lambda x: x + 1e-14)), {"magnetometer"}),
     ("MagneticField", "magnetic_field_covariance"): (
         one(MAG, number(9, lambda x: 2 * x)),

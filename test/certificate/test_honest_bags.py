@@ -42,10 +42,7 @@ CASES = [(*pair, *KINDS[(7 * i) % len(KINDS)]) for i, pair in enumerate(PAIRS)]
 """Every scenario with every stepper, and in turn with every grade, faults and kind of gyro."""
 
 
-@pytest.mark.parametrize(
-    ("scenario", "stepper", "grade", "faults", "gyro_rate"),
-    sampled(CASES, every=23),
-)
+@pytest.mark.parametrize(("scenario", "stepper", "grade", "faults", "gyro_rate"), sampled(CASES, every=23))
 def test_honest_bags_are_certified(tmp_path, scenario, stepper, grade, faults, gyro_rate):
     motion = {"motion": stepper} if stepper == "closed_form" else {"motion": "moving_chart", "method": stepper}
     if stepper not in ("closed_form", "dmv20"):

@@ -62,10 +62,7 @@ SAID: dict[str, tuple[Change, str]] = {
         on(BIAS, lambda ms: [*ms[:AT], ms[AT + 1], ms[AT], *ms[AT + 2 :]]),
         "/imu/bias: out of order, reading 38 stands before 37",
     ),
-    "no sensor": (
-        declared(magnetometer_rate=0.0),
-        "topic /imu/mag (70 messages), a sensor that no scenario has",
-    ),
+    "no sensor": (declared(magnetometer_rate=0.0), "topic /imu/mag (70 messages), a sensor that no scenario has"),
     "foreign": (
         lambda ms: on(IMU, at(AT, scaled))(declared(software="lie_rigid_body 0.0.9")(ms)),
         f"readings of sensors: {PHRASES['another version'].format(software='lie_rigid_body 0.0.9')}, this is ",

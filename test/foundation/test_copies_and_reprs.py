@@ -116,10 +116,7 @@ def of_a_run(path: Path) -> list[Any]:
         bag.write(BatchEncoder(scenario).encode(taken))
     recording = bag_reader.read_bag(path)
     certificate = certify(recording)
-    encoders: list[Any] = [
-        messages.PoseTwistEncoder(scenario),
-        messages.TransformEncoder("a", "b"),
-    ]
+    encoders: list[Any] = [messages.PoseTwistEncoder(scenario), messages.TransformEncoder("a", "b")]
     poses = messages.decode(encoders[0].poses(taken.samples), messages.POSE_NUMBERS, stamped=True)
     laws = [certificate, certificate.segments[0], certificate.segments[0].laws[0]]
     readings = [taken, taken.samples, *taken.sensors.values(), *taken.faults, *sensors]

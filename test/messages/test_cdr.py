@@ -12,14 +12,7 @@ from hypothesis import strategies as st
 
 from lie_rigid_body.foundation.errors import BagError
 from lie_rigid_body.mechanics import State
-from lie_rigid_body.messages import (
-    POSE_NUMBERS,
-    TWIST_NUMBERS,
-    PoseTwistEncoder,
-    decode,
-    decode_string,
-    encode_string,
-)
+from lie_rigid_body.messages import POSE_NUMBERS, TWIST_NUMBERS, PoseTwistEncoder, decode, decode_string, encode_string
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Samples
 

@@ -19,33 +19,19 @@ refused = refusals(
     {
         BagError: {
             # what a bag is
-            "no file": "{name} does not exist",
-            "file gone": "names '{name}', and there is",
             "name too long": "File name too long",
             "pipe": "{name} is a pipe: give a regular file",
             "several bags": " holds {count} bags, not one recording: give one of them",
-            "empty folder": "is a folder without MCAP files",
-            "no metadata": "reindex",
             "changed": "changed while it was read",
             # its metadata
             "null": "embedded null",
             "metadata": "is not the metadata",
-            "folder as file": "Is a directory",
-            "packed": "{name} is compressed as a whole: unpack all such files with 'unzstd'",
-            "packed as a whole": "is not an MCAP file: .* 'unzstd'",
             # its content
             "cut off": r"(cut off.* holds? (at least \d+ )?whole messages|breaks off in its summary).* recover",
             "killed": "it holds at least {count} whole messages: .*lie-rigid-body recover",
-            "nothing whole": "holds no whole message",
-            "whole without messages": "is whole, and holds no message",
-            "no MCAP": "is not an MCAP file",
-            "a chunk that is too large": "a chunk of 536870912 bytes, more than is read",
-            "checksum": "damaged at byte .*crc",
             "too much": r"messages of \d+ bytes in a file of \d+, more than is read",
             "too much of one file": "messages of {size} bytes",
             "segments": "declares {count} segments: at most {most} are read",
-            "type of a value": "has {kind} in the column {column}, where {wanted} belongs",
-            "type of a column": "a column of its tables has a value of another type",
             # its topics
             "topics of a type": "no topic .*{name}.*/rosout",
             "no topic": "no topic {name}: ",
@@ -62,7 +48,6 @@ refused = refusals(
             "message cut": "topic {topic}: message {number} has {size} bytes.*: record the bag again",
             "no CDR": "topic {topic}: message {number} begins with {begin} .* not plain CDR",
             "compressed messages": "record without '--compression-mode message'",
-            "encoding": "encoded as '{name}'",
             "field": "are read|ends after|where its fields",
             "frame": "frame of {size} bytes: at most {most} are read",
             "text": "at most {most} are read",
@@ -87,12 +72,6 @@ refused = refusals(
             "no JSON": "not readable as JSON",
             "no rows": "{name}: not readable as JSON|'league --json'",
             "no table": "is no table of a campaign",
-            "long scenario": "has {length} characters: at most {most} are read",
-            "key twice": f"{NOT_OURS}it gives '{{key}}' twice$",
-            "no object": f"{NOT_OURS}it is no object$",
-            "no key": f"{NOT_OURS}it has no {{key}}$",
-            "nested": NESTED,
-            "long integer": f"{NOT_OURS}it has a number of {{length}} characters, where {{most}} are read$",
         },
     }
 )

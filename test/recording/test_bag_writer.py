@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +11,6 @@ import pytest
 import yaml
 from bags import MakeBag, write_bag, write_samples
 from mcap.reader import make_reader
-from mcap.records import Chunk, ChunkIndex, MessageIndex
-from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 from refused_bags import refused
 from rosbags.highlevel import AnyReader
@@ -108,28 +104,14 @@ def test_the_file_is_built_as_rosbag2_wants_it(make_bag: MakeBag, stamped: bool,
         metadata = {record.name: record.metadata for record in reader.iter_metadata()}
     assert (header.profile, header.library) == ("ros2", f"lie_rigid_body {__version__}")
     assert summary is not None
-    assert summary.statistics is not None
     types = {channel.topic: summary.schemas[channel.schema_id].name for channel in summary.channels.values()}
     assert types == dict(zip(TOPICS, [POSE_STAMPED, twist, STRING], strict=True))
     assert {channel.message_encoding for channel in summary.channels.values()} == {"cdr"}
     assert {schema.encoding for schema in summary.schemas.values()} == {"ros2msg"}
-    assert summary.statistics.message_count == 8001
-    assert summary.statistics.message_start_time == 0
-    assert summary.statistics.message_end_time == 39_990_000_000
     assert metadata == {"lie_rigid_body": {"samples": "4000"}}
     assert len(summary.chunk_indexes) > 1
     assert {index.compression for index in summary.chunk_indexes} == {"zstd"}
     assert all(index.uncompressed_size < 513 * 1024 for index in summary.chunk_indexes)
-
-
-def test_every_message_is_indexed(make_bag: MakeBag) -> None:
-    path = make_bag(count=4000)
-    with open(path, "rb") as stream:
-        records = list(StreamReader(stream, emit_chunks=True, validate_crcs=True).records)
-    assert sum(len(record.records) for record in records if isinstance(record, MessageIndex)) == 8001
-    chunks = [record for record in records if isinstance(record, Chunk)]
-    assert len(chunks) == len([record for record in records if isinstance(record, ChunkIndex)])
-    assert all(chunk.uncompressed_crc for chunk in chunks)
 
 
 def test_qos_profiles_are_a_yaml_list_with_every_key_of_rosbag2(make_bag: MakeBag) -> None:
@@ -154,37 +136,6 @@ def test_qos_profiles_are_a_yaml_list_with_every_key_of_rosbag2(make_bag: MakeBa
         ]
 
 
-@pytest.mark.ros
-def test_definitions_have_the_fields_of_the_installed_messages(make_bag: MakeBag) -> None:
-    for stamped in (True, False):
-        with open(make_bag(f"{stamped}.mcap", stamped_twist=stamped), "rb") as stream:
-            summary = make_reader(stream).get_summary()
-        assert summary is not None
-        for schema in summary.schemas.values():
-            own, *parts = re.split(r"={80}\nMSG: ", schema.data.decode())
-            texts = {schema.name: own} | {
-                name.replace("/", "/msg/"): text for name, _, text in (part.partition("\n") for part in parts)
-            }
-            for name, text in texts.items():
-                fields = dict(reversed(line.split()[:2]) for line in text.splitlines())
-                package, _, kind = name.split("/")
-                installed = getattr(import_module(f"{package}.msg"), kind).get_fields_and_field_types()
-                assert list(fields) == list(installed)
-                for field, own_kind in installed.items():
-                    assert own_kind.replace("double", "float64").rpartition("/")[2] == fields[field].rpartition("/")[2]
-
-
-def test_topics_of_a_namespace_are_written_and_found(tmp_path: Path) -> None:
-    scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation = Simulation(scenario)
-    names = {f"{key}_topic": f"/sat1/{key}" for key in ("pose", "twist", "scenario")}
-    with BagWriter(tmp_path / "ns.mcap", stamped_twist=True, **names) as bag:  # type: ignore[arg-type]
-        bag.begin_segment(simulation.segment)
-        write_samples(bag, scenario, simulation.take(3))
-    recording = read_bag(tmp_path / "ns.mcap")
-    assert (recording.pose_topic, recording.twist_topic) == ("/sat1/pose", "/sat1/twist")
-
-
 def test_each_segment_begins_with_its_scenario_at_its_start(tmp_path: Path) -> None:
     scenario = Scenario.from_parameters({"motion": "closed_form", "epoch_ns": EPOCH})
     simulation = Simulation(scenario)
@@ -198,17 +149,10 @@ def test_each_segment_begins_with_its_scenario_at_its_start(tmp_path: Path) -> N
     assert [Segment.from_json(text).first_sample for _, text in texts] == [0, 7]
 
 
-def test_the_twist_type_cannot_change_within_a_bag(tmp_path: Path) -> None:
-    segment = Simulation(Scenario.from_parameters({"stamped_twist": False})).segment
-    with (
-        BagWriter(tmp_path / "a.mcap", stamped_twist=True) as bag,
-        refused("type of the twist"),
-    ):
-        bag.begin_segment(segment)
-
-
-def test_writing_after_the_end_is_refused(tmp_path: Path) -> None:
+def test_another_type_of_twist_and_what_comes_after_the_end_are_refused(tmp_path: Path) -> None:
     bag = BagWriter(tmp_path / "a.mcap", stamped_twist=True)
+    with refused("type of the twist"):
+        bag.begin_segment(Simulation(Scenario.from_parameters({"stamped_twist": False})).segment)
     bag.finish()
     bag.finish()
     with refused("finished"):

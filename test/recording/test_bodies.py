@@ -69,39 +69,27 @@ def names(body: Body) -> tuple[str, ...]:
     return tuple(body.tracks[name].topic for name in BODY_TOPICS)
 
 
-def test_each_scenario_with_pose_and_twist_beside_it_is_a_body() -> None:
-    several = found({**inside("/b"), **inside(""), **inside("/fleet/a")})
-    assert [body.name for body in several] == ["", "/b", "/fleet/a"]
-    assert names(several[2]) == ("/fleet/a/pose", "/fleet/a/twist", "/fleet/a/lie_rigid_body/scenario")
+OWN = "/lie_rigid_body/scenario"
+TWO = {**inside("/a"), **inside("/b")}
+ELSEWHERE = {"/truth/pose": POSE, "/rates": RATE, "/sim/scenario": TEXT}
+TRUTH = {**BODY, "/truth/attitude": POSE, "/truth/twist": RATE}
 
 
-def test_what_others_publish_is_no_body() -> None:
-    mixed = {**BODY, "/estimate/pose": POSE, "/cmd/twist": BARE_TWIST, "/chatter": TEXT}
-    assert [names(body) for body in found(mixed)] == [tuple(BODY)]
-
-
-def test_topics_of_several_namespaces_make_one_body() -> None:
-    topics = {"/truth/pose": POSE, "/rates": RATE, "/sim/scenario": TEXT}
-    assert names(found(topics)[0]) == tuple(topics)
-
-
-def test_a_topic_that_is_named_chooses_the_body_around_it() -> None:
-    two = {**inside("/a"), **inside("/b")}
-    assert [names(body)[1] for body in found(two, pose="/b/pose")] == ["/b/twist"]
-    assert [names(body)[0] for body in found(two, scenario="/a/lie_rigid_body/scenario")] == ["/a/pose"]
-
-
-def test_topics_that_are_named_may_be_anywhere() -> None:
-    topics = {**BODY, "/truth/attitude": POSE, "/truth/twist": RATE}
-    chosen = found(topics, pose="/truth/attitude", twist="/truth/twist")
-    assert [names(body) for body in chosen] == [("/truth/attitude", "/truth/twist", "/lie_rigid_body/scenario")]
-    near = found({**topics, "/cmd/twist": RATE}, pose="/truth/attitude")
-    assert names(near[0])[1] == "/truth/twist"
-
-
-def test_a_scenario_that_is_named_is_the_only_one() -> None:
-    topics = {**BODY, "/traffic/scenario": TEXT}
-    assert names(found(topics, scenario="/lie_rigid_body/scenario")[0]) == tuple(BODY)
+@pytest.mark.parametrize(
+    ("topics", "renamed", "wanted"),
+    [
+        ({**inside("/b"), **inside(""), **inside("/fleet/a")}, {}, [BODY, inside("/b"), inside("/fleet/a")]),
+        ({**BODY, "/estimate/pose": POSE, "/cmd/twist": BARE_TWIST, "/chatter": TEXT}, {}, [BODY]),
+        (ELSEWHERE, {}, [ELSEWHERE]),
+        (TWO, {"pose": "/b/pose"}, [inside("/b")]),
+        (TWO, {"scenario": f"/a{OWN}"}, [inside("/a")]),
+        (TRUTH, {"pose": "/truth/attitude", "twist": "/truth/twist"}, [("/truth/attitude", "/truth/twist", OWN)]),
+        ({**TRUTH, "/cmd/twist": RATE}, {"pose": "/truth/attitude"}, [("/truth/attitude", "/truth/twist", OWN)]),
+        ({**BODY, "/traffic/scenario": TEXT}, {"scenario": OWN}, [BODY]),
+    ],
+)
+def test_each_scenario_with_pose_and_twist_beside_it_or_as_named_is_a_body(topics, renamed, wanted) -> None:
+    assert [names(body) for body in found(topics, **renamed)] == [tuple(body) for body in wanted]
 
 
 def sensors(body: Body) -> dict[str, str]:
@@ -109,7 +97,7 @@ def sensors(body: Body) -> dict[str, str]:
 
 
 def test_sensors_belong_to_the_body_of_their_namespace() -> None:
-    two = found({**inside("/a"), **inside("/b"), "/a/imu/data_raw": IMU, "/imu/bias": IMU})
+    two = found({**TWO, "/a/imu/data_raw": IMU, "/imu/bias": IMU})
     assert [sensors(body) for body in two] == [{"imu/data_raw": "/a/imu/data_raw"}, {}]
     one = found({**BODY, "/front/imu/data_raw": IMU})
     assert sensors(one[0]) == {"imu/data_raw": "/front/imu/data_raw"}
@@ -136,11 +124,7 @@ def test_sensors_belong_to_the_body_of_their_namespace() -> None:
             {"pose": "/a/pose"},
             refused("no topic of the body", name="/a/twist"),
         ),
-        (
-            {**BODY, "/other/scenario": TEXT},
-            {},
-            refused("several topics", choice='"scenario": "/lie_rigid_body/scenario"'),
-        ),
+        ({**BODY, "/other/scenario": TEXT}, {}, refused("several topics", choice=f'"scenario": "{OWN}"')),
         (
             {"/truth/pose": POSE, "/ekf/pose": POSE, "/twist": RATE, "/s": TEXT},
             {},
@@ -155,9 +139,8 @@ def test_what_cannot_be_told_is_one_line(topics: dict[str, str], renamed: dict[s
 
 
 def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
-    two, rest = {**inside("/a"), **inside("/b")}, {"/b/imu/data_raw": IMU}
-    without_twist = {topic: kind for topic, kind in two.items() if topic != "/b/twist"} | rest
-    mute, doubled = contents(two, counts={"/b/pose": 0}), contents({**two, "/b/lie2/scenario": TEXT})
+    without_twist = {topic: kind for topic, kind in TWO.items() if topic != "/b/twist"} | {"/b/imu/data_raw": IMU}
+    mute, doubled = contents(TWO, counts={"/b/pose": 0}), contents({**TWO, "/b/lie2/scenario": TEXT})
     for held, fault, named in (
         (contents(without_twist), "no topic", {"scenario": "/b/lie_rigid_body/scenario", "topic": "/b/twist"}),
         (mute, "no message", {"topic": "/b/pose"}),
@@ -167,18 +150,10 @@ def test_what_one_of_several_bodies_lacks_is_its_own_fault() -> None:
         assert (whole.name, whole.fault, faulty.name) == ("/a", None, "/b")
         assert str(faulty.fault).startswith(FAULTS[fault].format_map(named))
         assert [body.name for body in bodies(HERE, held, {"pose": "/a/pose"})] == ["/a"]
-    without_pose = contents({topic: kind for topic, kind in two.items() if topic != "/a/pose"})
+    without_pose = contents({topic: kind for topic, kind in TWO.items() if topic != "/a/pose"})
     with refused("bodies", pose="/b/pose"):
         the_body(HERE, without_pose, {})
     assert sensors(bodies(HERE, contents(without_twist), {})[1]) == {"imu/data_raw": "/b/imu/data_raw"}
-
-
-def test_a_renamed_bag_is_read_by_the_names_that_are_given(make_bag: MakeBag, tmp_path: Path) -> None:
-    own = make_bag(count=5)
-    path = rewrite(own, tmp_path / "x.mcap", lambda topic: {"/pose": "/truth/attitude"}.get(topic, topic))
-    bag = Bag(path, topics={"pose": "/truth/attitude"})
-    assert (bag.pose_topic, bag.twist_topic) == ("/truth/attitude", "/twist")
-    assert sum(len(poses.stamps_ns) for poses, _ in bag.batches()) == 5
 
 
 def test_texts_of_another_node_that_are_called_scenario_are_none() -> None:
@@ -207,6 +182,7 @@ def test_a_scenario_names_the_topics_of_its_body(make_bag: MakeBag, tmp_path: Pa
         stamped_twist=True,
         pose_topic="/truth/attitude",
         twist_topic="/rates",
+        scenario_topic="/sim/scenario",
         sensor_topics={"imu/data_raw": "/strapdown"},
         others={"/other/pose": POSE, "/other/imu": IMU},
     ) as bag:
@@ -217,7 +193,7 @@ def test_a_scenario_names_the_topics_of_its_body(make_bag: MakeBag, tmp_path: Pa
     found = Bag(path)
     assert (found.pose_topic, found.twist_topic, found.sensors["imu/data_raw"].topic) == tuple(topics.values())
     assert certify(path).passed
-    moved = {"/truth/attitude": "/a/pose", "/rates": "/a/twist", "/lie_rigid_body/scenario": "/a/sim/scenario"}
+    moved = {"/truth/attitude": "/a/pose", "/rates": "/a/twist", "/sim/scenario": "/a/sim/scenario"}
     renamed = rewrite(path, tmp_path / "renamed.mcap", lambda topic: moved.get(topic, topic))
     assert Bag(renamed).pose_topic == "/a/pose"
 

@@ -97,46 +97,21 @@ def with_value(folder: Path, name: str, value: object) -> bytes:
 
 
 BOMBS: dict[str, tuple[Callable[[Path, int], bytes | Path], str]] = {
-    "zstd of 10 GiB": (
-        lambda d, n: framed(chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))),
-        " 10737418240 ",
-    ),
+    "zstd of 10 GiB": (lambda d, n: framed(chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))), " 10737418240 "),
     "a record of 32 GiB in a sparse file": (lambda d, n: sparse(d), f" a record of {2**35} bytes, more than is read"),
-    "zstd of 10 GiB that claims less": (
-        lambda d, n: framed(chunk("zstd", n, zstd_zeros(10 * GIB))),
-        " byte 37",
-    ),
-    "lz4 of 1 GiB that claims less": (
-        lambda d, n: framed(chunk("lz4", n, lz4_zeros(GIB))),
-        " byte 37",
-    ),
+    "zstd of 10 GiB that claims less": (lambda d, n: framed(chunk("zstd", n, zstd_zeros(10 * GIB))), " byte 37"),
+    "lz4 of 1 GiB that claims less": (lambda d, n: framed(chunk("lz4", n, lz4_zeros(GIB))), " byte 37"),
     "a message that is large": (
         lambda d, n: framed(full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),
         r" \.\.\./pose ",
     ),
     "messages without end": (lambda d, n: framed(full_of(EMPTY_MESSAGE, n - 1000)), r" \.\.\./pose "),
     "channels without end": (lambda d, n: framed(full_of(CHANNEL, n - 1000)), r" \.\.\./pose "),
-    "a record of 8 EiB": (lambda d, n: framed(struct.pack("<BQ", 4, 2**63)), " byte 37"),
-    "a text of 4 GiB": (
-        lambda d, n: framed(record(4, struct.pack("<HHI", 1, 0, 2**32 - 1))),
-        " byte 37",
-    ),
-    "a map of 4 GiB": (
-        lambda d, n: framed(record(12, text("x") + struct.pack("<I", 2**32 - 1))),
-        " byte 37",
-    ),
-    "an index of 4 GiB": (lambda d, n: framed(record(7, struct.pack("<HI", 1, 2**32 - 1))), r" \.\.\./pose "),
-    "an attachment of 8 EiB": (
-        lambda d, n: framed(record(9, struct.pack("<QQ", 0, 0) + text("x") + text("y") + struct.pack("<Q", 2**63))),
-        r" \.\.\./pose ",
-    ),
     "a deep JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 60_000), NESTED),
-    "a long JSON": (lambda d, n: with_scenario(d, lambda text: "[" * 70_000), "70000 characters"),
     "an integer of 60 000 digits": (
         lambda d, n: with_scenario(d, lambda text: text.replace('"epoch_ns": 0', '"epoch_ns": 1' + 60_000 * "0")),
         "60001 characters",
     ),
-    "an integer of 4000 digits": (lambda d, n: with_value(d, "epoch_ns", 10**4000), "4001 characters"),
     "a rate of 1e308": (lambda d, n: with_value(d, "rate", 1e308), "rate"),
     "a body rate of 1e308": (lambda d, n: with_value(d, "initial_body_rate", [1e308, -1e308, 1e308]), "body_rate"),
     "an inertia of 1e308": (lambda d, n: with_value(d, "inertia", [1e308, 1e308, 1e308]), "inertia"),

@@ -214,11 +214,6 @@ def test_numbers_of_yaml_have_a_bound(number: str) -> None:
     assert load_yaml(f"a: '{number}'", "x") == {"a": number}
 
 
-def test_yaml_that_is_nested_too_deeply_is_told_so() -> None:
-    with pytest.raises(InputError, match="nested too deeply: "):
-        load_yaml("[" * 3000, "x")
-
-
 @pytest.mark.parametrize("content", ["[" * 100_000, '{"a":' * 100_000, "1" * 10_000, "nul", "\ud800", ""])
 def test_json_is_refused_in_one_error(content: str, tmp_path: Path) -> None:
     with refused_as("no JSON"):

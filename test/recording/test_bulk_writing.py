@@ -95,10 +95,7 @@ def test_every_byte_is_that_of_the_plain_writer(tmp_path: Path, name: str, chunk
     assert in_bulk(run, chunk_size, compression, tmp_path / "a.mcap") == plain(run, chunk_size, compression)
 
 
-@pytest.mark.parametrize(
-    ("name", "size"),
-    [("sensors", 1), ("sensors", 37), ("sensors", 100_000), ("faults", 1)],
-)
+@pytest.mark.parametrize(("name", "size"), [("sensors", 1), ("sensors", 37), ("sensors", 100_000), ("faults", 1)])
 def test_where_batches_begin_changes_no_byte(tmp_path: Path, name: str, size: int) -> None:
     expected = plain(batches(name, 1024), 5000, "zstd")
     assert in_bulk(batches(name, size), 5000, "zstd", tmp_path / "a.mcap") == expected

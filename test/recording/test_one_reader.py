@@ -11,24 +11,15 @@ import numpy as np
 import pytest
 from bags import MakeBag, rewrite
 from forged import message
-from mcap.reader import make_reader
-from mcap.writer import IndexType
 from refused_bags import refused
 
-from foreign_bags import Message, bag_of, record
+from foreign_bags import record
 from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording import mcap_reader
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.mcap_contents import RawMessages, nothing
-from lie_rigid_body.recording.records import (
-    MAGIC,
-    NO_HINTS,
-    DamageError,
-    FileBytes,
-    find_messages,
-    records,
-)
+from lie_rigid_body.recording.mcap_contents import nothing
+from lie_rigid_body.recording.records import MAGIC, NO_HINTS, DamageError, FileBytes, find_messages, records
 from lie_rigid_body.runs import Run
 
 POSE = ("/pose", "geometry_msgs/msg/PoseStamped")
@@ -85,51 +76,11 @@ def test_what_is_too_short_to_be_a_message_is_damage() -> None:
             find_messages(record(5, b"short") + DATA, hints)
 
 
-def test_records_of_other_kinds_are_left_to_others() -> None:
-    others = b"".join(record(opcode, b"anything") for opcode in (6, 15, 16, 0x80, 0xFF))
-    table = find_messages(others + DATA + others)
-    assert (len(table.starts), len(table.definitions), len(table.data)) == (3, 2, len(DATA + 2 * others))
-
-
 @pytest.mark.parametrize(("data", "whole"), [(DATA[:-1], DATA[: -len(RECORDS[-1])]), (DATA + b"\5", DATA)])
 def test_what_is_no_whole_record_ends_the_data(data: bytes, whole: bytes) -> None:
     for hints in (NO_HINTS, np.array(STARTS[:2])):
         table = find_messages(data, hints)
         assert (table.data, table.starts.tolist()) == (whole, STARTS)
-
-
-def again(path: Path) -> RawMessages:
-    return BagFiles(path).contents(lambda *key: False).messages(POSE)
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"chunk_size": 1000},
-        {"use_chunking": False},
-        {"index_types": IndexType.NONE},
-        {"chunk_size": 1, "index_types": IndexType.NONE},
-    ],
-)
-def test_the_second_reading_gives_what_the_library_reads(
-    make_bag: MakeBag, tmp_path: Path, options: dict[str, int]
-) -> None:
-    path = rewrite(make_bag(count=300), tmp_path / "x.mcap", **options)  # type: ignore[arg-type]
-    with path.open("rb") as stream:
-        read = make_reader(stream).iter_messages([POSE[0]], log_time_order=False)
-        expected = [(one.log_time, one.data) for _, _, one in read]
-    assert len(expected) == 300
-    assert [*again(path).payloads()] == expected
-    kept = BagFiles(path).contents(lambda *key: key == POSE).messages(POSE)
-    assert [*kept.payloads()] == expected
-
-
-def test_messages_of_two_publishers_are_read_again_in_the_order_of_the_file(tmp_path: Path) -> None:
-    """Each publisher has a channel, and so an index, of its own; log times do not tell the order."""
-    path, sent = tmp_path / "x.mcap", [(time, bytes([time])) for time in (9, 4, 7, 7, 1, 8)]
-    path.write_bytes(bag_of(Message(*POSE, b"", time, time, data, k % 2) for k, (time, data) in enumerate(sent)))
-    assert [*again(path).payloads()] == sent
 
 
 def test_a_run_reads_its_file_once(make_bag: MakeBag, monkeypatch: pytest.MonkeyPatch) -> None:

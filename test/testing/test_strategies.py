@@ -53,10 +53,7 @@ WRONG_GRADES: list[Any] = [0, "", "mems", [], ["none"]]
 
 @pytest.mark.parametrize(
     "strategy",
-    [
-        *(starts(max_rate=wrong) for wrong in WRONG_RATES),
-        *(scenarios(grades=wrong) for wrong in WRONG_GRADES),
-    ],
+    [*(starts(max_rate=wrong) for wrong in WRONG_RATES), *(scenarios(grades=wrong) for wrong in WRONG_GRADES)],
 )
 def test_wrong_arguments_are_refused_when_an_example_is_drawn(strategy):
     with pytest.raises(InputError):

@@ -27,7 +27,7 @@ REFUSED = {
         lambda: diagnose(lambda run: textbook.unreadable(run)),
         lambda: diagnose(lambda run: textbook.first_reading(run)),
         lambda: diagnose(lambda run: textbook.peeks(run)),
-    ],
+    ]
 }
 SAID = [
     lambda: found(RIGHT),

@@ -7,16 +7,21 @@ import struct
 from pathlib import Path
 
 import zstandard
+from bags import rewrite, write_bag
 from forged import CHANNELS, chunk, flipped, forged, framed, inserted, left_out, message, plain
 from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from foreign_bags import record, text
-from lie_rigid_body.foundation.errors import BagError
+from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.recording.bag_files import BagFiles
+from lie_rigid_body.recording.bag_reader import read_bag
+from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.mcap_contents import nothing
 from lie_rigid_body.recording.recovered_folder import recover_folder
 from lie_rigid_body.recording.recovery import recover
+from lie_rigid_body.simulation import Segment
+from lie_rigid_body.system.bounded_input import load_yaml
 
 CHANNEL = record(Opcode.CHANNEL, struct.pack("<HH", 1, 0) + text("/x") + text("cdr") + bytes(4))
 JSON_CHANNEL = record(Opcode.CHANNEL, struct.pack("<HH", 2, 0) + text("/x") + text("json") + bytes(4))
@@ -46,6 +51,15 @@ RECORDS = {
     "large name": record(Opcode.SCHEMA, struct.pack("<H", 1) + text("a" * 2**20) + text("b") + text("c")),
     "beyond the end": struct.pack("<BQ", 4, 2**63),
 }
+NO_SCENARIOS = [
+    "[" * 70_000,
+    "[" * 60_000,
+    '{"rate": 1, "rate": 2}',
+    "[]",
+    '{"first_sample": 0}',
+    f'{{"software": -{"7" * 5000}}}',
+    f'{{"epoch_ns": 1{"0" * 4000}}}',
+]
 WHOLE = forged(lambda records: None)
 FILES = {
     "no footer": WHOLE[: WHOLE.rindex(record(Opcode.FOOTER, b"")[:2])],
@@ -90,8 +104,17 @@ def folder(*names, metadata=""):
 
 
 def rescued(content):
+    """Recover a file of such a content, which makes none where it is refused."""
     Path("x.mcap").write_bytes(content)
-    return recover(Path("x.mcap"), Path("y.mcap"), overwrite=False)
+    try:
+        recover(Path("x.mcap"), Path("y.mcap"), overwrite=False)
+    finally:
+        assert not Path("y.mcap").exists()
+
+
+def own(**options):
+    """Read a bag of this package as another recorder, or recorder's option, would have written it."""
+    return read_bag(rewrite(write_bag(Path("own.mcap"), 3), Path("x.mcap"), **options))
 
 
 def rescued_folder(fixed):
@@ -117,9 +140,16 @@ REFUSED = {
         lambda: rescued(framed()[:-1]),
         lambda: rescued(framed(chunk("zstd", 2**29, b""))),
         lambda: rescued(b"hello"),
+        lambda: own(encoding="json"),
+        lambda: BagWriter(write_bag(Path("own.mcap"), 3), stamped_twist=True),
+        lambda: own(change=lambda number, topic, data: zstandard.compress(data)),
         lambda: rescued_folder("run/fixed"),
         lambda: rescued_folder("fixed.mcap"),
         lambda: rescued_folder("run"),
         lambda: rescued_folder("fixed"),
+    ],
+    InputError: [
+        *(lambda text=text: Segment.from_json(text) for text in NO_SCENARIOS),
+        lambda: load_yaml("[" * 3000, "x"),
     ],
 }

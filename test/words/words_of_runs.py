@@ -59,5 +59,5 @@ REFUSED = {
         lambda: with_estimates({"/mine": Estimate(Q, gyro_bias=Q[:, :3] * np.nan)}),
         lambda: with_estimates({"/mine": Estimate(Q, covariance=np.eye(3) + np.eye(3, k=1))}),
         lambda: with_estimates({}, scores=[1]),
-    ],
+    ]
 }

@@ -87,7 +87,7 @@ REFUSED = {
         lambda: Scenario().batch_size(9, 9, rate="x"),
         lambda: Scenario().batch_size("x", 1),
         lambda: Scenario().batch_size(1, 0),
-    ],
+    ]
 }
 SAID = [
     lambda: given(gyro_spike_probability=0.1).without_effect,
