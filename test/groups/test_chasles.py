@@ -45,6 +45,8 @@ def test_exact_displacements_are_found(n, seed):
     np.testing.assert_allclose(found.translation, t, rtol=0, atol=1e-12)
     np.testing.assert_allclose(found.apply(x), x @ A.T + t, rtol=0, atol=1e-12)
     assert found.residual < 1e-13
+    assert not found.rotation.flags.writeable
+    assert not found.translation.flags.writeable
 
 
 def test_velocities_of_a_turning_body_are_those_of_its_rate():
@@ -136,31 +138,6 @@ def test_scipy_finds_the_same_rotation_in_three_dimensions():
     np.testing.assert_allclose(chasles(x, y, w).rotation, theirs, rtol=0, atol=1e-13)
 
 
-def angles(first, second):
-    """Rotation vectors of an early guess at small angles, one number for each plane."""
-    turn = first.T @ second
-    return ((turn - turn.T) / 2)[np.triu_indices(len(turn), 1)]
-
-
-@pytest.mark.parametrize("n", [2, 3, 5])
-def test_errors_of_noisy_data_are_those_of_least_squares(n):
-    """In the plane of principal axes i, j: standard deviation noise/√(σᵢ² + σⱼ²), by first-order error analysis."""
-    rng = np.random.default_rng(n)
-    x = rng.normal(size=(30, n)) * np.arange(1.0, n + 1)
-    x -= x.mean(axis=0)
-    _, sigma, axes = np.linalg.svd(x, full_matrices=False)
-    axes[-1] *= np.linalg.det(axes)
-    A = rotation_of(n, rng)
-    noise, runs = 1e-5, 800
-    found = [chasles(x @ axes.T, x @ A.T + noise * rng.normal(size=x.shape)) for _ in range(runs)]
-    spread = np.array([angles(A @ axes.T, one.rotation) for one in found]).std(axis=0)
-    i, j = np.triu_indices(n, 1)
-    np.testing.assert_allclose(spread, noise / np.hypot(sigma[i], sigma[j]), rtol=0.1)
-    residual = np.sqrt(np.mean([one.residual**2 for one in found]))
-    freedoms = 30 * n - n - n * (n - 1) / 2
-    assert residual == pytest.approx(noise * np.sqrt(freedoms / 30), rel=0.02)
-
-
 def test_a_point_of_weight_two_counts_as_two_points_and_of_weight_zero_as_none():
     rng = np.random.default_rng(8)
     x, y = rng.normal(size=(6, 3)), rng.normal(size=(6, 3))
@@ -215,10 +192,3 @@ def test_mirror_images_of_symmetric_bodies_are_refused(n):
     np.testing.assert_allclose(chasles(x, x @ A.T).rotation, A, rtol=0, atol=1e-13)
     with pytest.raises(InputError):
         chasles(x, x @ (A @ mirror).T)
-
-
-def test_the_result_is_read_only():
-    found = chasles(np.eye(3), np.eye(3))
-    for array in (found.rotation, found.translation):
-        with pytest.raises(ValueError):
-            array[0] = 1.0

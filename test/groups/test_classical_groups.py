@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from sample_groups import COMPACT
+from sample_groups import ALL_COMPACT
 from scipy.optimize import minimize
 
 from lie_rigid_body.foundation.errors import InputError
@@ -17,15 +17,7 @@ EPSILON = np.array([np.cross(a, np.eye(3)) for a in np.eye(3)])
 """EPSILON[a, b] is the cross product of unit vectors a and b."""
 
 
-@pytest.mark.parametrize("n", range(2, 9))
-def test_dimensions(n):
-    assert SO(n).dimension == n * (n - 1) // 2
-    assert SU(n).dimension == n**2 - 1
-    assert SO(n).generators.shape == (n * (n - 1) // 2, n, n)
-    assert product(SO(n), U1()).dimension == SO(n).dimension + 1
-
-
-@pytest.mark.parametrize("group", COMPACT.values(), ids=COMPACT)
+@pytest.mark.parametrize("group", ALL_COMPACT.values(), ids=ALL_COMPACT)
 def test_trace_metric_of_the_standard_bases_is_the_identity(group):
     np.testing.assert_allclose(group.trace_metric, np.eye(group.dimension), rtol=0, atol=4e-16)
 
@@ -79,8 +71,9 @@ def test_random_elements_have_the_moments_of_haar_measure(group):
 def test_no_element_is_nearer_than_the_projection(group):
     """For matrices far from the group, against a minimiser started from many elements."""
     rng = np.random.default_rng(42)
-    for _ in range(2):
+    for sign in (1.0, -1.0):
         A = rng.normal(size=(group.size, group.size))
+        A[0] *= sign * np.sign(np.linalg.det(A))
         found = np.linalg.norm(group.project(A) - A)
 
         def distance(x, start, A=A):
@@ -90,11 +83,6 @@ def test_no_element_is_nearer_than_the_projection(group):
         best = min(minimize(distance, np.zeros(group.dimension), args=(start,)).fun for start in starts)
         assert found <= best + 1e-9
         assert group.contains(group.project(A), 1e-13)
-
-
-def test_projection_of_a_reflection_is_a_rotation():
-    nearest = SO(3).project(np.diag([3.0, 2.0, -1.0]))
-    np.testing.assert_allclose(nearest, np.eye(3), rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("n", [2, 3, 4, 5])

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
-from group_bodies import (
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sample_groups import (
     COMPACT,
     GROUPS,
     ROTATIONS,
@@ -13,22 +17,22 @@ from group_bodies import (
     derivative_along,
     diagonal_body,
     gradient,
+    random_body,
     random_metric,
     rank,
     skewed_rotations,
 )
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.groups import (
     SO,
     SU,
     Lagrangian,
     MatrixLieGroup,
+    casimirs,
     conserved_momenta,
     legendre_transform,
     manakov_integrals,
+    mass_matrix,
     metric_at,
     momentum_matrix,
     pfaffian,
@@ -49,25 +53,14 @@ def random_second_moment(rng, n):
     return (k + k.T) / 2
 
 
-def metric_of(group, k):
-    t = group.generators
-    m = -0.5 * (np.einsum("ij,ajk,bki->ab", k, t, t) + np.einsum("ij,bjk,aki->ab", k, t, t))
-    return (m + m.T) / 2
-
-
-def casimirs_of(group):
-    casimirs = unitary_casimirs if np.iscomplexobj(group.generators) else rotation_casimirs
-    return lambda p: casimirs(momentum_matrix(group, p))
-
-
 @pytest.mark.parametrize("group", [*ROTATIONS.values(), *UNITARY.values()], ids=lambda g: g.name)
 @FEW
 @given(seed=seeds)
 def test_energy_and_casimirs_stand_still_for_any_body(group, seed):
-    rng = np.random.default_rng(seed)
-    body, p = Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=group.dimension)
+    body, rng = random_body(group, seed)
+    p = rng.normal(size=group.dimension)
     rate = body.momentum_rate(body.rates(p))
-    assert_still(casimirs_of(group), p, rate)
+    assert_still(partial(casimirs, group), p, rate)
     assert_still(lambda q: legendre_transform(body).value(q)[..., np.newaxis], p, rate)
 
 
@@ -77,7 +70,7 @@ def test_energy_and_casimirs_stand_still_for_any_body(group, seed):
 def test_manakovs_integrals_stand_still_for_a_body_with_second_moment(n, seed):
     group, rng = ROTATIONS[n], np.random.default_rng(seed)
     k, p = random_second_moment(rng, n), rng.normal(size=group.dimension)
-    body = Lagrangian(group, metric_of(group, k))
+    body = Lagrangian(group, mass_matrix(k, group.generators))
     assert_still(lambda q: manakov_integrals(momentum_matrix(group, q), k), p, body.momentum_rate(body.rates(p)))
 
 
@@ -89,7 +82,7 @@ def test_manakovs_integrals_move_for_other_metrics(n):
     integrals = lambda q: manakov_integrals(momentum_matrix(group, q), k)  # noqa: E731
     other = Lagrangian(group, random_metric(rng, group.dimension))
     assert np.abs(derivative_along(integrals, p, other.momentum_rate(other.rates(p)))).max() > 1e-2
-    body = Lagrangian(group, metric_of(group, k @ k))
+    body = Lagrangian(group, mass_matrix(k @ k, group.generators))
     assert np.abs(derivative_along(integrals, p, body.momentum_rate(body.rates(p)))).max() > 1e-2
 
 
@@ -99,12 +92,12 @@ def test_manakovs_integrals_count_half_of_dimension_and_rank(n):
     group, rng = ROTATIONS[n], np.random.default_rng(32)
     k, p = random_second_moment(rng, n), rng.normal(size=group.dimension)
     manakov = gradient(lambda q: manakov_integrals(momentum_matrix(group, q), k), p)
-    body = legendre_transform(Lagrangian(group, metric_of(group, k)))
+    body = legendre_transform(Lagrangian(group, mass_matrix(k, group.generators)))
     energy = gradient(lambda q: body.value(q)[..., np.newaxis], p)
-    casimirs = gradient(casimirs_of(group), p)
+    of_any_body = gradient(partial(casimirs, group), p)
     assert manakov.shape[1] == n * n // 4 == (group.dimension + n // 2) // 2
     assert rank(manakov) == n * n // 4
-    assert rank(np.hstack([manakov, energy, casimirs])) == n * n // 4
+    assert rank(np.hstack([manakov, energy, of_any_body])) == n * n // 4
     assert rank(np.hstack([manakov, rng.normal(size=(group.dimension, 1))])) == n * n // 4 + 1
 
 
@@ -135,33 +128,12 @@ def test_manakovs_integrals_are_the_coefficients_of_the_polynomials(n):
     assert row == len(found)
 
 
-def test_manakovs_integrals_of_a_top_are_its_momentum_and_energy():
-    """n = 3: tr P² = −2|p|², and tr(P²K²) is a combination of |p|² and the energy."""
-    rng = np.random.default_rng(35)
-    k = np.array([0.4, 0.7, 1.1])
-    body = legendre_transform(Lagrangian(SO(3), diagonal_body(SO(3), k)))
-    p = rng.normal(size=(10, 3))
-    found = manakov_integrals(momentum_matrix(SO(3), p), np.diag(k))
-    square = np.sum(p**2, axis=-1)
-    np.testing.assert_allclose(found[:, 0], -2.0 * square, rtol=1e-14)
-    # the second is −3 Σ (kᵢ² + kⱼ²) pₗ², and kᵢ² + kⱼ² = s² − q − (sq − r)/(kᵢ + kⱼ) in the symmetric functions s, q, r
-    s, q, r = k.sum(), k[0] * k[1] + k[1] * k[2] + k[2] * k[0], k.prod()
-    expected = -3.0 * ((s * s - q) * square - 2.0 * (s * q - r) * body.value(p))
-    np.testing.assert_allclose(found[:, 1], expected, rtol=1e-13)
-
-
 @pytest.mark.parametrize(("group", "count"), [(SO(3), 1), (SO(4), 2), (SO(5), 2), (SO(6), 3), (SU(2), 1), (SU(3), 2)])
 def test_the_casimirs_are_as_many_as_the_rank(group, count):
     p = np.random.default_rng(36).normal(size=group.dimension)
-    slopes = gradient(casimirs_of(group), p)
+    slopes = gradient(partial(casimirs, group), p)
     assert slopes.shape == (group.dimension, count)
     assert rank(slopes) == count
-    if not np.iscomplexobj(group.generators):
-        n = group.size
-        powers = lambda q: np.stack(  # noqa: E731
-            [np.trace(np.linalg.matrix_power(momentum_matrix(group, q), k), axis1=-2, axis2=-1) for k in (2, 4, 6)], -1
-        )
-        assert rank(np.hstack([slopes, gradient(powers, p)[:, : n // 2]])) == count
 
 
 @dimensions
@@ -169,8 +141,7 @@ def test_casimirs_of_rotations_are_what_they_are_called(n):
     group, rng = ROTATIONS[n], np.random.default_rng(37)
     p = momentum_matrix(group, rng.normal(size=(4, group.dimension)))
     expected = [np.trace(np.linalg.matrix_power(p, k), axis1=-2, axis2=-1) for k in range(2, n, 2)]
-    if n % 2 == 0:
-        expected.append(pfaffian(p))
+    expected += [pfaffian(p)] * (n % 2 == 0)
     np.testing.assert_allclose(rotation_casimirs(p), np.stack(expected, axis=-1), rtol=1e-13)
 
 
@@ -184,8 +155,8 @@ def test_casimirs_of_su3_are_those_of_the_eigenvalues():
 @pytest.mark.parametrize("group", [*ROTATIONS.values(), *UNITARY.values(), skewed_rotations()], ids=lambda g: g.name)
 def test_eulers_equations_are_a_commutator(group):
     """Ṗ = [P, Ω] for any body, and the spatial momentum matrix is A P A⁻¹."""
-    rng = np.random.default_rng(39)
-    body, w = Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=group.dimension)
+    body, rng = random_body(group, 39)
+    w = rng.normal(size=group.dimension)
     p, big_w = body.momenta(w), group.hat(w)
     big_p = momentum_matrix(group, p)
     np.testing.assert_allclose(momentum_matrix(group, body.momentum_rate(w)), big_p @ big_w - big_w @ big_p, atol=1e-13)
@@ -199,7 +170,7 @@ def test_the_momentum_matrix_of_a_body_is_k_omega_plus_omega_k(n):
     group, rng = ROTATIONS[n], np.random.default_rng(40)
     k, w = random_second_moment(rng, n), rng.normal(size=group.dimension)
     omega = group.hat(w)
-    found = momentum_matrix(group, Lagrangian(group, metric_of(group, k)).momenta(w))
+    found = momentum_matrix(group, Lagrangian(group, mass_matrix(k, group.generators)).momenta(w))
     np.testing.assert_allclose(found, k @ omega + omega @ k, atol=1e-14 * 10)
 
 
@@ -224,34 +195,15 @@ def test_pfaffian_is_its_expansion_and_the_root_of_the_determinant(seed, half):
     np.testing.assert_allclose((pfaffian(p) ** 2 - np.linalg.det(p)) / scale**2, 0.0, atol=1e-12)
 
 
-@given(seeds)
-def test_pfaffian_under_a_change_of_basis(seed):
-    """Pf(B P Bᵀ) = det B · Pf P: an odd exchange of axes changes its sign, so it is no invariant of O(n)."""
-    rng = np.random.default_rng(seed)
-    x, b = rng.normal(size=(2, 6, 6))
-    p = x - x.T
-    expected = np.linalg.det(b) * pfaffian(p)
-    changed = b @ p @ b.T
-    assert pfaffian((changed - changed.T) / 2) == pytest.approx(
-        expected, abs=1e-10 * np.linalg.norm(b) ** 6 * np.linalg.norm(p) ** 3
-    )
-
-
 def test_pfaffian_needs_no_pivot_on_the_way_and_none_at_all_for_odd_n():
     swapped = np.zeros((4, 4))
     swapped[0, 2], swapped[2, 0], swapped[1, 3], swapped[3, 1] = 2.0, -2.0, 3.0, -3.0
     assert pfaffian(swapped) == -6.0
     assert pfaffian(np.zeros((4, 4))) == 0.0
     assert pfaffian(np.array([[0.0, 7.0], [-7.0, 0.0]])) == 7.0
-    np.testing.assert_array_equal(
-        pfaffian(np.triu(np.ones((2, 3, 3)), 1) - np.tril(np.ones((2, 3, 3)), -1)), [0.0, 0.0]
-    )
+    np.testing.assert_array_equal(pfaffian(np.stack([SO(3).hat([0.3, 0.2, 0.1])] * 2)), [0.0, 0.0])
     np.testing.assert_array_equal(pfaffian(np.zeros((2, 0, 0))), [1.0, 1.0])
     assert pfaffian(np.zeros((0, 4, 4))).shape == (0,)
-
-
-def projector(rows):
-    return rows.T @ rows
 
 
 @pytest.mark.parametrize(
@@ -291,24 +243,17 @@ def test_the_unit_keeps_everything_and_a_random_metric_nothing(name):
 @pytest.mark.parametrize(
     "moments",
     [
-        [1, 1, 2, 3],
-        [1, 1, 2, 2],
-        [1, 1, 1, 2],
-        [1, 2, 3, 4],
-        [1, 1, 2, 2, 2],
-        [1, 2, 2, 3, 3],
-        [1, 1, 1, 2, 2, 2],
-        [1, 1, 2, 2, 3, 3],
-        [2, 1, 2, 1, 2, 1],
+        *([1, 1, 2, 3], [1, 1, 2, 2], [1, 1, 1, 2], [1, 2, 3, 4], [1, 1, 2, 2, 2], [1, 2, 2, 3, 3]),
+        *([1, 1, 1, 2, 2, 2], [1, 1, 2, 2, 3, 3], [2, 1, 2, 1, 2, 1]),
     ],
 )
 def test_equal_second_moments_are_turns_into_each_other(moments):
     """The isotropy of K is the product of rotation groups, one for each of its eigenvalues."""
     n, (_, counts) = len(moments), np.unique(moments, return_counts=True)
     group = ROTATIONS[n]
-    found = conserved_momenta(group, diagonal_body(group, np.array(moments, float)))
-    assert len(found) == np.sum(counts * (counts - 1) // 2)
     k = np.diag(np.array(moments, float))
+    found = conserved_momenta(group, mass_matrix(k, group.generators))
+    assert len(found) == np.sum(counts * (counts - 1) // 2)
     commutators = group.hat(found) @ k - k @ group.hat(found)
     np.testing.assert_allclose(commutators, 0.0, atol=1e-13)
 
@@ -331,30 +276,12 @@ def test_exactly_these_momenta_stand_still(name, seed):
     assert np.sum(others > 1e-9 * (1 + others.max())) == d - len(found)
 
 
-@pytest.mark.parametrize("moments", [[1, 1, 2, 2], [1, 1, 1, 2], [1, 1, 2, 2, 2]])
-def test_turning_the_body_turns_its_conserved_momenta(moments):
-    group = ROTATIONS[len(moments)]
-    body = Lagrangian(group, diagonal_body(group, np.array(moments, float)))
-    a = group.random(np.random.default_rng(23))
-    here, there = conserved_momenta(group, body.metric), conserved_momenta(group, metric_at(body, a))
-    np.testing.assert_allclose(projector(here @ group.Ad(a).T), projector(there), atol=1e-12)
-
-
-def test_they_close_under_the_bracket():
-    group = ROTATIONS[6]
-    found = conserved_momenta(group, diagonal_body(group, np.array([1.0, 1.0, 1.0, 2.0, 2.0, 3.0])))
-    brackets = np.einsum("xa,yb,abc->xyc", found, found, group.structure_constants)
-    np.testing.assert_allclose(brackets @ projector(found), brackets, atol=1e-13)
-
-
 def test_the_basis_does_not_hang_on_round_off():
     group, rng = ROTATIONS[5], np.random.default_rng(24)
-    metric = diagonal_body(group, np.array([1.0, 1.0, 1.0, 2.0, 2.0]))
-    body = Lagrangian(group, metric)
-    tilted = metric_at(body, group.random(rng))
+    tilted = metric_at(diagonal_body(group, [1.0, 1.0, 1.0, 2.0, 2.0]), group.random(rng))
     first = conserved_momenta(group, tilted)
     for _ in range(5):
-        noise = rng.normal(size=metric.shape) * 1e-15
+        noise = rng.normal(size=tilted.shape) * 1e-15
         np.testing.assert_allclose(conserved_momenta(group, tilted + noise + noise.T), first, atol=1e-11)
 
 
@@ -371,11 +298,6 @@ def test_the_tolerance_is_asymmetry_relative_to_the_metric():
     nearly = 1e5 * np.diag([1.0, 1.0 + 1e-6, 2.0])
     assert len(conserved_momenta(SO(3), nearly)) == 0
     assert len(conserved_momenta(SO(3), nearly, tolerance=1e-5)) == 1
-
-
-def test_what_is_no_metric_is_refused():
-    with pytest.raises(InputError):
-        conserved_momenta(SO(4), np.eye(3))
 
 
 @pytest.mark.parametrize("stretch", [1e-6, 1e-3, 1.0, 1e3, 1e6])

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from group_bodies import COMPACT, GROUPS, diagonal_body, random_metric
 from hypothesis import given
 from hypothesis import strategies as st
+from sample_groups import COMPACT, GROUPS, random_body
 
-from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.groups import (
     SO,
     SU,
@@ -25,8 +24,8 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def random_case(group, seed):
-    rng = np.random.default_rng(seed)
-    return Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=(5, group.dimension))
+    body, rng = random_body(group, seed)
+    return body, rng.normal(size=(5, group.dimension))
 
 
 @given(seeds)
@@ -86,8 +85,9 @@ HALVED = {**GROUPS, "U1×SU2×SU3": product(U1(), SU(2), SU(3))}
 @pytest.mark.parametrize("name", HALVED)
 def test_derivatives_at_constant_chart_velocity_are_half_of_those_at_constant_rate(name):
     """The two halves of the equations of motion: of ∂L/∂α (16), (18), and of d/dt ∂L/∂α̇ (20), on the motion."""
-    group, rng = HALVED[name], np.random.default_rng(7)
-    body, w = Lagrangian(group, random_metric(rng, group.dimension)), rng.normal(size=group.dimension)
+    group = HALVED[name]
+    body, rng = random_body(group, 7)
+    w = rng.normal(size=group.dimension)
     chart = PapersChart(body, group.random(rng))
     there = Lagrangian(group, metric_at(body, chart.centre))
     scale = 1e-6 * (1.0 + np.abs(there.metric).max() * np.abs(w).max() ** 2)
@@ -147,25 +147,6 @@ def test_the_action_of_a_path_is_the_integral_of_its_energy(name):
 
 
 @pytest.mark.parametrize("name", GROUPS)
-def test_spatial_momentum_and_energy_stand_still(name):
-    """Along A exp(t hat ω) with p + tṗ the spatial momentum changes in third order only, the energy not at all."""
-    group = GROUPS[name]
-    body, w = random_case(group, 3)
-    a, h = group.random(np.random.default_rng(3)), 1e-3
-    p, rate = body.momenta(w), body.momentum_rate(w)
-    before, after = (spatial_momentum(group, a @ group.exp(t * w), p + t * rate) for t in (-h, h))
-    scale = 1 + np.abs(after).max()
-    change = np.abs(after - before).max() / scale
-    halved = spatial_momentum(group, a @ group.exp(0.5 * h * w), p + 0.5 * h * rate) - spatial_momentum(
-        group, a @ group.exp(-0.5 * h * w), p - 0.5 * h * rate
-    )
-    # odd in t, so that what is left is of third order: halving the time divides it by eight
-    assert np.abs(halved).max() / scale <= change / 7.9 + 1e-13
-    assert change < 1e3 * h**3
-    np.testing.assert_allclose(np.sum(w * rate, axis=-1), 0.0, atol=1e-12 * (1 + np.abs(rate).max()))
-
-
-@pytest.mark.parametrize("name", GROUPS)
 def test_batches_are_their_rows(name):
     body, w = random_case(GROUPS[name], 5)
     w = w[:4].reshape(2, 2, -1)
@@ -188,37 +169,10 @@ def test_the_metric_in_space_keeps_energy_and_turns_momentum():
     )
 
 
-def test_the_metric_in_space_is_the_second_moment_turned():
-    group, k = SO(5), np.array([1.0, 2.0, 0.5, 3.0, 4.0])
-    a = group.random(np.random.default_rng(7))
-    turned, t = a @ np.diag(k) @ a.T, group.generators
-    expected = -0.5 * np.einsum("ij,ajk,bki->ab", turned, t, t) - 0.5 * np.einsum("ij,bjk,aki->ab", turned, t, t)
-    np.testing.assert_allclose(metric_at(Lagrangian(group, diagonal_body(group, k)), a), expected, atol=1e-14 * 8)
-
-
-def test_rates_of_the_wrong_length_are_refused():
-    with pytest.raises(InputError):
-        Lagrangian(SO(4), np.eye(6)).acceleration(np.ones(3))
-
-
-def test_the_metric_of_a_lagrangian_cannot_be_written():
-    with pytest.raises(ValueError):
-        Lagrangian(SO(3), np.eye(3)).metric[0, 0] = 2.0
-
-
 def test_neither_a_lagrangian_nor_its_hamiltonian_takes_another_metric():
     L = Lagrangian(SO(3), np.diag([1.0, 2.0, 3.0]))
     H = legendre_transform(L)
+    assert not L.metric.flags.writeable
     for made, name in ((L, "metric"), (L, "inverse_metric"), (L, "group"), (H, "inverse_metric"), (H, "group")):
-        kept = getattr(made, name)
         with pytest.raises(AttributeError):
             setattr(made, name, np.eye(3))
-        assert getattr(made, name) is kept
-
-
-@pytest.mark.parametrize("step", [0, -0.1, "a", np.nan])
-def test_an_action_wants_a_positive_step(step):
-    path = np.stack([np.eye(3)] * 3)
-    with pytest.raises(ParameterError) as caught:
-        Lagrangian(SO(3), np.eye(3)).action(path, step)
-    assert caught.value.name == "step"

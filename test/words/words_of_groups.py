@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
-from group_bodies import affine_line
-from sample_groups import sl2, so4_split
+from sample_groups import affine_line, sl2, so4_split
 
 from lie_rigid_body import LieRigidBodyError, RigidBody, groups
 from lie_rigid_body.groups import (
@@ -14,15 +13,20 @@ from lie_rigid_body.groups import (
     U1,
     GroupMovingChart,
     GroupState,
+    Hamiltonian,
     Lagrangian,
     MatrixLieGroup,
     ad_star,
     casimirs,
+    chart_metric,
     chasles,
+    conserved_momenta,
     double_cover,
     inverse_legendre_transform,
+    lie_poisson_bracket,
     manakov_integrals,
     mass_matrix,
+    momentum_matrix,
     pfaffian,
     product,
     rotation_casimirs,
@@ -104,6 +108,27 @@ POINTS = [
 ]
 
 
+NO_METRICS = [
+    *(np.eye(2), np.ones(3), "heavy", np.diag([1.0, np.nan, 1.0]), np.eye(3) + np.eye(3, k=1), np.zeros((3, 3))),
+    *(np.diag([1.0, 0.0, 1.0]), np.diag([1.0, 1.0, 1e-16])),
+]
+NO_MASSES = [
+    (np.diag([1, 1, -1e-9]), GENERATORS),
+    ([[1.0, 1e-9], [0.0, 1.0]], SO(2).generators),
+    (np.ones((2, 3)), SO(2).generators),
+    (np.eye(3), SO(4).generators),
+    (np.eye(3), 1j * GENERATORS),
+    (np.eye(3), GENERATORS, np.eye(4)),
+]
+OFF_THE_COVER = [
+    ("rotation", 2.0 * np.eye(2)),
+    ("to_quaternion", np.eye(3)),
+    ("from_quaternion", [0.0, 0.0, 1.0]),
+    ("preimages", -np.eye(3)),
+    ("preimages", np.eye(2)),
+]
+
+
 def called(name, *arguments):
     return getattr(groups, name)(*arguments)
 
@@ -133,6 +158,24 @@ REFUSED = {
         *(lambda given=given: of_so4("exp", given) for given in NO_COORDINATES),
         *(lambda group=group, matrix=matrix: group.project(matrix) for group, matrix in NOT_NEAR),
         *(lambda group=group, matrix=matrix: group.log(matrix) for group, matrix in NO_LOGARITHM),
+        *(lambda m=m: Lagrangian(SO(3), m) for m in NO_METRICS),
+        *(lambda given=given: mass_matrix(*given) for given in NO_MASSES),
+        *(lambda step=step: TOP.action(np.stack([np.eye(3)] * 3), step) for step in (0, -0.1, "a", np.nan)),
+        *(lambda rate=rate: steady_rotation(TOP, rate) for rate in ([1.0, 1e-3, 0.0], [1.0, 0.0], [np.nan, 0.0, 0.0])),
+        *(lambda name=name, given=given: getattr(double_cover, name)(given) for name, given in OFF_THE_COVER),
+        lambda: Hamiltonian(SO(3), np.diag([1.0, 1.0, -1.0])),
+        lambda: Hamiltonian(SO(3), np.eye(3)).equations(1.0),
+        lambda: lie_poisson_bracket(SO(3), V, np.ones(4), V),
+        lambda: conserved_momenta(SO(4), np.eye(3)),
+        lambda: chart_metric(TOP, V[:2]),
+        lambda: TOP.acceleration(V[:2]),
+        lambda: momentum_matrix(affine_line(), V[:2]),
+        lambda: casimirs(product(SO(3), from_generators(sl2())), np.ones(6)),
+        lambda: product([SO(3), SU(2)]),
+        lambda: from_generators(
+            1j * np.array([[[0.0, 1.0], [1.0, 0.0]], [[1.0, 0.0], [0.0, -1.0]], [[0, -1], [1, 0]]])
+        ),
+        lambda: from_generators(-2.0 * SU(2).generators[:2]),
         lambda: from_generators(GENERATORS).project(np.eye(3)),
         lambda: product(SO(40), SO(40)),
         lambda: mass_matrix(RigidBody([0.6, 0.8, 1.0]), SO(3).generators),
