@@ -52,7 +52,9 @@ class FaultLaw:
     def __init__(self, segments: Sequence[Segment], *, is_whole: bool) -> None:
         self._segments = segments
         self._is_whole = is_whole
-        self._told = dict[Fault, tuple[int, float | None]]()  # by all but their sizes: which message, and the size
+        # by all but their sizes, which few have: there may be a million
+        self._told = dict[Fault, int]()
+        self._sizes = dict[Fault, float]()
         self._count = self._last_ns = 0
         self._wrong: dict[str, tuple[int, str]] = {}
         self._worst: tuple[int, int] | None = None
@@ -81,7 +83,9 @@ class FaultLaw:
             if self._is_whole:
                 self._note("twice", where, fault.begin_ns, self._count)
         else:
-            self._told[key] = (self._count, fault.size)
+            self._told[key] = self._count
+            if fault.size is not None:
+                self._sizes[key] = fault.size
             if fault.begin_ns < self._last_ns:
                 self._note("out of order", where, fault.begin_ns, self._count)
             self._last_ns = max(self._last_ns, fault.begin_ns)
@@ -113,7 +117,7 @@ class FaultLaw:
             Latest time of an honest message, ns.
         """
         missing = self._missing(self._expected(min(max(until_ns, self._last_ns), horizon_ns)), until_ns)
-        for key, (message, _) in self._told.items():
+        for key, message in self._told.items():
             where = f"message {message} ({_in_words(key)})"
             self._note("of which the scenario makes none", where, key.begin_ns, message)
         if missing:
@@ -133,7 +137,7 @@ class FaultLaw:
         begun = self._is_whole
         for fault in expected:
             key = replace(fault, size=None)
-            if key in self._told and _are_alike(fault, self._told[key][1]):
+            if key in self._told and _are_alike(fault, self._sizes.get(key)):
                 del self._told[key]
                 missing += absent
                 begun = True
