@@ -1,4 +1,4 @@
-"""A run on a steady clock that the test holds, and an sink that keeps what comes."""
+"""A run on a steady clock that the test holds, and a sink that keeps what comes."""
 
 from __future__ import annotations
 
@@ -67,31 +67,14 @@ class KeepingSink:
         ]
 
 
-class FakeTime(Mailbox):
-    """A mailbox whose waiting moves the clock, by more than was asked for now and then."""
-
-    def __init__(self, stalls: dict[int, int], calls: dict[int, Call[object]] | None = None) -> None:
-        super().__init__()
-        self.now = 5 * NS
-        self.stalls = stalls
-        self.calls = calls or {}
-        self.waits: list[float] = []
-
-    def steady(self) -> int:
-        return self.now
-
-    def wait(self, seconds: float) -> Call[object] | None:
-        self.waits.append(seconds)
-        self.now += max(0, round(seconds * NS)) + self.stalls.get(len(self.waits), 0)
-        return self.calls.pop(len(self.waits), None)
-
-
 class ScriptedTime(Mailbox):
     """A mailbox in which a script of calls, each at a time of the steady clock, comes in; then the run ends."""
 
     def __init__(self, interruption: Interruption) -> None:
         super().__init__()
         self.now = 0
+        self.oversleep_ns = 0
+        self.waits: list[float] = []
         self.script: list[tuple[int, Callable[[], object]]] = []
         self.answers: list[object] = []
         self._interruption = interruption
@@ -104,7 +87,8 @@ class ScriptedTime(Mailbox):
         return function()
 
     def wait(self, seconds: float) -> Call[object] | None:
-        asked = max(0, round(seconds * NS)) or COST
+        asked = (max(0, round(seconds * NS)) or COST) + self.oversleep_ns
+        self.waits.append(seconds)
         if not self.script:
             self._interruption.requested = True
             return None
@@ -129,11 +113,11 @@ class ScriptedRun:
     Parameters
     ----------
     factor, paused
-        As those of `LiveRun`, like ``wall``.
+        As those of `LiveRun`, like ``wall`` and ``warn``.
     sinks : sequence of Sink
         Others than the one that keeps what comes.
     **parameters
-        Of the scenario; the stamps begin at 1 s.
+        Of the scenario; the stamps begin at ``start_ns``.
     """
 
     def __init__(
@@ -143,6 +127,8 @@ class ScriptedRun:
         paused: bool = False,
         wall: Callable[[], int] | None = None,
         sinks: Sequence[Sink] = (),
+        start_ns: int = NS,
+        warn: Callable[[str], object] = print,
         **parameters: object,
     ) -> None:
         self.interruption = Interruption()
@@ -150,7 +136,7 @@ class ScriptedRun:
         self.time = ScriptedTime(self.interruption)
         self.sink = KeepingSink(self.interruption, NEVER, self.time.steady)
         self.live = LiveRun(
-            Simulation(self.scenario, NS),
+            Simulation(self.scenario, start_ns),
             [*sinks, self.sink],
             self.time,
             self.interruption,
@@ -158,6 +144,7 @@ class ScriptedRun:
             wall=wall,
             factor=factor,
             paused=paused,
+            warn=warn,
         )
 
     def stall(self, length_ns: int) -> Callable[[], object]:

@@ -56,33 +56,5 @@ RESPONSES = {
 }
 
 
-# Every service and action of simulation_interfaces 1.5.1, with the feature that says whether it is there.
-FEATURE_OF: dict[str, int | None] = {
-    "get_simulator_features": None,
-    "spawn_entity": 0,
-    "delete_entity": 1,
-    "get_named_poses": 2,
-    "get_named_pose_bounds": 3,
-    "get_entity_bounds": 5,
-    "get_entities": None,
-    "get_entity_state": 10,
-    "get_entities_states": 10,
-    "set_entity_state": 11,
-    "get_entity_info": 12,
-    "set_entity_info": 13,
-    "get_spawnables": 14,
-    "reset_simulation": 20,
-    "get_simulation_state": 24,
-    "set_simulation_state": 25,
-    "step_simulation": 31,
-    "simulate_steps": 33,
-    "load_world": 40,
-    "unload_world": 43,
-    "get_current_world": 44,
-    "get_available_worlds": 45,
-    "spawn_entities": 50,
-}
-
-
 def feedback() -> Message:
     return Message(completed_steps=0, remaining_steps=0)

@@ -1,19 +1,28 @@
-"""The standard simulator services without ROS between: features, resets, states of a simulation, and steps."""
+"""The standard simulator services without ROS between: features, resets, states of a simulation, steps, and the body.
+
+The body is the one entity: found by filters, told and set in the world, or refused.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from simulator_process import DEADLINE
 from standard_simulator import (
     ALREADY_THERE,
     EPOCH,
     FAILED,
     INCORRECT_TRANSITION,
+    INVALID_POSE,
     NAME,
+    NOT_FOUND,
     OK,
     PAUSED,
     PLAYING,
@@ -26,19 +35,23 @@ from standard_simulator import (
     wanted,
 )
 
+from lie_rigid_body.ros.control import services
 from lie_rigid_body.ros.timing.live_run import RunState
 from lie_rigid_body.scenario import Scenario
+from sampled import sampled
 
 if find_spec("rclpy"):
-    from standard_messages import FEATURE_OF, RESPONSES, feedback
+    from standard_messages import RESPONSES, entity_filters, entity_state, feedback
 
-    from lie_rigid_body.ros.control.services import StandardServices, snake_case
+    from lie_rigid_body.ros.control.services import StandardServices
 
 pytestmark = [pytest.mark.ros, pytest.mark.filterwarnings("error::RuntimeWarning")]
 
 
-def test_names_are_in_snake_case() -> None:
-    assert snake_case("GetSimulatorFeatures") == "get_simulator_features"
+@pytest.fixture
+def paused() -> Iterator[Simulator]:
+    with running(paused=True) as simulator:
+        yield simulator
 
 
 def test_features_are_those_that_are_served(paused: Simulator) -> None:
@@ -49,13 +62,6 @@ def test_features_are_those_that_are_served(paused: Simulator) -> None:
     assert set(features.features) == set(served.values())
     assert features.spawn_formats == []
     assert features.custom_info
-
-
-def test_every_standard_service_is_offered_or_declared_unsupported(paused: Simulator) -> None:
-    features = set(paused.ask("get_simulator_features").features.features)
-    offered = {name for name in FEATURE_OF if hasattr(paused.services, name)}
-    assert offered == set(RESPONSES)
-    assert offered == {name for name, feature in FEATURE_OF.items() if feature is None or feature in features}
 
 
 @pytest.mark.parametrize(
@@ -71,10 +77,10 @@ def test_a_parameter_that_makes_no_scenario_is_answered() -> None:
         return Scenario.from_parameters({"rate": -1.0})
 
     with running(paused=True) as simulator:
-        services = StandardServices(simulator.live, broken, NAME)
+        broken_services = StandardServices(simulator.live, broken, NAME)
         for service, request in (
-            (services.reset_simulation, SimpleNamespace(scope=0)),
-            (services.set_simulation_state, SimpleNamespace(state=SimpleNamespace(state=STOPPED))),
+            (broken_services.reset_simulation, SimpleNamespace(scope=0)),
+            (broken_services.set_simulation_state, SimpleNamespace(state=SimpleNamespace(state=STOPPED))),
         ):
             answer = service(request, RESPONSES["reset_simulation"]()).result
             assert (answer.result, "rate" in answer.error_message) == (FAILED, True)
@@ -87,8 +93,8 @@ def test_whatever_goes_wrong_is_answered(paused: Simulator) -> None:
     def broken() -> Scenario:
         raise ZeroDivisionError
 
-    services = StandardServices(paused.live, broken, NAME)
-    answer = services.reset_simulation(SimpleNamespace(scope=0), RESPONSES["reset_simulation"]()).result
+    broken_services = StandardServices(paused.live, broken, NAME)
+    answer = broken_services.reset_simulation(SimpleNamespace(scope=0), RESPONSES["reset_simulation"]()).result
     assert (answer.result, answer.error_message) == (FAILED, "ZeroDivisionError")
 
 
@@ -114,9 +120,9 @@ def test_transitions(paused: Simulator, before: int, to: int, code: int, after: 
     assert (paused.state, paused.go_to(to), paused.state) == (before, code, after)
 
 
-def test_quitting_ends_the_run_and_later_calls_are_answered(playing: Simulator) -> None:
-    assert playing.go_to(QUITTING) == OK
-    assert playing.interruption.requested
+def test_quitting_ends_the_run_and_later_calls_are_answered(paused: Simulator) -> None:
+    assert paused.go_to(QUITTING) == OK
+    assert paused.interruption.requested
     requests: dict[str, dict[str, object]] = {
         "reset_simulation": {"scope": 0},
         "step_simulation": {"steps": 1},
@@ -124,7 +130,7 @@ def test_quitting_ends_the_run_and_later_calls_are_answered(playing: Simulator) 
         "set_entity_state": {"entity": NAME, "state": wanted()},
     }
     for service, request in requests.items():
-        assert playing.code(service, **request) == FAILED, service
+        assert paused.code(service, **request) == FAILED, service
 
 
 class Goal:
@@ -213,3 +219,146 @@ def test_the_action_says_what_broke_it_off(paused: Simulator) -> None:
     goal.publish_feedback = lambda message: paused.live.ask(paused.live.reset, SCENARIO)  # type: ignore[method-assign,assignment]
     answer = paused.services.simulate_steps(cast(Any, goal), RESPONSES["simulate_steps"](), feedback)
     assert (answer.result.result, goal.ends) == (FAILED, ["abort"])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "categories", "code", "found"),
+    [
+        ("", (), OK, [NAME]),
+        ("lie_.*", (), OK, [NAME]),
+        ("rigid", (), OK, [NAME]),
+        ("^robot", (), OK, []),
+        ("", (4,), OK, [NAME]),
+        ("", (0, 4), OK, [NAME]),
+        ("", (1, 2), OK, []),
+        ("^robot", (4,), OK, []),
+        ("(", (), FAILED, []),
+    ],
+)
+def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], code: int, found: list[str]) -> None:
+    answer = paused.ask("get_entities", filters=entity_filters(pattern, categories))
+    assert (answer.result.result, answer.entities) == (code, found)
+    both = paused.services.get_entities_states(
+        SimpleNamespace(filters=entity_filters(pattern, categories)), RESPONSES["get_entities_states"](), entity_state
+    )
+    assert (both.result.result, both.entities) == (code, found)
+    alone = paused.ask("get_entity_state", entity=NAME).state
+    assert both.states == [alone for _ in found]
+
+
+@pytest.mark.parametrize(
+    "pattern", sampled(["((((.+)+)+)+)+x", "x" * 1_000_000, "a{99999999999999999999}", "(" * 900], every=4)
+)
+def test_what_no_regular_expression_may_do_is_answered(
+    paused: Simulator, pattern: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It recurses, is endless, overflows or takes years; other requests are answered meanwhile."""
+    monkeypatch.setattr(services, "PATTERN_S", 1)
+    with ThreadPoolExecutor(1) as other:
+        answer = other.submit(paused.ask, "get_entities", filters=entity_filters(pattern))
+        assert paused.code("reset_simulation", scope=0) == OK
+        found = answer.result(DEADLINE)
+    assert (found.result.result, found.entities) == (FAILED, [])
+
+
+@pytest.mark.parametrize("field", ["tags", "bounds"])
+def test_filters_by_tags_and_bounds_are_unsupported(paused: Simulator, field: str) -> None:
+    filters = entity_filters()
+    if field == "tags":
+        filters.tags.tags = ["x"]
+    else:
+        filters.bounds.points = [object()]
+    assert paused.code("get_entities", filters=filters) == UNSUPPORTED
+
+
+def test_what_the_body_is(paused: Simulator) -> None:
+    answer = paused.ask("get_entity_info", entity=NAME)
+    assert (answer.result.result, answer.info.category.category, answer.info.tags) == (OK, 4, [])
+    moments = np.linalg.eigvalsh([[1.0, 0.1, -0.05], [0.1, 1.4, 0.2], [-0.05, 0.2, 1.9]])
+    assert all(f"{moment:g}" in answer.info.description for moment in moments)
+
+
+@pytest.mark.parametrize("service", ["get_entity_info", "get_entity_state", "set_entity_state"])
+def test_other_entities_are_not_found(paused: Simulator, service: str) -> None:
+    assert paused.code(service, entity="robot", state=wanted()) == NOT_FOUND
+    assert len(paused.sink.segments) == 1
+
+
+def quaternion(state: Any) -> np.ndarray:
+    q = state.pose.orientation
+    return np.array([q.x, q.y, q.z, q.w])
+
+
+def xyz(vector: Any) -> np.ndarray:
+    return np.array([vector.x, vector.y, vector.z])
+
+
+def test_twist_and_acceleration_are_in_the_world(paused: Simulator) -> None:
+    """Against the turn from pose to pose, whose logarithm knows nothing of body rates."""
+    states = []
+    for _ in range(3):
+        assert paused.code("step_simulation", steps=1) == OK
+        answer = paused.ask("get_entity_state", entity=NAME)
+        assert (answer.result.result, answer.state.header.frame_id) == (OK, "map")
+        states.append(answer.state)
+    stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in states]
+    assert stamps == [EPOCH + k * 10**6 for k in range(3)]
+    first, middle, last = (Rotation.from_quat(quaternion(s)) for s in states)
+    turn = (last * first.inv()).as_rotvec() / 2e-3
+    omega = [xyz(s.twist.angular) for s in states]
+    np.testing.assert_allclose(omega[1], turn, rtol=0, atol=1e-5)
+    assert np.linalg.norm(omega[1] - middle.inv().apply(omega[1])) > 0.1
+    np.testing.assert_allclose(xyz(states[1].acceleration.angular), (omega[2] - omega[0]) / 2e-3, rtol=0, atol=1e-5)
+    for state in states:
+        still = (state.pose.position, state.twist.linear, state.acceleration.linear)
+        assert [xyz(vector).any() for vector in still] == [False] * 3
+
+
+@pytest.mark.parametrize("frame", ["", "map"])
+@pytest.mark.parametrize("state", [PLAYING, PAUSED, STOPPED])
+def test_a_state_is_set_and_the_world_twist_turned_into_the_body(paused: Simulator, frame: str, state: int) -> None:
+    if state != PAUSED:
+        assert paused.go_to(state) == OK
+    attitude, angular = [0.5, 0.5, -0.5, 0.5], [0.3, -0.2, 1.7]
+    before = len(paused.sink.segments)
+    assert paused.code("set_entity_state", entity=NAME, state=wanted(angular, attitude, frame=frame)) == OK
+    assert paused.state == state
+    [segment] = paused.sink.segments[before:]
+    start = segment.scenario.start()
+    np.testing.assert_allclose(start.attitude_xyzw, attitude, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(start.body_rate, Rotation.from_quat(attitude).inv().apply(angular), rtol=0, atol=1e-15)
+    if state != PLAYING:
+        answer = paused.ask("get_entity_state", entity=NAME).state
+        np.testing.assert_allclose(xyz(answer.twist.angular), angular, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [
+        ({"position": (0.0, 1.0, 0.0)}, INVALID_POSE),
+        ({"position": (0.0, np.nan, 0.0)}, INVALID_POSE),
+        ({"attitude": (0.0, 0.0, 0.0, 0.0)}, INVALID_POSE),
+        ({"attitude": (0.0, 0.0, 0.0, 1.1)}, INVALID_POSE),
+        ({"attitude": (0.0, np.nan, 0.0, 1.0)}, INVALID_POSE),
+        ({"linear": (0.0, 0.0, 0.1)}, FAILED),
+        ({"angular": (0.0, np.inf, 0.1)}, FAILED),
+        ({"angular": (1e308, 1e308, 1e308)}, FAILED),
+        ({"frame": "base_link"}, FAILED),
+    ],
+)
+def test_a_state_that_cannot_be_is_refused(paused: Simulator, given: dict[str, Any], code: int) -> None:
+    assert paused.code("set_entity_state", entity=NAME, state=wanted(**given)) == code
+    assert len(paused.sink.segments) == 1
+
+
+def test_only_what_is_asked_for_is_set(paused: Simulator) -> None:
+    """Fields of later releases."""
+    both = {"entity": NAME, "state": wanted([0.0, 0.0, 2.0], position=(1.0, 0.0, 0.0))}
+    assert paused.code("set_entity_state", **both, set_pose=False, set_twist=True) == OK
+    start = paused.sink.segments[-1].scenario.start()
+    np.testing.assert_allclose(start.attitude_xyzw, SCENARIO.initial_attitude_xyzw, rtol=0, atol=1e-15)
+    both["state"] = wanted([0.0, 0.0, 9.0], linear=(1.0, 0.0, 0.0))
+    assert paused.code("set_entity_state", **both, set_pose=True, set_twist=False) == OK
+    again = paused.sink.segments[-1].scenario.start()
+    assert again.attitude_xyzw.tolist() == [0.0, 0.0, 0.0, 1.0]
+    assert again.body_rate.tolist() == start.body_rate.tolist()

@@ -1,4 +1,4 @@
-"""The loop without ROS and without waiting: a steady clock that the test holds."""
+"""The loop and its mailbox, without ROS and without waiting."""
 
 from __future__ import annotations
 
@@ -6,96 +6,80 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from fake_time import NS, FakeTime, KeepingSink
+from fake_time import NS, ScriptedRun
 
 from lie_rigid_body.foundation.errors import InputError, ParameterError
 from lie_rigid_body.foundation.parameters import MAX_EPOCH_NS
-from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, LiveRun, RunState
-from lie_rigid_body.ros.timing.requests import Call, ClosedError, Mailbox
+from lie_rigid_body.ros.timing.live_run import FAR_BEHIND_NS, STEPS_PER_BATCH, RunState
+from lie_rigid_body.ros.timing.requests import ClosedError, Mailbox
 from lie_rigid_body.ros.timing.sink import MAX_BATCH
 from lie_rigid_body.scenario import Scenario
-from lie_rigid_body.simulation import Simulation
-from lie_rigid_body.system.interruption import Interruption
 
 
-def run(time: FakeTime, enough: int, factor: float = 1.0, **parameters: object) -> KeepingSink:
-    interruption = Interruption()
-    sink = KeepingSink(interruption, enough)
-    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form", **parameters}), NS)
-    LiveRun(simulation, [sink], time, interruption, time.steady, factor=factor).run()
-    return sink
+def nothing() -> None:
+    """What is done at the end of a script."""
 
 
 def test_a_run_that_is_woken_seldom_does_not_fall_behind_for_ever() -> None:
     """Each wait takes 22 ms longer, as on a machine that is busy with other things."""
-    sink = run(FakeTime(dict.fromkeys(range(1000), 22_000_000)), 6000, rate=1000.0)
-    assert max(sink.latest) < 1.02 * FAR_BEHIND_NS
+    run = ScriptedRun(rate=1000.0)
+    run.time.oversleep_ns = 22_000_000
+    run.play((20 * NS, nothing))
+    assert len(run.sink.stamps) > 6000
+    assert max(run.sink.latest) < 1.02 * FAR_BEHIND_NS
 
 
-def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond() -> None:
-    slow, fast = FakeTime({}), FakeTime({})
-    run(slow, 100, rate=50.0)
-    run(fast, 5000, rate=1e5)
-    assert {round(w, 9) for w in slow.waits} == {0.02}
-    assert {round(w, 9) for w in fast.waits} == {0.001}
+@pytest.mark.parametrize(("rate", "wait"), [(50.0, 0.02), (1e5, 0.001)])
+def test_waiting_reaches_to_the_next_sample_but_not_below_a_millisecond(rate: float, wait: float) -> None:
+    run = ScriptedRun(rate=rate)
+    run.play((NS, nothing))
+    assert {round(w, 9) for w in run.time.waits} == {wait}
 
 
 def test_reset_begins_with_the_next_sample() -> None:
-    time = FakeTime({})
-    interruption = Interruption()
-    sink = KeepingSink(interruption, 100)
-    simulation = Simulation(Scenario.from_parameters({"motion": "closed_form"}), NS)
-    live = LiveRun(simulation, [sink], time, interruption, time.steady)
-    time.calls[20] = Call(lambda: live.reset(Scenario.from_parameters({"initial_body_rate": [0, 0, 9], "rate": 50})))
-    live.run()
-    _, second = sink.segments
-    assert second.start_ns == NS + 20 * 10_000_000
-    assert sink.events.index(second) == 1 + 20
-    assert sink.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
-    assert sink.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(80)]
+    run = ScriptedRun()
+    wanted = Scenario.from_parameters({"initial_body_rate": [0, 0, 9], "rate": 50})
+    run.play((NS // 5 - 1, lambda: run.live.reset(wanted)), (2 * NS - 1, nothing))
+    _, second = run.sink.segments
+    assert second.start_ns == NS + NS // 5
+    assert run.sink.events.index(second) == 1 + 20
+    assert run.sink.stamps[:20] == [NS + k * 10_000_000 for k in range(20)]
+    assert run.sink.stamps[20:] == [second.start_ns + k * 20_000_000 for k in range(90)]
     assert second.scenario.initial_body_rate == (0.0, 0.0, 9.0)
 
 
 def test_where_the_stamps_end_the_run_pauses_until_a_reset() -> None:
-    time, interruption, told = FakeTime({}), Interruption(), list[str]()
-    sink = KeepingSink(interruption, 10_000)
-    simulation = Simulation(Scenario.from_parameters({"rate": 20.0, "motion": "closed_form"}), MAX_EPOCH_NS - 5 * NS)
-    live = LiveRun(simulation, [sink], time, interruption, time.steady, factor=0.0, warn=told.append)
-    time.calls[20] = Call(live.resume)
-    time.calls[30] = Call(live.quit)
-    live.run()
-    assert sink.stamps[-1] == MAX_EPOCH_NS
-    assert len(sink.stamps) == 101
-    assert live.state is RunState.PAUSED
+    told = list[str]()
+    run = ScriptedRun(rate=20.0, factor=0.0, start_ns=MAX_EPOCH_NS - 5 * NS, warn=told.append)
+    *_, refused = run.play((2 * NS, run.live.resume), (3 * NS, nothing), (4 * NS, lambda: run.live.reset(run.scenario)))
+    assert run.sink.stamps[-1] == MAX_EPOCH_NS
+    assert len(run.sink.stamps) == 101
+    assert run.live.state is RunState.PAUSED
     assert len(told) == 2
-    with pytest.raises(ParameterError):
-        live.reset(simulation.segment.scenario)
+    assert isinstance(refused, ParameterError)
 
 
 def test_a_clock_that_no_stamp_can_show_is_refused_at_the_start() -> None:
-    interruption = Interruption()
-    given = {"motion": "closed_form", "imu_rate": 10.0, "imu_clock_offset": -5.0}
-    live = LiveRun(Simulation(Scenario.from_parameters(given), NS), [], FakeTime({}), interruption)
     with pytest.raises(ParameterError):
-        live.run()
+        ScriptedRun(imu_rate=10.0, imu_clock_offset=-5.0).play()
 
 
 def test_failed_reset_is_answered_and_changes_nothing() -> None:
     def fail() -> None:
         raise InputError("no")
 
-    call: Call[object] = Call(fail)
-    sink = run(FakeTime({}, {20: call}), 100)
-    assert len(sink.segments) == 1
-    assert set(np.diff(sink.stamps).tolist()) == {10_000_000}
-    with pytest.raises(InputError):
-        call.outcome.result()
+    run = ScriptedRun()
+    answers = run.play((NS // 5, fail), (NS, nothing))
+    assert isinstance(answers[0], InputError)
+    assert len(run.sink.segments) == 1
+    assert set(np.diff(run.sink.stamps).tolist()) == {10_000_000}
 
 
 @pytest.mark.parametrize(("max_step", "most"), [(0.01, MAX_BATCH), (1e-4, 20), (2e-6, 1)])
 def test_batches_are_bounded_by_their_work(max_step: float, most: int) -> None:
-    sink = run(FakeTime({}), most + 5, factor=0.0, motion="moving_chart", max_step=max_step)
-    assert max(len(event) for event in sink.events if isinstance(event, list)) == most
+    run = ScriptedRun(factor=0.0, motion="moving_chart", max_step=max_step)
+    run.play((5_000_000, nothing))
+    assert max(len(event) for event in run.sink.events if isinstance(event, list)) == most
     assert most * 0.01 / max_step <= STEPS_PER_BATCH or most == 1
 
 
@@ -144,8 +128,7 @@ def test_a_closed_mailbox_refuses_what_waits_what_was_taken_and_what_comes(taken
 
 
 def test_a_run_that_has_ended_refuses_what_comes() -> None:
-    time = FakeTime({})
-    run(time, 5)
-    thread, got = asked(time)
-    thread.join(10.0)
-    assert [type(each) for each in got] == [ClosedError]
+    run = ScriptedRun()
+    run.play((NS, nothing))
+    with pytest.raises(ClosedError):
+        Mailbox.request(run.time, int)

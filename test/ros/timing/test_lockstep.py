@@ -8,13 +8,13 @@ from operator import itemgetter
 from typing import Any
 
 import pytest
-from fake_time import NS, FakeTime, KeepingSink
+from fake_time import NS, KeepingSink
 
 from lie_rigid_body.foundation.errors import LieRigidBodyError
 from lie_rigid_body.messages.batch import Batch
 from lie_rigid_body.ros.timing.live_run import LiveRun
 from lie_rigid_body.ros.timing.lockstep import Lockstep
-from lie_rigid_body.ros.timing.requests import Call
+from lie_rigid_body.ros.timing.requests import Call, Mailbox
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 from lie_rigid_body.system.interruption import Interruption
@@ -24,13 +24,19 @@ from sampled import sampled
 BENCH = {"motion": "closed_form", "rate": 100.0, "imu_rate": 100.0, "magnetometer_rate": 100.0}
 
 
-class FilteredTime(FakeTime):
+class FilteredTime(Mailbox):
     """A mailbox into which answers come, each so long after the filter could make it."""
 
     def __init__(self, delay_ns: int) -> None:
-        super().__init__({})
+        super().__init__()
+        self.now = 5 * NS
+        self.calls: dict[int, Call[object]] = {}
+        self.waits: list[float] = []
         self.delay_ns = delay_ns
         self.answers: list[tuple[int, Callable[[], object]]] = []
+
+    def steady(self) -> int:
+        return self.now
 
     def post(self, function: Callable[[], object]) -> None:
         self.answers.append((self.now + self.delay_ns, function))
