@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import runpy
 import sys
 from collections.abc import Callable
@@ -20,21 +19,9 @@ from lie_rigid_body.report import score_options
 from lie_rigid_body.ros import launching
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import parse_assignment, scenario_files
-from lie_rigid_body.scenario.parameter_table import PARAMETERS, read_parameters
+from lie_rigid_body.scenario.parameter_table import read_parameters
 
 FILES = sorted(LAUNCH.glob("*.launch.py"))
-NAMES = {parameter.name for parameter in PARAMETERS}
-OF_ONE_NODE = {"world_frame", "body_frame", "imu_frame", "record_path", "publish_clock"}
-ARGUMENTS = {
-    "sim.launch.py": {"scenario", "params_file", "namespace", "name", "record", "rviz"} | NAMES,
-    "bodies.launch.py": {"bodies", "params_file", "spacing", "record", "rviz"} | NAMES - OF_ONE_NODE,
-    "estimator.launch.py": {
-        *("package", "executable", "parameters", "estimator_params_file", "remappings", "estimate"),
-        *("max_rms", "max_after", "duration", "wait", "covariance_axes", "report", "plot"),
-        *("scenario", "params_file", "namespace", "lockstep"),
-        *NAMES,
-    },
-}
 ESTIMATOR = "estimator.launch.py"
 RUNNING, ENDING = SimpleNamespace(is_shutdown=False), SimpleNamespace(is_shutdown=True)
 
@@ -59,33 +46,6 @@ def parameters_of(node: Node) -> dict[str, object]:
 def topics(view: dict[str, Any]) -> set[str]:
     displays = view["Visualization Manager"]["Displays"]
     return {display["Topic"]["Value"] for display in displays if "Topic" in display}
-
-
-@pytest.mark.parametrize("file", ARGUMENTS)
-def test_arguments_are_described_and_switches_have_two_values(file: str) -> None:
-    *declared, _ = described(file)
-    assert {name for name, _ in declared} == ARGUMENTS[file]
-    assert len(declared) == len(ARGUMENTS[file])
-    assert all(settings["description"] for _, settings in declared)
-    choices = {name: settings["choices"] for name, settings in declared if "choices" in settings}
-    switches = ["lockstep"] if file == ESTIMATOR else ["record", "rviz"]
-    assert choices == {name: ["true", "false"] for name in switches}
-
-
-def test_parameter_files_are_handed_on(launch: Launch, tmp_path: Path) -> None:
-    file = tmp_path / "p.yaml"
-    file.write_text("/**: {ros__parameters: {imu_rate: 20.0}}")
-    [node] = launch("sim.launch.py", params_file=str(file), namespace="a", name="top")
-    assert node["arguments"] == ["--params-file", str(file)]
-    sim, *_ = launch(ESTIMATOR, package="mine", executable="filter", params_file=str(file), namespace="a")
-    assert sim["arguments"][2:4] == ["--params-file", str(file)]
-
-
-def test_a_bag_is_named_after_node_and_time(launch: Launch) -> None:
-    [node] = launch("sim.launch.py", namespace="/lab/a", record="true")
-    [_, assignment] = node["arguments"]
-    bag = r"lab_a_lie_rigid_body_\d{4}-\d\d-\d\d_\d\d-\d\d-\d\d\.mcap"
-    assert re.fullmatch(f"record_path:={bag}", assignment)
 
 
 def test_rviz_shows_every_body_in_its_namespace(launch: Launch) -> None:
@@ -163,4 +123,4 @@ def test_the_end_of_the_evaluator_is_that_of_the_launch(launch: Launch) -> None:
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_it_loads_with_the_real_libraries(file: Path) -> None:
     description = runpy.run_path(str(file))["generate_launch_description"]()
-    assert len(description.entities) == len(ARGUMENTS[file.name]) + 1
+    assert len(description.entities) == len(described(file.name))

@@ -5,13 +5,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from launched import launched
+from launched import described, launched
+
+from lie_rigid_body.scenario.parameter_table import PARAMETERS
 
 ESTIMATOR = "estimator.launch.py"
 VIEW = {"rviz": "true"}
 OWN = {"package": "mine", "executable": "filter"}
 TOP = {"scenario": "dzhanibekov", "namespace": "a", "name": "top"}
-PARAMETERS = {"rate": "200.0", "inertia": "[1.0, 2.0, 3.0]", "record_path": "a.mcap", "body_frame": "a/base_link"}
+GIVEN = {"rate": "200.0", "inertia": "[1.0, 2.0, 3.0]", "record_path": "a.mcap", "body_frame": "a/base_link"}
 TOPICS = {"remappings": "imu:=imu/data_raw", "estimate": "/mine/pose", "namespace": "a"}
 LIMITS = {"max_rms": "1deg", "max_after": "1s:3deg 10s:2deg", "duration": "60", "report": "a.html"}
 FILTER = {**OWN, "parameters": "gain:=0.5 field:='[1.0, 2.0]'", **TOPICS, **LIMITS, "covariance_axes": "body"}
@@ -24,6 +26,25 @@ def started(file, **given):
     for node in launched(file, Path.cwd(), **given):
         lines += [f"{key}: {value}" for key, value in node.items() if not callable(value)]
     return "\n".join(lines)
+
+
+def file():
+    """A parameter file."""
+    Path("p.yaml").write_text("/**: {ros__parameters: {imu_rate: 20.0}}")
+    return "p.yaml"
+
+
+def declared(launch):
+    """The arguments of a launch file, but for parameters of the node, which describe themselves."""
+    parameters = {parameter.name for parameter in PARAMETERS}
+    *arguments, _ = described(launch)
+    own = [
+        f"{name} = {settings['default_value']!r}, {settings.get('choices', 'any')}: {settings['description']}"
+        for name, settings in arguments
+        if name not in parameters
+    ]
+    missing = parameters.difference(name for name, settings in arguments if settings["description"])
+    return "\n".join([*own, f"{len(arguments) - len(own)} parameters of the node, all but {sorted(missing)}"])
 
 
 def sim(**given):
@@ -64,8 +85,12 @@ REFUSED = {
     ],
 }
 SAID = [
+    lambda: declared("sim.launch.py"),
+    lambda: declared("bodies.launch.py"),
+    lambda: declared(ESTIMATOR),
     lambda: sim(),
-    lambda: sim(**TOP, **PARAMETERS, record="true"),
+    lambda: sim(params_file=file(), namespace="/lab/a", record="true"),
+    lambda: sim(**TOP, **GIVEN, record="true"),
     lambda: sim(namespace="a", rviz="true", world_frame="map"),
     lambda: sim(**VIEW, without="tf2_ros"),
     lambda: sim(**{"launch-prefix": "nice"}),
@@ -74,6 +99,7 @@ SAID = [
     lambda: estimator(package="imu_filter_madgwick"),
     lambda: estimator(package="imu_complementary_filter"),
     lambda: estimator(**FILTER),
+    lambda: estimator(**OWN, params_file=file()),
     lambda: estimator(**OWN, **LOCKED),
     lambda: estimator(**OWN, lockstep="true", lockstep_nodes="[/recorder]", lockstep_timeout="2.0"),
 ]
