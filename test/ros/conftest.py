@@ -87,6 +87,13 @@ def observer(module_observer: Peer) -> Iterator[Peer]:
 
 
 @pytest.fixture
+def domain(isolated_ros: None) -> Iterator[int]:
+    """A domain for processes of one test."""
+    with own_domain() as number:
+        yield number
+
+
+@pytest.fixture
 def peer(isolated_ros: None) -> Iterator[Peer]:
     """Another node beside the one that a test starts itself: it has not met those of other tests."""
     with Peer("peer") as peer:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.util import find_spec
 
 import numpy as np
@@ -14,7 +14,6 @@ from evaluator_process import evaluator, of, pose_of
 from lie_rigid_body import attitude_error, simulate
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.simulation import Segment
-from ros_domains import own_domain
 
 if find_spec("rclpy"):
     from diagnostic_msgs.msg import DiagnosticArray
@@ -22,12 +21,6 @@ if find_spec("rclpy"):
     from peer import LATCHED, Peer
     from sensor_msgs.msg import Imu
     from std_msgs.msg import String
-
-
-@pytest.fixture(scope="module")
-def domain(isolated_ros: None) -> Iterator[int]:
-    with own_domain() as number:
-        yield number
 
 
 @pytest.mark.slow

@@ -19,7 +19,6 @@ from simulator_process import Process, SimulatorProcess, assignments, eventually
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.recording.bag_reader import Bag
-from ros_domains import own_domain
 from said import numbers
 
 if find_spec("rclpy"):
@@ -41,12 +40,6 @@ BENCH = {
     "real_time_factor": 0.0,
 }
 """A bench in lock-step: as fast as the filter."""
-
-
-@pytest.fixture
-def domain(isolated_ros: None) -> Iterator[int]:
-    with own_domain() as number:
-        yield number
 
 
 @contextmanager

@@ -8,7 +8,6 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -16,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from simulator_process import eventually
 
 from lie_rigid_body import Run, diagnose, simulate
 from lie_rigid_body.estimates.programs import NodeEstimator, readings_of
@@ -67,12 +67,8 @@ def run() -> BlindRun:
 
 
 def simulated(**rates: Any) -> Run:
-    motion: dict[str, Any] = {
-        "gyro_rate": "integrated",
-        "accelerometer_mode": "pivot_gravity",
-        "sensor_grade": "tactical",
-    }
-    return simulate("tumbling_cubesat", duration=2.0, **motion, **rates)
+    given: Any = {"gyro_rate": "integrated", "accelerometer_mode": "pivot_gravity", "sensor_grade": "tactical"}
+    return simulate("tumbling_cubesat", duration=2.0, **given, **rates)
 
 
 @pytest.fixture
@@ -165,6 +161,7 @@ def test_messages_are_of_the_first_topic_of_each_sensor_and_the_imus_come_last(r
 
 
 SILENT = "def fill(answer, reading): time.sleep(100)"
+UNKNOWN = "def fill(answer, reading): answer.orientation_covariance[0] = -1.0"
 ODOMETRY = """
 kind = Odometry
 def fill(answer, reading):
@@ -177,22 +174,12 @@ def fill(answer, reading):
     ("source", "timeout", "told"),
     [
         ("sys.exit('the gain is missing')", 60.0, [" 1", "the gain is missing"]),
-        pytest.param(
-            "def fill(answer, reading): sys.exit(3 if count == 2 else None)",
-            60.0,
-            ["ended "],
-            marks=SLOW,
-        ),
+        pytest.param("def fill(answer, reading): sys.exit(3 if count == 2 else None)", 60.0, ["ended "], marks=SLOW),
         pytest.param(SILENT, 300.0, [f" {BEGIN_NS + 90_000_000} ns in 10 s"], marks=SLOW),
         ("time.sleep(1000)", 12.0, [" 6 s: ", " /imu/data "]),
         pytest.param("kind = TwistStamped", 60.0, ["/imu/data ", " TwistStamped"], marks=SLOW),
         pytest.param(ODOMETRY, 60.0, ["odom to base_footprint", "world to base_link"], marks=SLOW),
-        pytest.param(
-            "def fill(answer, reading): answer.orientation_covariance[0] = -1.0",
-            60.0,
-            ["orientation"],
-            marks=SLOW,
-        ),
+        pytest.param(UNKNOWN, 60.0, ["orientation"], marks=SLOW),
     ],
 )
 @pytest.mark.usefixtures("isolated_ros")
@@ -229,18 +216,11 @@ def test_the_node_ends_with_who_asked_for_it(tmp_path, scripted, by):
         f"node_estimator({estimate.command!r})(simulate(duration=1.0, imu_rate=100.0))"
     )
     with subprocess.Popen([sys.executable, "-c", script], env={**os.environ, "TMPDIR": str(folder)}) as asking:
-        until(lambda: born.exists() and born.read_text() != "")
+        eventually(lambda: born.exists() and born.read_text() != "", "a node")
         asking.send_signal(by)
-    until(lambda: not Path(f"/proc/{born.read_text()}").exists())
+    eventually(lambda: not Path(f"/proc/{born.read_text()}").exists(), "its end")
     left = [path.name for path in folder.iterdir() if path.suffix != ".lock"]
     assert left == [] or by == signal.SIGKILL
-
-
-def until(is_so: Callable[[], bool]) -> None:
-    end = time.monotonic() + 60.0
-    while not is_so():
-        assert time.monotonic() < end
-        time.sleep(0.05)
 
 
 @pytest.mark.slow

@@ -28,16 +28,9 @@ INCORRECT_TRANSITION = 103
 STOPPED, PLAYING, PAUSED, QUITTING = range(4)
 NAME = "lie_rigid_body"
 EPOCH = 10**18
-SCENARIO = Scenario.from_parameters(
-    {
-        "motion": "closed_form",
-        "rate": 1000.0,
-        "inertia": [1.0, 0.1, -0.05, 1.4, 0.2, 1.9],
-        "initial_attitude_xyzw": [0.5, -0.5, 0.5, 0.5],
-        "initial_body_rate": [0.7, -1.3, 0.4],
-        "world_frame": "map",
-    }
-)
+BODY = {"inertia": [1.0, 0.1, -0.05, 1.4, 0.2, 1.9], "world_frame": "map"}
+START = {"initial_body_rate": [0.7, -1.3, 0.4], "initial_attitude_xyzw": [0.5, -0.5, 0.5, 0.5]}
+SCENARIO = Scenario.from_parameters({"motion": "closed_form", "rate": 1000.0, **BODY, **START})
 
 
 class Simulator:

@@ -159,13 +159,6 @@ class Goal:
         self.ends.append("canceled")
 
 
-@pytest.mark.parametrize("steps", [1, 2, 700])
-def test_steps_come_while_paused(paused: Simulator, steps: int) -> None:
-    assert paused.code("step_simulation", steps=steps) == OK
-    assert paused.sink.stamps == [EPOCH + k * 10**6 for k in range(steps)]
-    assert paused.state == PAUSED
-
-
 @pytest.mark.parametrize("state", [PLAYING, STOPPED])
 def test_steps_fail_unless_paused(paused: Simulator, state: int) -> None:
     assert paused.go_to(state) == OK

@@ -64,6 +64,7 @@ def test_a_report_a_second(diagnostics: Diagnostics, published: list[Any]) -> No
     assert (first.status[0].level, second.status[0].level) == (OK, WARN)
     assert len({first.status[0].message, second.status[0].message} - {""}) == 2
     assert [values(report)["samples per second"] for report in published] == ["50", "100"]
+    assert float(values(first)["samples per second of simulated time"]) == 50.0
     assert [values(report)["samples sent"] for report in published] == ["50", "250"]
     assert [values(report)["missed deadlines in this interval"] for report in published] == ["0", "3"]
     assert values(first)["lateness of the latest sample (ms)"] == "1.500"

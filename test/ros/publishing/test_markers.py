@@ -16,7 +16,7 @@ from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
 
 if find_spec("rclpy"):
-    from visualization_msgs.msg import Marker, MarkerArray
+    from visualization_msgs.msg import Marker
 
     from lie_rigid_body.ros.publishing.views import Markers
 
@@ -27,40 +27,23 @@ INERTIA = [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]
 MATRIX = np.array([[1.0, 0.1, -0.05], [0.1, 1.4, 0.2], [-0.05, 0.2, 1.9]])
 
 
-class Publisher:
+@pytest.fixture
+def publisher() -> Any:
     """A publisher without a network."""
-
-    def __init__(self) -> None:
-        self.lookers = 0
-        self.published: list[MarkerArray] = []
-
-    def get_subscription_count(self) -> int:
-        return self.lookers
-
-    def publish(self, message: MarkerArray) -> None:
-        self.published.append(message)
+    made = SimpleNamespace(lookers=0, published=[])
+    made.publish = made.published.append
+    made.get_subscription_count = lambda: made.lookers
+    return made
 
 
 @pytest.fixture
-def publisher() -> Publisher:
-    return Publisher()
-
-
-@pytest.fixture
-def markers(publisher: Publisher) -> Markers:
+def markers(publisher: Any) -> Markers:
     node: Any = SimpleNamespace(create_publisher=lambda kind, topic, qos: publisher)
     return Markers(node, 20.0)
 
 
-SCENARIO = Scenario.from_parameters(
-    {
-        "motion": "closed_form",
-        "inertia": INERTIA,
-        "initial_body_rate": [0.7, -1.3, 0.4],
-        "initial_attitude_xyzw": [0.5, -0.5, 0.5, 0.5],
-        "world_frame": "map",
-    }
-)
+START = {"initial_body_rate": [0.7, -1.3, 0.4], "initial_attitude_xyzw": [0.5, -0.5, 0.5, 0.5]}
+SCENARIO = Scenario.from_parameters({"motion": "closed_form", "inertia": INERTIA, "world_frame": "map", **START})
 
 
 def feed(markers: Markers, simulation: Simulation, count: int) -> None:
@@ -68,7 +51,7 @@ def feed(markers: Markers, simulation: Simulation, count: int) -> None:
     markers.write(BatchEncoder(SCENARIO).encode(taken))
 
 
-def test_nothing_is_drawn_unless_somebody_looks(markers: Markers, publisher: Publisher) -> None:
+def test_nothing_is_drawn_unless_somebody_looks(markers: Markers, publisher: Any) -> None:
     simulation = Simulation(SCENARIO, NS)
     markers.begin_segment(simulation.segment)
     markers.tick(0, Punctuality())
@@ -83,7 +66,7 @@ def test_nothing_is_drawn_unless_somebody_looks(markers: Markers, publisher: Pub
     assert len(publisher.published) == 20
 
 
-def test_the_picture_is_of_the_latest_state_in_the_world(markers: Markers, publisher: Publisher) -> None:
+def test_the_picture_is_of_the_latest_state_in_the_world(markers: Markers, publisher: Any) -> None:
     simulation = Simulation(SCENARIO, NS)
     markers.begin_segment(simulation.segment)
     publisher.lookers = 1
