@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body import InputError, MovingChart, RigidBody, State
+from lie_rigid_body import MovingChart, RigidBody, State
 from lie_rigid_body.groups import SO, GroupMovingChart, GroupState, Lagrangian, mass_matrix
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.time_steps import steps_between, steps_to
@@ -29,12 +29,6 @@ def test_steps_are_as_few_as_their_largest_length_allows(gaps: list[int], max_st
         assert (count == 0) == (span == 0)
 
 
-@given(st.integers(1, 10**12), st.integers(1, 10**10))
-def test_one_span_has_as_many_steps_as_among_others(span_ns: int, step_ns: int):
-    _, [count] = steps_to(np.array([span_ns]), 0, step_ns / 1e9)
-    assert steps_between(span_ns / 1e9, step_ns / 1e9) == count
-
-
 @pytest.mark.parametrize("step_ns", [1, 3, 7, 1000, 10_000_000, 33_333_333, 10**9])
 @pytest.mark.parametrize("number", [1, 2, 3, 49, 1000, 123_456, 99_999_999])
 def test_a_span_of_whole_steps_has_as_many(step_ns: int, number: int):
@@ -51,11 +45,7 @@ def test_a_span_of_whole_steps_has_as_many(step_ns: int, number: int):
 def test_one_period_is_divided_as_a_row_of_them(span_ns: int, max_step: float):
     _, counts = steps_to(np.array([span_ns]), 0, max_step)
     assert steps_between(span_ns / 1e9, max_step) == pytest.approx(counts[0], rel=1e-14, abs=0)
-
-
-@pytest.mark.parametrize(("period", "max_step", "count"), [(0.01, 0.001, 10), (0.1, 0.03, 4), (1e-9, 1.0, 1)])
-def test_a_period_has_the_fewest_steps_that_are_allowed(period: float, max_step: float, count: int):
-    assert steps_between(period, max_step) == count
+    assert steps_to(np.array([1, span_ns + 1]), 0, 1e300)[1].tolist() == [1, 1]
 
 
 def test_a_step_is_limited_by_the_turn_as_well():
@@ -74,15 +64,6 @@ def test_a_step_of_0_is_as_long_as_the_method_allows(name: str):
     body, rest = RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [0.0, 0.0, 0.0])
     chart = MovingChart(body, rest, method=name)
     np.testing.assert_array_equal(chart.at(2**62).attitude_xyzw, rest.attitude_xyzw)
-
-
-@pytest.mark.parametrize("max_step", [1e-300, 5e-324, 1e300])
-def test_steps_beyond_all_measure_are_told_apart(max_step: float):
-    if max_step > 1.0:
-        assert steps_to(np.array([1, 2**62]), 0, max_step)[1].tolist() == [1, 1]
-        return
-    with pytest.raises(InputError):
-        steps_to(np.array([1]), 0, max_step)
 
 
 @pytest.mark.parametrize("method", ["dmv20", "dmv4", "rkmk4"])

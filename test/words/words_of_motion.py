@@ -13,6 +13,7 @@ from lie_rigid_body.motion.time_steps import steps_to
 
 BODY = RigidBody([1.0, 2.0, 3.0])
 START = State([0.0, 0.0, 0.0, 1.0], [0.1, 0.2, 0.3])
+NO_STEPS = (-1.0, np.inf, np.nan, 10**400, "a", None, True, [0.1])
 MASKED = np.ma.masked_array([0, 1000], mask=[False, True])
 
 
@@ -33,9 +34,12 @@ def chart(rates, *, moments=(1.0, 2.0, 3.0), step=0.001):
 
 REFUSED = {
     InputError: [
-        lambda: MovingChart([1, 2, 3], START),
-        lambda: ClosedForm(BODY, [1, 2, 3]),
-        lambda: ClosedForm(BODY, START).at(0.5),
+        *(lambda body=body: MovingChart(body, START) for body in ([1, 2, 3], np.eye(3), START)),
+        *(lambda start=start: MovingChart(BODY, start) for start in ([1, 2, 3], None, BODY)),
+        lambda: ClosedForm(START, START),
+        lambda: ClosedForm(BODY, BODY),
+        *(lambda t_ns=t_ns: ClosedForm(BODY, START).at(t_ns) for t_ns in (0.5, "1", [[1, 2]], None, [True, False])),
+        lambda: MovingChart(BODY, START).at([2000, 1500]),
         lambda: MovingChart(BODY, START).at([0.1]),
         lambda: ClosedForm(BODY, START).at([[1, 2], [3]]),
         lambda: reached(1000).at(999),
@@ -48,12 +52,13 @@ REFUSED = {
         lambda: steps_to(np.array([1]), 0, 1e-300),
     ],
     ParameterError: [
-        lambda: MovingChart(BODY, START, method="rkmk9"),
-        lambda: MovingChart(BODY, START, max_step=-1.0),
-        lambda: MovingChart(BODY, START, max_step=10**400),
+        *(lambda method=method: MovingChart(BODY, START, method=method) for method in ("rkmk9", [], None)),
+        *(lambda step=step: MovingChart(BODY, START, max_step=step) for step in NO_STEPS),
     ],
     ValueError: [
         lambda: ChainTableau("t", 4, CLASSICAL.a, (*CLASSICAL.b[:3], Fraction(1, 7))),
         lambda: ChainTableau("t", 1, (Fraction(1),), (Fraction(1),)),
+        lambda: ChainTableau("t", 1, (Fraction(0), Fraction(1)), (Fraction(1),)),
+        lambda: ChainTableau("t", 4, (*CLASSICAL.a[:2], Fraction(49, 100), CLASSICAL.a[3]), CLASSICAL.b),
     ],
 }
