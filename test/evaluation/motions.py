@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.signal import lfilter
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import ExactTruth
@@ -42,3 +43,26 @@ def turns(size_deg: float, seed: int, count: int = len(STAMPS)) -> np.ndarray:
 
 def about_up(angle_deg: float) -> np.ndarray:
     return quaternion.exp([0.0, 0.0, np.radians(angle_deg)])
+
+
+def codes(score) -> list[str]:
+    return [finding.code for finding in score.findings]
+
+
+def correlated(draws: np.random.Generator, count: int, memory: float) -> np.ndarray:
+    """Three stationary processes of first order, of variance 1 each, shape (count, 3)."""
+    steps = draws.normal(size=(count, 3)) * np.sqrt(1.0 - memory**2)
+    steps[0] /= np.sqrt(1.0 - memory**2)
+    return lfilter([1.0], [1.0, -memory], steps, axis=0)
+
+
+NED, FRD = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+MOUNTING = quaternion.exp([0.1, 0.2, -0.3])
+FAULTS = {
+    "inverted": quaternion.conjugate,
+    "scalar_first": lambda q: np.roll(q, 1, axis=-1),
+    "ned_world": lambda q: quaternion.multiply(NED, q),
+    "heading_offset": lambda q: quaternion.multiply(about_up(-12.0), q),
+    "body_mounting": lambda q: quaternion.multiply(q, MOUNTING),
+}
+"""What becomes of right attitudes, by the name of the finding."""

@@ -10,7 +10,6 @@ from scipy.stats import chi2, kstest
 import covariances
 from lie_rigid_body.evaluation import attitude_nees, nees
 from lie_rigid_body.evaluation.ensemble_consistency import COVERAGES, ensemble_consistency, mean_bounds
-from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
 from sampled import sampled
 
@@ -164,36 +163,6 @@ def test_one_dimension_is_judged_as_well():
     found = ensemble_consistency(np.arange(20.0), errors, np.full((50, 20, 1, 1), 4.0))
     assert (found.verdict, found.cause) == ("conservative", "factor")
     assert found.factor_bounds[0] < 0.25 < found.factor_bounds[1]
-
-
-def test_what_cannot_be_judged_is_refused():
-    errors, covariance = covariances.drawn("constant", np.random.default_rng(1))
-    with pytest.raises(InputError):
-        ensemble_consistency(covariances.TIMES, errors[:9], covariance[:9])
-    with pytest.raises(InputError):
-        ensemble_consistency(covariances.TIMES, errors, -covariance)
-    with pytest.raises(InputError):
-        ensemble_consistency(covariances.TIMES, errors, covariance, axes="earth")
-
-
-@pytest.mark.filterwarnings("error")
-def test_what_has_no_number_or_another_shape_is_refused():
-    errors, covariance = covariances.drawn("stationary", np.random.default_rng(1))
-    times, attitude = covariances.TIMES, np.tile([0.0, 0.0, 0.0, 1.0], (*errors.shape[:2], 1))
-    for value in (np.nan, np.inf, 1e300):  # the square of the last overflows
-        wrong = errors.copy()
-        wrong[3, 5, 1] = value
-        with pytest.raises(InputError, match=r"^errors: "):
-            ensemble_consistency(times, wrong, covariance)
-    for name, t_s, e, P, q in (
-        ("errors", times, errors[0], covariance, attitude),
-        ("covariance", times, errors, covariance[0], attitude),
-        ("t_s", times[1:], errors, covariance, attitude),
-        ("t_s", times[np.newaxis], errors, covariance, attitude),
-        ("attitude_xyzw", times, errors, covariance, attitude[0]),
-    ):
-        with pytest.raises(InputError, match=f"^{name}: "):
-            ensemble_consistency(t_s, e, P, q)
 
 
 def test_lists_and_one_covariance_of_all_are_read():

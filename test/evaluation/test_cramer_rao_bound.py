@@ -14,7 +14,6 @@ from lie_rigid_body.evaluation.cramer_rao_bound import (
     VectorReadings,
     cramer_rao_bound,
 )
-from lie_rigid_body.lie import quaternion, so3
 from lie_rigid_body.lie.so3 import hat
 from lie_rigid_body.lie.vectors import norm
 from said import numbers
@@ -22,7 +21,6 @@ from said import numbers
 MOTION = ClosedForm(RigidBody([1.0, 2.0, 3.0]), State([0.1, -0.3, 0.2, np.sqrt(0.86)], [0.3, 1.0, -0.4]))
 PERIOD_NS = 20_000_000
 H = PERIOD_NS / 1e9
-INITIAL = 0.05
 UP, NORTH = np.array([0.0, 0.0, 9.81]), np.array([0.05, 0.4, -0.8])
 
 
@@ -56,51 +54,6 @@ def test_what_is_left_is_known_where_nothing_is_read():
     steps = (0.1 * H) ** 2 * (1.0 + 2.0 * (2.0 * np.sin(turns / 2.0) / turns) ** 2)
     np.testing.assert_allclose(np.diff(trace), steps, rtol=1e-5)
     assert (np.trace(found.smoothed, axis1=1, axis2=2) <= trace * (1.0 + 1e-12)).all()
-
-
-def filtered(q: np.ndarray, noises: dict[str, float], count: int, seed: int) -> np.ndarray:
-    """An error-state Kalman filter as textbooks have it, on readings of its own noise: its errors, body axes, rad."""
-    random = np.random.default_rng(seed)
-    gyro_bias = random.normal(size=3) * noises["turn_on"]
-    estimate, bias = q[0], np.zeros(3)
-    covariance = np.diag([INITIAL**2] * 3 + [noises["turn_on"] ** 2] * 3)
-    estimate = quaternion.multiply(q[0], quaternion.exp(INITIAL * random.normal(size=3)))
-    errors = np.empty((count, 3))
-    for k in range(count):
-        if k:
-            gyro_bias = gyro_bias + noises["walk"] * random.normal(size=3)
-            turn = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k - 1]), q[k])) / H
-            rate = turn + gyro_bias + noises["gyro"] * random.normal(size=3) - bias
-            estimate = quaternion.multiply(estimate, quaternion.exp(H * rate))
-            f = np.block([[so3.exp(-H * rate), -H * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
-            covariance = f @ covariance @ f.T
-            covariance += np.diag([(H * noises["gyro"]) ** 2] * 3 + [noises["walk"] ** 2] * 3)
-        for vector, sigma in ((UP, noises["up"]), (NORTH, noises["north"])):
-            reading = quaternion.rotate(quaternion.conjugate(q[k]), vector) + sigma * random.normal(size=3)
-            expected = quaternion.rotate(quaternion.conjugate(estimate), vector)
-            seen = np.hstack([hat(expected), np.zeros((3, 3))])
-            gain = np.linalg.solve(seen @ covariance @ seen.T + sigma**2 * np.eye(3), seen @ covariance).T
-            correction = gain @ (reading - expected)
-            estimate = quaternion.multiply(estimate, quaternion.exp(correction[:3]))
-            bias = bias + correction[3:]
-            covariance = (np.eye(6) - gain @ seen) @ covariance
-        errors[k] = quaternion.log(quaternion.multiply(quaternion.conjugate(q[k]), estimate))
-    return errors
-
-
-def test_a_good_filter_comes_as_near_as_the_bound_and_no_nearer():
-    count, runs = 100, 8
-    t_ns = stamps(count)
-    q = MOTION.at(t_ns).attitude_xyzw
-    noises = {"gyro": 0.02, "turn_on": 0.05, "walk": 1e-3, "up": 0.3, "north": 0.03}
-    vectors = [VectorReadings(t_ns, UP, noises["up"]), VectorReadings(t_ns, NORTH, noises["north"])]
-    bias = BiasNoise(noises["turn_on"], noises["walk"])
-    bound = cramer_rao_bound(t_ns, q, gyro_noise=noises["gyro"], gyro_bias=bias, vectors=vectors, initial=INITIAL)
-    errors = np.array([filtered(q, noises, count, seed) for seed in range(runs)])[:, 50:]
-    squares = np.einsum("rki,kij,rkj->rk", errors, np.linalg.inv(bound.filtered[50:]), errors)
-    # errors of one run go together: some 80 independent squares in all
-    assert 0.65 < np.mean(squares) / 3.0 < 1.5
-    assert bound.rms(bound.smoothed) < 0.8 * bound.rms(bound.filtered[50:])
 
 
 def test_what_no_reading_tells_is_named_and_no_angle_is_larger_than_that_of_a_guess():

@@ -6,19 +6,21 @@ import re
 import tracemalloc
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from motions import CLOCK, MOTIONS, STAMPS, turns
+from motions import CLOCK, FAULTS, MOTIONS, STAMPS, turns
 
-from lie_rigid_body import ClosedForm, RigidBody, State, simulate
-from lie_rigid_body.evaluation import ExactTruth, SampledTruth, Score, evaluate
+from lie_rigid_body import ClosedForm, RigidBody, State
+from lie_rigid_body.evaluation import ExactTruth, SampledTruth
 from lie_rigid_body.evaluation.causes import CAUSES
 from lie_rigid_body.evaluation.clock import other_clock
 from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.evaluation.score import Finding
 from lie_rigid_body.lie import quaternion
 from sampled import sampled
+from untyped import evaluate, simulate
 
 TEN = np.arange(201) * 50_000_000
 """Ten seconds at 20 Hz."""
@@ -62,22 +64,7 @@ def test_stamps_that_are_off_by_half_of_the_run_are_a_lag_and_nothing_else(motio
     score = evaluate(TEN + round(shift_s * 1e9), estimate, truth)
     assert list(told(score)) == ["lagging" if shift_s > 0.0 else "leading"]
     assert score.lag_s == pytest.approx(shift_s, abs=0.02)
-    assert score.lag_s is not None
-    assert score.lag_standard_error_s is not None
     assert abs(score.lag_s - shift_s) < 4.0 * score.lag_standard_error_s
-
-
-def test_no_lag_beyond_the_longest_that_is_wanted_is_told():
-    estimate, truth = of_ten("slow_tumble")
-    score = evaluate(TEN + 3_000_000_000, estimate, truth, longest_lag_s=1.0)
-    assert (score.lag_s, {*told(score)} & {"lagging", "leading"}) == (None, set())
-
-
-def test_a_slow_body_by_stamps_that_are_off_and_without_noise():
-    run = simulate("tumbling_cubesat", duration=10.0, rate=20.0)
-    score = run.score(run.truth.attitude_xyzw, run.t_ns + 5_000_000_000)
-    assert list(told(score)) == ["lagging"]
-    assert score.lag_s == pytest.approx(5.0, abs=1e-6)
 
 
 def test_many_wrong_stamps_ask_for_no_more_memory():
@@ -185,7 +172,7 @@ REPEAT_S = 2.64
 TOP = ClosedForm(RigidBody([0.6, 0.8, 1.0]), State([0, 0, 0, 1], [3.0, 0.5, -0.9]))
 
 
-def late(motion: ClosedForm, lag_s: np.ndarray | float) -> Score:
+def late(motion: ClosedForm, lag_s: np.ndarray | float) -> Any:
     stamps = INNER - np.round(np.asarray(lag_s) * 1e9).astype(np.int64)
     estimate = quaternion.multiply(motion.at(stamps).attitude_xyzw, turns(0.5, 3, len(INNER)))
     truth = ExactTruth(lambda t_ns: motion.at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
@@ -194,13 +181,6 @@ def late(motion: ClosedForm, lag_s: np.ndarray | float) -> Score:
 
 DISC = ClosedForm(RigidBody([0.5, 0.5, 0.96]), State([0, 0, 0, 1], [2.0, 0.0, 40.0]))
 """A disc in flight: it precesses in 0.08 s, by which any lag and mounting have another like them."""
-NED, FRD = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
-WRITTEN = {
-    "ned_world": lambda q: quaternion.multiply(NED, q),
-    "inverted": quaternion.conjugate,
-    "heading_offset": lambda q: quaternion.multiply(quaternion.exp([0.0, 0.0, 0.3]), q),
-    "body_mounting": lambda q: quaternion.multiply(q, FRD),
-}
 
 GROWING = np.linspace(0.0, 1.0, len(INNER))
 
@@ -212,7 +192,6 @@ def test_a_lag_that_grows_from_nearly_none_is_not_told_and_one_that_changes_a_li
     assert not {"lagging", "leading"} & {finding.code for finding in score.findings}
     score = late(TOP, 0.1 + 0.02 * GROWING)
     assert score.lag_s == pytest.approx(0.11, abs=0.005)
-    assert score.lag_standard_error_s is not None
     assert score.lag_standard_error_s < 0.01
 
 
@@ -229,7 +208,7 @@ def test_a_far_lag_is_that_of_each_quarter():
 def test_of_a_top_the_nearest_lag_is_named_with_the_fewest_causes(cause, lag_s):
     truth = ExactTruth(lambda t_ns: DISC.at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
     stamps = STAMPS[::2]
-    score = evaluate(stamps, WRITTEN[cause](DISC.at(stamps - round(lag_s * 1e9)).attitude_xyzw), truth)
+    score = evaluate(stamps, FAULTS[cause](DISC.at(stamps - round(lag_s * 1e9)).attitude_xyzw), truth)
     assert {finding.code for finding in score.findings} == {cause, "lagging" if lag_s > 0.0 else "leading"}
     assert score.lag_s == pytest.approx(lag_s, abs=1e-6)
     assert score.findings[-1].rms_deg_after < 1e-3
@@ -244,6 +223,5 @@ def test_a_tilt_of_the_world_is_no_lag_and_a_lag_beside_it_is_told_within_its_er
     truth = ExactTruth(lambda t_ns: MOTIONS[motion].at(t_ns).attitude_xyzw, 0, int(STAMPS[-1]))
     score = evaluate(INNER, quaternion.multiply(estimate, turns(0.2, 3, len(INNER))), truth)
     if score.lag_s is not None:
-        assert score.lag_standard_error_s is not None
         assert abs(score.lag_s - lag_s) <= 3.0 * score.lag_standard_error_s
     assert lag_s or not {"lagging", "leading"} & {finding.code for finding in score.findings}

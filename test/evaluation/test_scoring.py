@@ -7,31 +7,29 @@ from typing import Any
 
 import numpy as np
 import pytest
-from motions import MOTIONS, STAMPS, attitude, truth_of, turns
+from motions import MOTIONS, STAMPS, attitude, codes, correlated, truth_of, turns
 
-from lie_rigid_body import simulate
-from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error, evaluate
+from lie_rigid_body.evaluation import Limits, SampledTruth, attitude_error
 from lie_rigid_body.evaluation.causes import BY_CODE, fit
 from lie_rigid_body.evaluation.clock import standard_error
 from lie_rigid_body.evaluation.matched import Matched
 from lie_rigid_body.lie import quaternion
 from said import numbers
+from untyped import evaluate, simulate
 
 MOTION = "slow_tumble"
 NOISY = quaternion.multiply(attitude(MOTION), turns(0.5, seed=2))
 
 
-def codes(score):
-    return [finding.code for finding in score.findings]
-
-
 def test_the_json_has_the_promised_entries():
     score = evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("0.1deg"), covariance=np.eye(3) * 1e-4)
+    assert abs(score.lag_s) < 4.0 * score.lag_standard_error_s < 0.05
     found = json.loads(json.dumps(score.to_dict(), allow_nan=False))
     assert {"samples", "total_deg", "heading_deg", "inclination_deg", "lag_s", "findings", "passed"} <= set(found)
     for name in ("total_deg", "heading_deg", "inclination_deg"):
         assert list(found[name]) == ["rms", "median", "p95", "max", "final"]
     assert found["samples"] == len(STAMPS)
+    assert found["lag_standard_error_s"] == score.lag_standard_error_s
     assert found["passed"] is False
     assert found["nees"]["verdict"] == "conservative"
     assert evaluate(STAMPS, NOISY, truth_of(MOTION), limits=Limits.parse("1deg", "10s:3deg"), diagnosed=False).passed
@@ -46,16 +44,6 @@ def test_the_series_are_in_the_json_on_request():
     assert max(series["total_deg"]) == score.total_deg.max
 
 
-def correlated(seed: int, memory: float) -> np.ndarray:
-    """Small rotations of 0.5° on each axis, white or of first order in time."""
-    white = np.random.default_rng(seed).normal(size=(len(STAMPS), 3))
-    found = np.empty_like(white)
-    found[0] = white[0]
-    for k in range(1, len(white)):
-        found[k] = memory * found[k - 1] + np.sqrt(1.0 - memory**2) * white[k]
-    return quaternion.exp(found * np.radians(0.5))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.0, 0.95])
 def test_the_standard_error_of_the_lag_is_its_spread(memory):
@@ -64,20 +52,13 @@ def test_the_standard_error_of_the_lag_is_its_spread(memory):
     causes = [BY_CODE[code] for code in ("heading_offset", "body_mounting", "lagging")]
     off, claimed = [], []
     for seed in range(24):
-        estimate = quaternion.multiply(true, correlated(seed, memory))
+        draws = np.random.default_rng(seed)
+        estimate = quaternion.multiply(true, quaternion.exp(np.radians(0.5) * correlated(draws, len(STAMPS), memory)))
         track = Matched(STAMPS[inner], estimate[inner], truth_of(MOTION))
         fitted = fit([track], [(cause, np.zeros(cause.price)) for cause in causes])
         off.append(fitted[-1][1][0] - 0.03)
         claimed.append(standard_error(track, fitted))
     assert 0.6 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(claimed))) < 1.5
-
-
-def test_the_standard_error_is_in_the_score():
-    score = evaluate(STAMPS, NOISY, truth_of(MOTION))
-    assert score.lag_s is not None
-    assert score.lag_standard_error_s is not None
-    assert abs(score.lag_s) < 4.0 * score.lag_standard_error_s < 0.05
-    assert score.to_dict()["lag_standard_error_s"] == score.lag_standard_error_s
 
 
 def test_statistics_are_those_of_the_error_at_the_stamps():
@@ -98,12 +79,6 @@ def test_an_estimate_ten_times_as_fast_as_the_truth_is_compared_at_its_own_stamp
     assert score.samples == len(STAMPS)
     assert abs(score.total_deg.max - exact.total_deg.max) <= score.truth_uncertainty_deg * 1.05 + 1e-12
     assert codes(score) == []
-
-
-def test_a_truth_that_is_too_coarse_is_named():
-    motion = "fast_tumble"
-    score = evaluate(STAMPS, attitude(motion), SampledTruth(STAMPS[::20], attitude(motion)[::20]))
-    assert codes(score)[0] == "gaps"
 
 
 def test_samples_outside_the_truth_are_counted_and_a_late_begin_is_named():
@@ -139,23 +114,14 @@ def test_covariances_go_with_their_stamps():
     P[400] *= 1e9
     truth = SampledTruth(STAMPS[:1000], attitude(MOTION)[:1000])
     score = evaluate(STAMPS[kept], NOISY[kept], truth, covariance=P, diagnosed=False)
-    assert score.consistency is not None
     assert score.consistency.verdict == "consistent"
     assert score.consistency.nees.shape == (1000,)
-
-
-def test_one_sample_has_a_score():
-    score = evaluate(STAMPS[:1], NOISY[:1], truth_of(MOTION))
-    assert score.samples == 1
-    assert score.lag_s is None
-    json.dumps(score.to_dict(), allow_nan=False)
 
 
 def test_no_lag_is_told_of_what_does_not_follow_the_truth():
     """Readings of a gyro that is at the end of its range, added up: some lag fits best, and explains nothing."""
     given: dict[str, Any] = {"sensor_grade": "tactical", "gyro_rate": "integrated", "motion": "closed_form"}
     run = simulate("thrown_disc", duration=20.0, imu_rate=50.0, **given)
-    assert run.imu is not None
     attitude = [run.truth.attitude_xyzw[0]]
     for turn in quaternion.exp(run.imu.gyro[1:] / 50.0):
         attitude.append(quaternion.multiply(attitude[-1], turn))

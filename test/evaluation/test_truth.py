@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from motions import MOTIONS, STAMPS, attitude, truth_of
 
-from lie_rigid_body import Limits, simulate
 from lie_rigid_body.evaluation import ExactTruth, SampledTruth, attitude_error, evaluate
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.remarks import of_series
@@ -127,21 +124,3 @@ def test_a_norm_whose_square_overflows_is_remarked():
         assert [
             remark.code for remark in of_series(np.arange(3), np.full(3, True), factor * Q, SampledTruth([0, 2], Q[:2]))
         ] == codes
-
-
-@pytest.mark.filterwarnings("error")
-def test_a_number_of_another_type_is_read_or_refused():
-    limits: Any = Limits
-    assert limits(np.float32(1.0)).max_rms_deg == Limits(1).max_rms_deg == 1.0
-    for value in (np.timedelta64(1, "s"), np.bool_(True), "1", 10**400, np.nan, 0):
-        with pytest.raises(InputError):
-            limits(value)
-    spans: list[Any] = [np.timedelta64(1, "s"), np.timedelta64(100, "ns"), np.array(np.timedelta64(100, "ns"))]
-    for span in spans:
-        with pytest.raises(InputError):
-            simulate(duration=span)
-    view: Any = memoryview(np.ones((2, 1, 1)))
-    with pytest.raises(InputError):
-        simulate(duration=0.1, inertia=view)
-    with pytest.raises(InputError):
-        simulate(duration=0.1, seeds=view)

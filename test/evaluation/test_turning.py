@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 from itertools import accumulate
 
 import numpy as np
 import pytest
-from motions import MOTIONS, STAMPS, attitude, truth_of, turns
+from motions import MOTIONS, STAMPS, attitude, codes, truth_of, turns
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.evaluation import Finding, SampledTruth, evaluate
@@ -46,26 +47,15 @@ def remarks_on(matrix: np.ndarray) -> list[Remark]:
 
 @pytest.mark.parametrize(
     ("matrix", "code", "told"),
-    sampled(
-        [
-            (DEGREE * UNCHANGED, "turn_rate", " 57.3 "),
-            (UNCHANGED / DEGREE, "turn_rate", " 57.3 "),
-            (2.0 * UNCHANGED, "turn_rate", " 2 "),
-            (10.0 * UNCHANGED, "turn_rate", " 10 "),
-            (0.3 * UNCHANGED, "turn_rate", " 3.33 "),
-            (SWAPPED, "turn_axes", " y, x, z:"),
-            (CYCLED, "turn_axes", " z, x, y:"),
-            (-UNCHANGED, "turn_axes", " -x, -y, -z:"),
-            (DEGREE * SWAPPED, "turn_axes", " y, x, z, 57.3 "),
-            (0.0 * UNCHANGED, "stuck", " 224.6°"),
-            (UNCHANGED, "", ""),
-            (1.1 * UNCHANGED, "", ""),
-            (1.4 * UNCHANGED, "", ""),
-        ],
-        every=2,
-    ),
+    [
+        (DEGREE * UNCHANGED, "turn_rate", " 57.3 "),
+        (-UNCHANGED, "turn_axes", " -x, -y, -z:"),
+        (0.0 * UNCHANGED, "stuck", " 224.6°"),
+        *((factor * UNCHANGED, "", "") for factor in (1.0, 1.1, 1.4)),
+    ],
 )
 def test_a_gyro_of_another_unit_or_on_other_axes_is_told(matrix, code, told):
+    """More of them are in the sentences of this room."""
     found = remarks_on(matrix)
     assert [remark.code for remark in found] == [code] * bool(code)
     assert all(told in remark.message for remark in found), found
@@ -112,7 +102,8 @@ def test_the_least_of_estimates_that_errs_by_much_has_a_score(count):
     stamps, wrong = STAMPS[:count], quaternion.multiply([1.0, 0.0, 0.0, 0.0], attitude("slow_tumble")[:count])
     score = evaluate(stamps, wrong, truth_of("slow_tumble"))
     assert score.total_deg.rms == pytest.approx(180.0)
-    assert {finding.code for finding in score.findings} == {"gaps"}
+    assert (score.samples, score.lag_s, set(codes(score))) == (count, None, {"gaps"})
+    json.dumps(score.to_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize("every", [2, 3, 10])

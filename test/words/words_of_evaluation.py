@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from motions import STAMPS, about_up, attitude, truth_of
+from motions import FRD, NED, STAMPS, about_up, attitude, truth_of
 from test_turning import CYCLED, SWAPPED, UNCHANGED, remarks_on
 
 from lie_rigid_body import ClosedForm, RigidBody, State
@@ -20,6 +20,7 @@ from lie_rigid_body.evaluation import (
     bias_error,
     evaluate,
     nees,
+    time_to_converge,
 )
 from lie_rigid_body.evaluation.arguments import read_series, read_stamps
 from lie_rigid_body.evaluation.attitudes import AttitudeError
@@ -40,14 +41,33 @@ ASLANT = VectorReadings(TWO, np.array([0.6, 0.0, 0.8]), 0.3)
 MOTION = "slow_tumble"
 TRUE = attitude(MOTION)
 TRUTH = truth_of(MOTION)
-NED, FRD = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
 EVERY = np.arange(len(STAMPS))
 MASK = np.ma.masked_array([0, 1, 2], mask=[False, True, False])
 NO_NUMBERS = [Q.astype(str), Q.astype(bool), Q.astype(str).astype(object), [[None] * 4] * 3, [[1, 2], [3]], {"q": Q}]
-NO_ANGLES = (0.0, -1.0, np.nan, np.inf, "1deg", True, [1.0], 10**400)
+NO_ANGLES = (0.0, -1.0, np.nan, np.inf, "1deg", True, [1.0], 10**400, np.timedelta64(1, "s"), np.bool_(True))
 NO_TIMES = (None, "0", 0.5, True, [[0], [1, 2]], 10**30)
 NO_SEEDS = ("x", -1, 1.5, True, None)
 FORTY = STAMPS[:20]
+NO_PAIRS = [([1.0] * 50, [1.0] * 49), ([[1.0]], [[1.0]]), (1.0, 2.0), ([1.0], "b"), (None, [1.0]), ([1j], [1.0])]
+NO_PAIRS += [([1e308], [1.0])]
+NO_COURSES = [
+    *((times, errors, 1.5) for times, errors in ((np.arange(3), np.ones(6)), (np.arange(6), np.ones(3)))),
+    *((times, np.ones(2), 1.5) for times in ([1.0, 0.0], [0.0, np.nan], "01", 0.0)),
+    *(([0.0, 1.0], errors, 1.5) for errors in (np.ones((2, 1)), "01", None)),
+    *(([0.0, 1.0], np.ones(2), limit) for limit in (np.nan, -1.0, "1", None)),
+]
+ENSEMBLE = np.ones((12, 5, 3))
+NO_ENSEMBLES = [
+    (np.arange(5.0), ENSEMBLE[:9], np.eye(3)),
+    (np.arange(5.0), ENSEMBLE, -np.eye(3)),
+    # the square of the last overflows
+    *((np.arange(5.0), ENSEMBLE * value, np.eye(3)) for value in (np.nan, np.inf, 1e300)),
+    (np.arange(5.0), ENSEMBLE[0], np.eye(3)),
+    (np.arange(5.0), ENSEMBLE, np.ones((5, 3, 3))),
+    (np.arange(4.0), ENSEMBLE, np.eye(3)),
+    (np.arange(5.0)[np.newaxis], ENSEMBLE, np.eye(3)),
+    (np.arange(5.0), ENSEMBLE, np.eye(3), np.tile(ONE, (5, 1))),
+]
 
 
 def both(*given):
@@ -159,6 +179,12 @@ REFUSED = {
         lambda: score(converged_deg=0.0),
         *(lambda truth=truth: evaluate(STAMPS, TRUE, truth) for truth in (Judge(), None, TRUE)),
         *(lambda seed=seed: seeded(seed) for seed in NO_SEEDS),
+        *(lambda given=given: of_run(*given) for given in NO_PAIRS),
+        *(lambda given=given: of_runs(*given) for given in NO_PAIRS),
+        *(lambda value=value: of_run(FORTY, np.where(np.arange(20) == 3, value, 1.0)) for value in (np.nan, np.inf)),
+        *(lambda given=given: time_to_converge(*given) for given in NO_COURSES),
+        *(lambda given=given: ensemble_consistency(*given) for given in NO_ENSEMBLES),
+        lambda: ensemble_consistency(np.arange(5.0), ENSEMBLE, np.eye(3), axes="earth"),
         lambda: score(covariance=np.tile(P, (5, 1, 1))),
         lambda: score(covariance_axes="map"),
         lambda: consistency(np.zeros((3, 3))),
@@ -233,7 +259,7 @@ def spinning():
 def turning(matrix):
     """The remark on a gyro that reads the turns of a body by a matrix."""
     [remark] = remarks_on(matrix)
-    return remark.message
+    return f"{remark.code}: {remark.message}"
 
 
 SAID = [

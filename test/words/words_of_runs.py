@@ -12,6 +12,7 @@ from lie_rigid_body.foundation.errors import LieRigidBodyError
 
 RUN = simulate("tumbling_cubesat", duration=1.0, imu_rate=50.0, motion="closed_form")
 Q, T = RUN.truth.attitude_xyzw, RUN.t_ns
+NO_TIMES = (0.0, np.nan, "60", 10**5000, np.timedelta64(1, "s"))
 NO_TOPICS = [{"pos": "/a/pose"}, {"pose": 1}, {1: "/a/pose"}, ["pose"], "pose", "x" * 1000]
 NO_NAMES = ("/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a", 3)
 
@@ -32,7 +33,9 @@ REFUSED = {
     LieRigidBodyError: [
         lambda: simulated(scenario="perpetual"),
         *(lambda scenario=scenario: simulated(scenario=scenario) for scenario in (5, "a/file", "file.yml", 10**5000)),
-        *(lambda duration=duration: simulated(duration=duration) for duration in (0.0, np.nan, "60", 10**5000)),
+        *(lambda duration=duration: simulated(duration=duration) for duration in NO_TIMES),
+        lambda: simulated(inertia=memoryview(np.ones((2, 1, 1)))),
+        lambda: simulated(seeds=memoryview(np.ones((2, 1, 1)))),
         lambda: simulated(imu_rte=3.0),
         lambda: simulated(seeds=[1], sensor_seed=2),
         *(lambda seeds=seeds: simulated(seeds=seeds) for seeds in ([-1], 5, [])),
