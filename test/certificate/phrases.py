@@ -10,11 +10,8 @@ PHRASES = {
     # what is not certified
     "before": "what came before its first sample",
     "after": "what came after its last sample",
-    "shortened": "what came after its last sample: whoever cuts samples off can lower their count",
     "bare twists": "which twist is of which pose",
     "recorder's log times": "log times: a recorder's",
-    "no checksum": "parts without a checksum: {count}",
-    "attachments": "{count} attachments",
     "beside the messages": "what stands beside the messages: attachments, sequence numbers, ",
     "stray": "topic {topic} ({count} messages), which no scenario determines",
     "another type": "topic {topic} (as {kind}, 0 messages), which no scenario determines",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from tampering import Change, tamper
 
@@ -111,11 +112,11 @@ ALL = (IMU, BIAS, MAG)
 AT = 37
 
 
-def write(path: Path, *stages: tuple[dict[str, object], float], chunk_size: int = 40_000) -> Path:
+def write(path: Path, *stages: tuple[dict[str, object], float], chunk_size: int = 40_000, **options: Any) -> Path:
     """A bag as a node records it: a reset's scenario at once, readings left from before it later."""
     simulation = Simulation(Scenario.from_parameters({**BODY, **RATES, **stages[0][0]}))
     end = EPOCH
-    with BagWriter(path, stamped_twist=True, chunk_size=chunk_size) as bag:
+    with BagWriter(path, stamped_twist=True, chunk_size=chunk_size, **options) as bag:
         for i, (parameters, seconds) in enumerate(stages):
             if i:
                 simulation.reset(Scenario.from_parameters({**BODY, **RATES, **parameters}))

@@ -88,39 +88,6 @@ def test_energy_and_momentum_are_reported_and_not_judged(motion):
         assert not wide.law(name).is_judged
 
 
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        {"inertia": [1.0, 2.0, 3.0], "initial_body_rate": [1e-9, 2.0, 3e-10], "rate": 2.0, "max_step": 0.01},
-        {"inertia": [1.0, 2.0, 3.0], "initial_body_rate": [1e-12, 2.0, -1e-12], "rate": 2.0, "max_step": 0.05},
-        pytest.param(
-            {"inertia": [1.0, 1.7, 2.6], "initial_body_rate": [1e-3, 2.0, -2e-3], "rate": 0.1, "max_step": 0.1},
-            marks=pytest.mark.slow,
-        ),
-        {"inertia": [6.2, 5.9, 1.98], "initial_body_rate": [1e-11, 1e-11, 6.1], "rate": 10.0, "method": "dmv6"},
-        {"inertia": [1e-3, 1.0, 1.0], "initial_body_rate": [0.5, 2.0, 1.0], "method": "dmv4", "max_step": 0.01},
-        {"inertia": [3e-13, 4e-13, 5e-13], "initial_body_rate": [40.0, 2.0, 17.0], "max_step": 0.01},
-        {"inertia": [1.0, 1.0 + 2e-16, 1.5], "initial_body_rate": [1e-3, 2e-3, 1e-4], "rate": 1000.0},
-        {**FAST, "max_step": 10.0, "rate": 0.1},
-        {"inertia": [1.0, 2.0, 3.0], "initial_body_rate": [3e3, 2e3, 1e2], "rate": 1e4},
-    ],
-    ids=[
-        "separatrix",
-        "nearest separatrix",
-        "long steps near the separatrix",
-        "principal axis",
-        "rod",
-        "tiny and fast",
-        "nearly symmetric",
-        "steps limited by the stepper",
-        "faster than max_step allows",
-    ],
-)
-def test_difficult_motions_are_certified(parameters):
-    found = certify(run({"max_step": 0.001, **parameters}, 150))
-    assert found.passed, found.messages
-
-
 @pytest.mark.slow
 def test_three_million_steps_of_the_default_stepper_are_certified():
     found = certified(run({**FAST, "rate": 0.005, "max_step": 0.066}, 1000))

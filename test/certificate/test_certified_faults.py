@@ -68,22 +68,6 @@ def test_faults_of_axes_that_are_declared_away_are_missed(tmp_path, name):
     assert broken(found) & set(VALUES)
 
 
-def test_a_spike_that_is_smoothed_away_is_named(tmp_path):
-    path = write(tmp_path / "a.mcap", ({**START, "gyro_spike_probability": 0.01, "gyro_spike_size": 50.0}, 0.5))
-
-    def smoothed(numbers: np.ndarray) -> np.ndarray:
-        return np.where(np.abs(numbers) > 20.0, numbers - np.sign(numbers) * (50.0 - 1e-9), numbers)
-
-    change = on(IMU, lambda ms: [with_numbers(m, 24, smoothed) if largest(m) > 20.0 else m for m in ms])
-    found = certificate(path, tmp_path, change)
-    assert broken(found) == {"gyro"}
-
-
-def largest(message: Message) -> float:
-    """Size of the largest component of an angular velocity."""
-    return float(np.abs(np.frombuffer(message.data[-192:-168])).max())
-
-
 @pytest.mark.parametrize("topic", [IMU, BIAS, MAG])
 def test_readings_that_should_be_lost_or_not_are_named(tmp_path, topic):
     path = write(tmp_path / "a.mcap", ({**START, **LOST}, 0.6))
@@ -122,41 +106,6 @@ def test_a_late_reading_that_is_logged_otherwise_is_counted(tmp_path):
     found = certificate(path, tmp_path, sooner)
     assert broken(found) == {"log times"}
     assert [law.broken for law in found.whole if law.name == "log times"] == [1]
-
-
-@pytest.mark.parametrize(
-    ("topic", "from_end", "law"),
-    [
-        (IMU, 37, "IMU orientation"),
-        (IMU, 33, "IMU frame and covariances"),
-        (ATTITUDE, 40, "attitude sensor"),
-        (ATTITUDE, 36, "attitude sensor frame and position"),
-        (ATTITUDE, 15, "attitude sensor covariance"),
-        (ATTITUDE, 1, "attitude sensor covariance"),
-        (ATTITUDE, 43, "attitude sensor frame and position"),
-        (SUN, 3, "sun sensor"),
-        (SUN, 1, "sun sensor"),
-    ],
-)
-@pytest.mark.parametrize("by", [1e-11, np.nan])
-def test_another_orientation_or_direction_is_named(pointing, tmp_path, topic, from_end, law, by):
-    change = lambda numbers: np.concatenate([[numbers[0] + by], numbers[1:]])  # noqa: E731
-    tampered = on(topic, at(4, lambda m: with_numbers(m, from_end, change)))
-    found = certificate(pointing, tmp_path, tampered)
-    assert broken(found) == {law}
-    assert [one.sample for one in laws(found, law)] == [4]
-
-
-@pytest.mark.parametrize("topic", [ATTITUDE, SUN])
-def test_a_missing_or_renamed_reading_is_named(pointing, tmp_path, topic):
-    sensor = "sun sensor" if topic == SUN else "attitude sensor"
-    missing = certificate(pointing, tmp_path, on(topic, lambda ms: [*ms[:3], *ms[4:]]))
-    assert broken(missing) == {f"{sensor} stamps"}
-    assert [(law.unit, law.sample) for law in laws(missing, f"{sensor} stamps")] == [(GAP, 3)]
-    frame = (b"base_link", b"basa_link") if topic == SUN else (b"world", b"warld")
-    renamed = on(topic, at(3, lambda m: m._replace(data=m.data.replace(*frame))))
-    [name] = broken(certificate(pointing, tmp_path, renamed))
-    assert name.startswith(f"{sensor} frame")
 
 
 @pytest.mark.parametrize("motion", ["closed form", "dmv20"])

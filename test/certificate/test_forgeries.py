@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from phrases import telling
-from sensor_bags import ALL, AT, BIAS, EPOCH, IMU, MAG, MOTIONS, NOISY, broken, laws, write
+from sensor_bags import AT, BIAS, EPOCH, IMU, MAG, MOTIONS, NOISY, broken, laws, write
 from tampering import Change, at, declared, flipped, on, rotated, scaled_rate, tamper, with_numbers
 
 from foreign_bags import Message, messages_of
@@ -221,9 +221,18 @@ def test_an_altered_field_breaks_its_law(honest: Path, tmp_path: Path, row: tupl
         assert all(law.message for law in certificate.laws if not law.holds)
 
 
-@pytest.mark.parametrize(("topic", "index"), sampled([(t, i) for t in ALL for i in (0, AT, -1)], every=4))
+STAMPED = {
+    IMU: ("IMU stamps", 333.3),
+    BIAS: ("IMU stamps", 333.3),
+    MAG: ("magnetometer stamps", 70.0),
+    ATTITUDE: ("attitude sensor stamps", 40.0),
+    SUN: ("sun sensor stamps", 50.0),
+}
+
+
+@pytest.mark.parametrize(("topic", "index"), sampled([(t, i) for t in STAMPED for i in (0, AT, -1)], every=4))
 def test_a_reading_that_is_missing_doubled_displaced_or_exchanged_is_named(honest, tmp_path, topic, index):
-    name = "magnetometer stamps" if topic == MAG else "IMU stamps"
+    name, rate = STAMPED[topic]
     count = sum(message.topic == topic for message in messages_of(honest))
     index = min(index % count, count - 2)
 
@@ -235,7 +244,7 @@ def test_a_reading_that_is_missing_doubled_displaced_or_exchanged_is_named(hones
 
     missing = law(lambda ms: [*ms[:index], *ms[index + 1 :]])
     assert (missing.unit, missing.sample, missing.worst) == (GAP, index, 1)
-    assert missing.stamp_ns == pytest.approx(EPOCH + index / (70.0 if topic == MAG else 333.3) * 1e9, abs=300)
+    assert missing.stamp_ns == pytest.approx(EPOCH + index / rate * 1e9, abs=300)
     doubled = law(lambda ms: [*ms[: index + 1], *ms[index:]])
     assert (doubled.unit, doubled.sample) == (DUPLICATE, index)
     displaced = law(lambda ms: [*ms[:index], ms[index + 1], ms[index], *ms[index + 2 :]])
@@ -244,22 +253,14 @@ def test_a_reading_that_is_missing_doubled_displaced_or_exchanged_is_named(hones
     assert (off.unit, off.sample, off.worst) == (OFF_GRID, index, 1.0)
 
 
-@pytest.mark.parametrize("topic", [IMU, BIAS, MAG])
-def test_readings_under_the_stamps_of_others_are_caught(honest, tmp_path, topic):
+@pytest.mark.parametrize("topic", ["/pose", "/twist", IMU, BIAS, MAG])
+def test_states_and_readings_under_the_stamps_of_others_are_caught(honest, tmp_path, topic):
     shift: Change = on(
         topic, lambda ms: [m._replace(data=m.data[:12] + b.data[12:]) for m, b in zip(ms, [ms[0], *ms], strict=False)]
     )
     found, _ = verdict(tamper(honest, tmp_path / "forged.mcap", shift))
     assert found
     assert not any("stamps" in name for name in found)
-
-
-@pytest.mark.parametrize(("topic", "law"), [("/pose", "attitude"), ("/twist", "body rate")])
-def test_states_under_the_stamps_of_others_are_caught(honest, tmp_path, topic, law):
-    shift: Change = on(
-        topic, lambda ms: [m._replace(data=m.data[:12] + b.data[12:]) for m, b in zip(ms, [ms[0], *ms], strict=False)]
-    )
-    assert law in verdict(tamper(honest, tmp_path / "forged.mcap", shift))[0]
 
 
 @pytest.mark.parametrize("value", [0.0, np.nan, np.inf, 123.0])
@@ -269,6 +270,8 @@ def test_impossible_numbers_break_laws(honest, tmp_path, value):
         ("/twist", 3, 3, "body rate"),
         (IMU, 24, 3, "gyro"),
         (MAG, 12, 3, "magnetometer"),
+        (ATTITUDE, 40, 4, "attitude sensor"),
+        (SUN, 3, 3, "sun sensor"),
     ):
         change = one(topic, vector(end, partial(np.full_like, fill_value=value), count))
         assert law in verdict(tamper(honest, tmp_path / "forged.mcap", change))[0]

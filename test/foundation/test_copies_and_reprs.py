@@ -318,12 +318,6 @@ def test_the_repr_of_states_gives_shapes_and_ends():
     assert repr(BODY) == "RigidBody([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]])"
 
 
-def test_the_repr_of_a_truth_tells_its_times():
-    attitudes = np.tile([0.0, 0.0, 0.0, 1.0], (len(TIMES), 1))
-    sampled = evaluation.SampledTruth(TIMES + 7, attitudes)
-    assert repr(sampled) == f"<SampledTruth from 7 to {TIMES[-1] + 7} ns>"
-
-
 def test_the_repr_of_a_scenario_is_the_call_that_makes_it():
     for given in ({}, {"rate": 200.0}, {"inertia": [1.0, 2.0, 2.5], "motion": "closed_form", "epoch_ns": 7}):
         scenario = Scenario.from_parameters(given)

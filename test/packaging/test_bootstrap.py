@@ -64,12 +64,9 @@ def test_below_an_activated_environment_its_own_python_is_found(tmp_path: Path) 
     assert str(tmp_path) not in found.stdout
 
 
-def test_none_means_none() -> None:
-    assert find_python("live", PYTHON_ROS="none").returncode == 3
-
-
-def test_an_unsuitable_choice_is_not_replaced() -> None:
-    found = find_python("headless", PYTHON="/bin/false")
+@pytest.mark.parametrize(("kind", "given"), [("live", {"PYTHON_ROS": "none"}), ("headless", {"PYTHON": "/bin/false"})])
+def test_none_means_none_and_an_unsuitable_choice_is_not_replaced(kind: str, given: dict[str, str]) -> None:
+    found = find_python(kind, **given)
     assert (found.returncode, found.stdout) == (3, "")
 
 
@@ -168,13 +165,7 @@ def test_a_set_up_shows_what_is_fetched_and_fails_with_pip(clone: Path, status: 
 
 
 def test_the_node_waits_for_no_library_of_the_tests_and_the_tests_add_theirs(clone: Path) -> None:
-    fetched: tuple[tuple[str, list[str]], ...] = (
-        ("live", [".[ros,fast]"]),
-        ("tests", [".[ros,fast,test,lint]"]),
-        ("live", []),
-        ("tests", []),
-    )
-    for kind, wanted in fetched:
+    for kind, wanted in (("live", [".[ros,fast]"]), ("tests", [".[ros,fast,test,lint]"]), ("live", []), ("tests", [])):
         done = set_up(clone, kind)
         assert done.stdout == f"{clone / '.venv'}\n"
         assert done.stderr.splitlines()[1:] == [f"Collecting {extras}" for extras in wanted]

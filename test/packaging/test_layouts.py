@@ -14,35 +14,13 @@ from pathlib import Path
 
 import pytest
 
+from lie_rigid_body.__main__ import VERBS
+
 ROOT = Path(__file__).resolve().parents[2]
-NOT_SOURCES = shutil.ignore_patterns(
-    ".git",
-    ".venv*",
-    ".cache",
-    ".*_cache",
-    ".hypothesis",
-    "__pycache__",
-    "*.egg-info",
-    "build",
-    "install",
-    "log",
-    "dist",
-)
+UNWANTED = ".git .venv* .cache .*_cache .hypothesis __pycache__ *.egg-info build install log dist"
+NOT_SOURCES = shutil.ignore_patterns(*UNWANTED.split())
 CONFIGURATION = {str(file.relative_to(ROOT / "config")) for file in (ROOT / "config").rglob("*.*") if file.is_file()}
 SCENARIOS = {file.stem for file in (ROOT / "config").glob("*.yaml")}
-VERBS = {
-    "sim",
-    "record",
-    "check",
-    "evaluate",
-    "recover",
-    "plot",
-    "explain",
-    "scenarios",
-    "campaign",
-    "diagnose",
-    "league",
-}
 
 
 @dataclass(frozen=True)
@@ -122,23 +100,18 @@ def assert_works(layout: Layout, code: Path, tmp_path: Path) -> None:
     assert "@pytest.mark.attitude_run(" in markers
 
 
-# one installation in every run: it takes as long as hundreds of other tests
 SLOW = pytest.mark.slow
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "options",
-    [(), pytest.param(("--symlink-install",), marks=SLOW), pytest.param(("--merge-install",), marks=SLOW)],
-    ids=" ".join,
-)
+@SLOW
+@pytest.mark.parametrize("options", [(), ("--symlink-install",), ("--merge-install",)], ids=" ".join)
 def test_colcon_build(sources: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
     workspace = sources.parents[1]
     layout = colcon_layout(workspace, *options)
     if "--merge-install" in options:
         layout = Layout(workspace / "install/lib/lie_rigid_body", layout.environment, by_verb=True)
     prefix = layout.executables.parents[1]
-    assert names(layout.executables) == VERBS | {"lie-rigid-body"}
+    assert names(layout.executables) == {*VERBS} | {"lie-rigid-body"}
     assert (prefix / "share/ament_index/resource_index/packages/lie_rigid_body").is_file()
     assert names(prefix / "share/lie_rigid_body") >= {"package.xml", "config", "launch"}
     config = prefix / "share/lie_rigid_body/config"
@@ -158,7 +131,7 @@ def assert_colcon_test_runs_pytest(workspace: Path, *options: str) -> None:
     assert "test_linters_are_pinned_to_one_version" in result
 
 
-@SLOW  # the same command as colcon's, which the test above has in every run
+@SLOW
 def test_install_as_a_distribution_package(sources: Path, tmp_path: Path) -> None:
     """What bloom's Debian rules do."""
     root = tmp_path / "root"
@@ -176,7 +149,7 @@ def test_install_as_a_distribution_package(sources: Path, tmp_path: Path) -> Non
     (site,) = prefix.glob("lib/python3*/site-packages")
     environment = clean_environment(tmp_path) | {"PYTHONPATH": str(site)}
     layout = Layout(prefix / "lib/lie_rigid_body", environment, by_verb=True)
-    assert names(layout.executables) == VERBS | {"lie-rigid-body"}
+    assert names(layout.executables) == {*VERBS} | {"lie-rigid-body"}
     assert_works(layout, site, tmp_path)
 
 

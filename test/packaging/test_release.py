@@ -13,7 +13,6 @@ import pytest
 from test_layouts import (
     NOT_SOURCES,
     ROOT,
-    VERBS,
     assert_works,
     borrow_libraries,
     clean_environment,
@@ -24,6 +23,7 @@ from test_layouts import (
 )
 
 import lie_rigid_body
+from lie_rigid_body.__main__ import VERBS
 
 pytestmark = pytest.mark.slow
 VERSION = lie_rigid_body.__version__
@@ -91,7 +91,7 @@ def test_the_wheel_works_with_another_python(distributions: Path, tmp_path: Path
 
 def test_colcon_builds_the_unpacked_sources(unpacked: Path, tmp_path: Path) -> None:
     layout = colcon_layout(tmp_path)
-    assert names(layout.executables) == VERBS | {"lie-rigid-body"}
+    assert names(layout.executables) == {*VERBS} | {"lie-rigid-body"}
     assert_works(layout, tmp_path / "install", tmp_path)
 
 

@@ -12,7 +12,6 @@ import pytest
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.scenario.parameter_file import parse_assignment
 from lie_rigid_body.system import console
-from lie_rigid_body.system.interruption import END_SIGNALS
 from lie_rigid_body.system.portable import cores
 
 
@@ -57,7 +56,3 @@ def test_cores_are_counted_without_an_affinity(monkeypatch: pytest.MonkeyPatch) 
     assert cores() == os.cpu_count()
     monkeypatch.setattr(os, "cpu_count", lambda: None)
     assert cores() == 1
-
-
-def test_of_signals_those_are_heeded_that_there_are() -> None:
-    assert {"SIGINT", "SIGTERM"} <= {number.name for number in END_SIGNALS}

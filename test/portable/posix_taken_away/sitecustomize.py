@@ -12,18 +12,9 @@ import sys
 from types import ModuleType
 
 PACKAGE = "lie_rigid_body"
-MODULES = {
-    "_posixshmem",
-    "_posixsubprocess",
-    "fcntl",
-    "grp",
-    "posix",
-    "pwd",
-    "readline",
-    "resource",
-    "syslog",
-    "termios",
-}
+MODULES = """
+    _posixshmem _posixsubprocess fcntl grp posix pwd readline resource syslog termios
+"""
 SIGNALS = """
     SIGALRM SIGBUS SIGCHLD SIGCONT SIGHUP SIGIO SIGKILL SIGPIPE SIGPROF SIGQUIT SIGSTOP SIGTSTP SIGTTIN SIGTTOU
     SIGUSR1 SIGUSR2 SIGWINCH ITIMER_REAL SIG_BLOCK SIG_SETMASK SIG_UNBLOCK alarm getitimer pause pthread_kill
@@ -60,7 +51,7 @@ def take_away(module, names):
 
 
 def import_of_others(name, *arguments, **named):
-    if name in MODULES and asks(1):
+    if name in MODULES.split() and asks(1):
         raise ModuleNotFoundError(f"No module named {name!r}", name=name)
     return by_itself(name, *arguments, **named)
 
