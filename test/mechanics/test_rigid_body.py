@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lie_rigid_body import LieRigidBodyError, ParameterError, RigidBody, State
+from lie_rigid_body import ParameterError, RigidBody, State
 from lie_rigid_body.lie import so3
 
 # semi-axes of an ellipsoid give every physical set of moments
@@ -61,36 +61,6 @@ def test_diagonal_moments_are_kept_exactly_in_any_order():
         assert np.linalg.det(body.principal_axes) == 1.0
 
 
-@pytest.mark.parametrize(
-    "inertia",
-    [
-        [0.0, 1.0, 1.0],
-        [-0.1, 2.0, 3.0],
-        [1.0, 2.0, 0.0, 1.0, 0.0, 3.0],
-        [1.0, 1.0, 2.1],
-        [1.0, 1.0, np.nan],
-        [1.0, np.inf, 1.0],
-        [1.0, 2.0],
-        [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        "heavy",
-        np.ones((5, 3)),
-        np.ones((4, 6)),
-        np.empty((0, 3, 3)),
-        [np.eye(3), np.diag([1.0, 1.0, 2.1])],
-        [np.eye(3), np.diag([-0.5, 1.0, 1.0])],
-        [np.eye(3), np.triu(np.ones((3, 3)))],
-        [np.eye(3), np.full((3, 3), np.nan)],
-    ],
-    ids=str,
-)
-def test_impossible_inertias_are_refused(inertia):
-    with pytest.raises(ParameterError) as caught:
-        RigidBody(inertia)
-    assert caught.value.name == "inertia"
-    assert isinstance(caught.value, ValueError)
-    assert isinstance(caught.value, LieRigidBodyError)
-
-
 @given(semi_axes, st.sampled_from([0.0, 1.0]), turns)
 def test_a_rotated_tensor_is_accepted_in_spite_of_its_round_off(axes, third, turn):
     moments, rotation = ellipsoid_moments([axes[0], axes[1], third * axes[2]]), so3.exp(turn)
@@ -128,11 +98,6 @@ def test_a_broken_triangle_inequality_tells_by_how_much_and_what_would_do(moment
     RigidBody([small, middle, float(told[0][2])])
 
 
-@pytest.mark.parametrize("flat", [[0.1, 0.2, 0.3], [0.3, 0.6, 0.9], [1.0, 2.0, 3.0], [1e-12, 1.0, 1.0]])
-def test_flat_bodies_are_allowed_in_spite_of_round_off(flat):
-    RigidBody(flat)
-
-
 @given(semi_axes, turns, turns)
 def test_energy_and_momentum_are_what_the_definitions_say(axes, turn, rate):
     body = RigidBody(ellipsoid_moments(axes))
@@ -150,26 +115,6 @@ def test_quantities_are_batched():
     assert body.kinetic_energy(states).shape == (5,)
     assert body.angular_momentum(states).shape == (5, 3)
     np.testing.assert_array_equal(body.angular_momentum(states)[3], body.angular_momentum(states[3]))
-
-
-@pytest.mark.parametrize(
-    ("attitude", "rate", "name"),
-    [
-        ([0, 0, 0, 0], [0, 0, 0], "attitude_xyzw"),
-        ([0, 0, 0, 1.00001], [0, 0, 0], "attitude_xyzw"),
-        ([0, 0, 1], [0, 0, 0], "attitude_xyzw"),
-        ([0, 0, 0, np.nan], [0, 0, 0], "attitude_xyzw"),
-        ([0, 0, 0, 1], [0, np.inf, 0], "body_rate"),
-        ([0, 0, 0, 1], [0, 0], "body_rate"),
-        ([[0, 0, 0, 1]], [0, 0, 0], "body_rate"),
-        ([[[0, 0, 0, 1], [0, 0, 0, 2]]], np.zeros((1, 2, 3)), "attitude_xyzw"),
-        ([[0, 0, 0, 1]] * 2, [[0, 0, 0], [0, np.inf, 0]], "body_rate"),
-    ],
-)
-def test_impossible_states_are_refused(attitude, rate, name):
-    with pytest.raises(ParameterError) as caught:
-        State(attitude, rate)
-    assert caught.value.name == name
 
 
 def test_nearly_unit_quaternions_are_normalised_and_nothing_else_is_touched():
