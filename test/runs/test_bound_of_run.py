@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refused_runs import PHRASES, refused
 
-from lie_rigid_body import Run, simulate
+from lie_rigid_body import InputError
 from lie_rigid_body.evaluation.cramer_rao_bound import BiasNoise, VectorReadings, cramer_rao_bound
 from lie_rigid_body.evaluation.score import BoundComparison
 from lie_rigid_body.lie import quaternion
 from lie_rigid_body.report import scores, write_plot, write_report
 from lie_rigid_body.runs.bound import cramer_rao_bound_of, sensor_limits
+from untyped import simulate
 
 GIVEN: dict[str, Any] = {
     "imu_rate": 50.0,
@@ -24,12 +24,11 @@ GIVEN: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def run() -> Run:
+def run() -> Any:
     return simulate("tumbling_cubesat", duration=10.0, sensor_grade="mems", **GIVEN)
 
 
-def estimate(run: Run, size_deg: float) -> np.ndarray:
-    assert run.imu is not None
+def estimate(run: Any, size_deg: float) -> np.ndarray:
     turn = np.radians(size_deg) * np.random.default_rng(1).normal(size=(len(run.imu.t_ns), 3))
     return quaternion.multiply(run.attitude().at(run.imu.t_ns), quaternion.exp(turn))
 
@@ -42,7 +41,6 @@ def test_the_bound_is_that_of_the_declared_noise(run):
     def walk(sensor: str) -> BiasNoise:
         return BiasNoise(number[f"{sensor}_turn_on_bias"], number[f"{sensor}_bias_random_walk"] / root)
 
-    assert run.imu is not None
     t_ns = run.imu.t_ns
     up, field = np.array([0.0, 0.0, number["gravity"]]), np.array(value["magnetic_field"])
     iron = float(np.abs(value["magnetometer_hard_iron"]).max())
@@ -58,9 +56,7 @@ def test_the_bound_is_that_of_the_declared_noise(run):
         vectors=vectors,
     )
     unknown = run.cramer_rao_bound()
-    assert unknown is not None
     found = unknown.calibrated
-    assert found is not None
     np.testing.assert_array_equal(found.stamps_ns, t_ns)
     assert (np.trace(unknown.smoothed - found.smoothed, axis1=1, axis2=2) > 0.0).all()
     np.testing.assert_allclose(found.filtered, wanted.filtered, rtol=1e-9, atol=1e-15)
@@ -81,14 +77,11 @@ def test_thinned_it_is_within_two_percent(given):
     sensors: dict[str, Any] = {**GIVEN, "imu_rate": 20.0, "magnetometer_rate": 10.0, "sensor_grade": "mems", **given}
     run = simulate(duration=0.2, initial_body_rate=[0.01, 3.0, 0.01], **sensors)
     last = int(run.t_ns[0]) + 150 * 10**9
-    whole, thinned = (cramer_rao_bound_of(run.segments, last, most) for most in (10_000, 1000))
-    assert whole is not None
-    assert thinned is not None
+    whole, thinned = (cramer_rao_bound_of(run.segments, last, most) for most in (10_000, 1000))  # type: Any, Any
     assert len(thinned.stamps_ns) < 0.5 * len(whole.stamps_ns)
     at_all, at_some = (BoundComparison.of(bound, whole.stamps_ns, 1.0) for bound in (whole, thinned))
-    for wanted, found in ((at_all.filtered, at_some.filtered), (at_all.smoothed, at_some.smoothed)):
-        assert wanted is not None
-        assert found is not None
+    pairs: Any = ((at_all.filtered, at_some.filtered), (at_all.smoothed, at_some.smoothed))
+    for wanted, found in pairs:
         names = ("rms", "median", "p95", "final")
         assert [getattr(found, name) / getattr(wanted, name) for name in names] == pytest.approx([1.0] * 4, abs=0.02)
 
@@ -97,17 +90,13 @@ def test_the_bound_of_a_score_is_that_of_all_readings_over_minutes_of_fast_turns
     given: dict[str, Any] = {**GIVEN, "rate": 10.0, "imu_rate": 10.0, "magnetometer_rate": 10.0, "sensor_grade": "mems"}
     run = simulate(duration=180.0, initial_body_rate=[0.01, 3.0, 0.01], **given)
     best, whole = run.score(run.truth.attitude_xyzw, run.t_ns).best, run.cramer_rao_bound()
-    assert best is not None
-    assert best.filtered is not None
-    assert whole is not None
     assert best.filtered.rms == pytest.approx(np.degrees(whole.rms(whole.filtered)), rel=0.02)
 
 
 def test_a_reset_begins_anew(run):
     segment = run.segments[0]
     later = type(segment)(segment.scenario, 100, segment.clock().stamp_ns(100))
-    found = cramer_rao_bound_of((segment, later), int(run.t_ns[-1]), 50)
-    assert found is not None
+    found: Any = cramer_rao_bound_of((segment, later), int(run.t_ns[-1]), 50)
     first = int(np.searchsorted(found.stamps_ns, later.start_ns))
     trace = np.trace(found.filtered, axis1=1, axis2=2)
     assert trace[first] > 5.0 * trace[first - 1]
@@ -136,49 +125,32 @@ def test_without_noise_there_is_none(given):
 @pytest.mark.filterwarnings("error")
 def test_a_vector_that_is_all_but_0_or_readings_without_end_leave_a_score_without_a_bound(run):
     dark = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **GIVEN, magnetic_field=[1e-300, 0.0, 0.0])
-    with refused("noise", value="3.35e+293"):
+    with pytest.raises(InputError, match=r"3\.35e\+293"):
         dark.cramer_rao_bound()
     assert dark.score(estimate(dark, 1.0)).best is None
     segment = run.segments[0]
     fast = type(segment)(segment.scenario.resampled(rate=50.0), 0, 0)
-    with refused("declared readings", count="2.16e+07"):
+    with pytest.raises(InputError, match=r"2\.16e\+07"):
         cramer_rao_bound_of([fast], 80 * 3600 * 10**9, 50)
 
 
 def test_every_sensor_helps(run):
     bounds = []
-    more: dict[str, Any] = {
-        "attitude_sensor_cross_boresight_noise": 1e-4,
-        "attitude_sensor_roll_noise": 1e-3,
-        "sun_sensor_noise": 1e-3,
-    }
-    choices: list[dict[str, Any]] = [
-        {},
-        {"sun_sensor_rate": 10.0},
-        {"sun_sensor_rate": 10.0, "attitude_sensor_rate": 2.0},
-    ]
-    for given in choices:
-        same = simulate("tumbling_cubesat", duration=2.0, sensor_grade="mems", **GIVEN, **more, **given)
-        found = cramer_rao_bound_of(same.segments, int(same.t_ns[-1]), 50)
-        assert found is not None
+    more = {**TRACKER, "magnetometer_rate": 25.0, "sun_sensor_noise": 1e-3}
+    for sun, attitude in ((0.0, 0.0), (10.0, 0.0), (10.0, 2.0)):
+        given = {**GIVEN, **more, "sun_sensor_rate": sun, "attitude_sensor_rate": attitude}
+        same = simulate("tumbling_cubesat", duration=2.0, sensor_grade="mems", **given)
+        found: Any = cramer_rao_bound_of(same.segments, int(same.t_ns[-1]), 50)
         bounds.append(found.rms(found.smoothed))
     assert bounds[0] > bounds[1] > bounds[2] > 0.0
 
 
 def test_it_stands_beside_the_estimate(run, tmp_path):
     score = run.score(estimate(run, 1.0))
-    assert score.best is not None
     assert not score.best.beaten
     lines = str(score).splitlines()
-    assert [line.split("  ")[0] for line in lines[1:8]] == [
-        "total",
-        "heading",
-        "inclination",
-        "best filter",
-        "best smoother",
-        "calibrated filter",
-        "calibrated smoother",
-    ]
+    named = ["best filter", "best smoother", "calibrated filter", "calibrated smoother"]
+    assert [line.split("  ")[0] for line in lines[1:8]] == ["total", "heading", "inclination", *named]
     content = score.to_dict(series=True)
     assert content["unavoidable"]["filtered_deg"]["rms"] == score.best.filtered.rms
     calibrated = content["unavoidable"]["calibrated"]
@@ -190,7 +162,7 @@ def test_it_stands_beside_the_estimate(run, tmp_path):
     assert (tmp_path / "errors.png").read_bytes().startswith(b"\x89PNG")
     page = (tmp_path / "errors.html").read_text(encoding="utf-8")
     assert f"{score.best.filtered.rms:.3g}°" in page
-    assert PHRASES["drawn bound"] in page
+    assert "best by noise" in page
 
 
 @pytest.mark.parametrize("columns", [10_000, 4], ids=["all", "thinned"])
@@ -212,9 +184,8 @@ def test_no_line_is_drawn_where_there_are_no_estimates(run, monkeypatch, columns
 
 def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_honest_one(run):
     seen = run.score(estimate(run, 1e-4), diagnosed=True)
-    assert seen.best is not None
     assert seen.best.beaten
-    assert PHRASES["nearer than noise"] in str(seen)
+    assert "nearer than noise allows" in str(seen)
     assert seen.findings == ()
     assert run.score(estimate(run, 0.3)).best.beaten is False
 
@@ -222,5 +193,5 @@ def test_an_estimate_that_has_seen_the_truth_is_remarked_and_no_honest_one(run):
 def test_what_no_sensor_tells_is_said():
     run = simulate("tumbling_cubesat", duration=1.0, sensor_grade="mems", **{**GIVEN, "magnetometer_rate": 0.0})
     score = run.score(estimate(run, 1.0))
-    assert PHRASES["no best filter"] in str(score)
+    assert "best filter  not known" in str(score)
     assert score.to_dict()["unavoidable"]["filtered_deg"] is None

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from lie_rigid_body import Estimate, Run, simulate
+from lie_rigid_body import Estimate, RigidBody, Run, State, simulate
 from lie_rigid_body.foundation.errors import LieRigidBodyError
 
 RUN = simulate("tumbling_cubesat", duration=1.0, imu_rate=50.0, motion="closed_form")
 Q, T = RUN.truth.attitude_xyzw, RUN.t_ns
+BODY, STARTS = RigidBody([1.0, 2.0, 2.5]), State([[0.0, 0.0, 0.0, 1.0]] * 2, [[0.4, -0.3, 0.2]] * 2)
 NO_TIMES = (0.0, np.nan, "60", 10**5000, np.timedelta64(1, "s"))
 NO_TOPICS = [{"pos": "/a/pose"}, {"pose": 1}, {1: "/a/pose"}, ["pose"], "pose", "x" * 1000]
 NO_NAMES = ("/pose", "/lie_rigid_body/pose", "estimate", "/a b", "", "/" + 255 * "a", 3)
@@ -36,7 +37,9 @@ REFUSED = {
         *(lambda duration=duration: simulated(duration=duration) for duration in NO_TIMES),
         lambda: simulated(inertia=memoryview(np.ones((2, 1, 1)))),
         lambda: simulated(seeds=memoryview(np.ones((2, 1, 1)))),
+        *(lambda start=start: simulate(BODY, start, duration=1.0) for start in ([0.0, 0.0, 1.0], STARTS)),
         lambda: simulated(imu_rte=3.0),
+        lambda: simulated(inertia=[1.0, 1.0, 3.0]),
         lambda: simulated(seeds=[1], sensor_seed=2),
         *(lambda seeds=seeds: simulated(seeds=seeds) for seeds in ([-1], 5, [])),
         lambda: simulated(inertia={1.0, 2.0, 2.5}),
