@@ -136,6 +136,21 @@ def record(opcode: int, content: bytes) -> bytes:
     return struct.pack("<BQ", opcode, len(content)) + content
 
 
+def records_of(content: bytes) -> list[tuple[int, bytes]]:
+    """Opcodes and contents of the records of a file, as far as they have a head."""
+    at, found = len(MAGIC), list[tuple[int, bytes]]()
+    while at + 9 <= len(content) - len(MAGIC):
+        opcode, length = struct.unpack_from("<BQ", content, at)
+        found.append((opcode, content[at + 9 : at + 9 + length]))
+        at += 9 + length
+    return found
+
+
+def file_of(records: Iterable[tuple[int, bytes]]) -> bytes:
+    """A file of records."""
+    return MAGIC + b"".join(record(*one) for one in records) + MAGIC
+
+
 def sized(data: bytes) -> bytes:
     return struct.pack("<I", len(data)) + data
 

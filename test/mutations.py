@@ -21,26 +21,12 @@ from mcap.reader import make_reader
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType
 
-from foreign_bags import Message, bag_of, messages_of, record, text
+from foreign_bags import Message, bag_of, messages_of, record, records_of, text
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
 WORDS = (0, 1, 2, 3, 37, 255, 256, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 2**64 - 1)
-FLOATS = (
-    0.0,
-    -0.0,
-    1.0,
-    -1.0,
-    1e-9,
-    1e9,
-    1e-308,
-    5e-324,
-    1e154,
-    1e308,
-    -1e308,
-    float("inf"),
-    float("-inf"),
-    float("nan"),
-)
+INFINITE, NAN = float("inf"), float("nan")
+FLOATS = (0.0, -0.0, 1.0, -1.0, 1e-9, 1e9, 1e-308, 5e-324, 1e154, 1e308, -1e308, INFINITE, -INFINITE, NAN)
 VALUES: tuple[Any, ...] = (
     None, True, False, 0, 1, -1, 2**31, 2**63, -(2**63), 10**30, 10**400,
     0.5, 1e-300, 1e300, float("nan"), float("inf"), "",
@@ -135,11 +121,7 @@ def mutated_bytes(random: Random, data: bytes) -> bytes:
 
 def mutated_records(random: Random, data: bytes) -> bytes:
     """An MCAP file with one record left out, doubled, moved, of another kind, or with other content."""
-    records, at = list[tuple[int, bytes]](), 8
-    while at + 9 <= len(data) - 8:
-        opcode, length = struct.unpack_from("<BQ", data, at)
-        records.append((opcode, data[at + 9 : at + 9 + length]))
-        at += 9 + length
+    records = records_of(data)
     if not records:
         return mutated_bytes(random, data)
     i = random.randrange(len(records))
@@ -160,7 +142,7 @@ def mutated_records(random: Random, data: bytes) -> bytes:
             records[i] = opcode, content[:place] + value + content[place + width :]
         case _:
             records[i] = opcode, mutated_bytes(random, content)
-    return data[:8] + b"".join(struct.pack("<BQ", code, len(c)) + c for code, c in records) + data[-8:]
+    return data[:8] + b"".join(record(*one) for one in records) + data[-8:]
 
 
 def mutated_messages(random: Random, data: bytes) -> bytes:

@@ -18,7 +18,7 @@ from lie_rigid_body.diagnosis.probes import NOTES, PROBES
 from lie_rigid_body.diagnosis.repairs import ORDER
 from lie_rigid_body.estimates import programs
 from lie_rigid_body.ros.play import MAX_PRINTED
-from reader import DOCS, FENCED, blocks, commands, is_run
+from reader import DOCS, FENCED, ROOT, blocks, commands, is_run
 
 PAGES = sorted(DOCS.rglob("*.md"))
 
@@ -68,7 +68,7 @@ def test_commands_are_found():
     assert verbs(f"{console}`lie-rigid-body d e`\n\n{bash}") == [["a", "b"], ["f"], ["d", "e"]]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
+@pytest.mark.parametrize("page", [ROOT / "README.md", *PAGES], ids=lambda p: p.relative_to(ROOT).as_posix())
 def test_pictures_pages_and_tests_it_names_exist(page):
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", text):

@@ -106,8 +106,3 @@ def test_parameter_tables_name_every_parameter_with_its_default():
             assert f"`{str(default).lower()}`" in row
         else:
             assert f"`{default}`" in row or f"`'{default}'`" in row
-
-
-def test_files_it_points_to_exist():
-    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", README):
-        assert (ROOT / target).is_file(), target

@@ -116,7 +116,8 @@ def write(path: Path, *stages: tuple[dict[str, object], float], chunk_size: int 
     """A bag as a node records it: a reset's scenario at once, readings left from before it later."""
     simulation = Simulation(Scenario.from_parameters({**BODY, **RATES, **stages[0][0]}))
     end = EPOCH
-    with BagWriter(path, stamped_twist=True, chunk_size=chunk_size, **options) as bag:
+    stamped = simulation.segment.scenario.stamped_twist
+    with BagWriter(path, stamped_twist=stamped, chunk_size=chunk_size, **options) as bag:
         for i, (parameters, seconds) in enumerate(stages):
             if i:
                 simulation.reset(Scenario.from_parameters({**BODY, **RATES, **parameters}))

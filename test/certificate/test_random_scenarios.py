@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import random
-from pathlib import Path
 from typing import Any
 
 import pytest
+from sensor_bags import EPOCH, write
 from tampering import Change, at, on, tamper, with_numbers
 
 from foreign_bags import Message
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import ParameterError
-from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
-from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.sensors import SENSORS
-from lie_rigid_body.simulation import Simulation
 from sampled import sampled
 
 SEEDS = 60
-EPOCH = 10**18
 BODIES = ([1.0, 2.0, 3.0], [1.0, 1.0, 1e-9], [0.05, 40.0, 40.02], [1.0, 0.1, -0.05, 1.4, 0.2, 1.9], [2.0, 2.0, 2.0])
 METHODS = ("dmv20", "dmv8", "rkmk4")
 """Steppers that stay a ground truth with steps of a millisecond at up to 2 rad/s."""
@@ -84,20 +80,6 @@ def proposed(chance: random.Random) -> dict[str, Any]:
     return given
 
 
-def recorded(path: Path, stages: list[dict[str, Any]]) -> Path:
-    """A bag as a node records it, with a reset to each scenario but the first."""
-    simulation, end = Simulation(Scenario.from_parameters(stages[0])), EPOCH
-    with BagWriter(path, stamped_twist=True, chunk_size=10_000) as bag:
-        for parameters in stages:
-            if end > EPOCH:
-                simulation.reset(Scenario.from_parameters(parameters))
-            bag.begin_segment(simulation.segment)
-            encoder, end = BatchEncoder(simulation.segment.scenario), end + 500_000_000
-            while simulation.next_stamp_ns <= end:
-                bag.write(encoder.encode(simulation.take_until(end, 100)))
-    return path
-
-
 def late(chance: random.Random) -> Change:
     """What a recorder has that came late, and stopped a little earlier on some topics."""
 
@@ -114,7 +96,7 @@ def late(chance: random.Random) -> Change:
 def test_random_scenarios_are_certified_and_altered_numbers_named(tmp_path, seed):
     chance = random.Random(seed)
     stages = [drawn(chance, rate=100.0) for _ in range(1 + chance.randrange(3))]
-    path = recorded(tmp_path / "a.mcap", stages)
+    path = write(tmp_path / "a.mcap", *((stage, 0.5) for stage in stages), chunk_size=10_000)
     for change in (lambda ms: ms, late(chance)):
         found = certify(Bag(tamper(path, tmp_path / "b.mcap", change)))
         assert found.passed, (found.messages, stages)

@@ -10,7 +10,7 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 
-from foreign_bags import record, text
+from foreign_bags import file_of, record, records_of, text
 
 Record = tuple[int, bytes]
 Change = Callable[[list[Record]], object]
@@ -54,23 +54,14 @@ def honest() -> list[Record]:
     writer.add_attachment(1, 2, "calibration", "text/plain", b"anything")
     writer.add_metadata("vehicle", {"name": "sat"})
     writer.finish()
-    content, position, found = stream.getvalue(), len(MAGIC), list[Record]()
-    while position < len(content) - len(MAGIC):
-        opcode, length = struct.unpack_from("<BQ", content, position)
-        found.append((opcode, content[position + 9 : position + 9 + length]))
-        position += 9 + length
-    return found
-
-
-def joined(records: list[Record]) -> bytes:
-    return MAGIC + b"".join(record(*one) for one in records) + MAGIC
+    return records_of(stream.getvalue())
 
 
 def forged(change: Change) -> bytes:
     """The honest file after a change to the list of its records."""
     records = honest()
     change(records)
-    return joined(records)
+    return file_of(records)
 
 
 def place(records: list[Record], opcode: int) -> int:

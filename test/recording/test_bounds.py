@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 import zstandard
-from forged import Record, chunk, framed, honest, joined
+from forged import Record, chunk, framed, honest
 from refused_bags import refused as refused_as
 
-from foreign_bags import PLAIN, bag_of, messages_of, record, sized, text
+from foreign_bags import PLAIN, Message, bag_of, file_of, messages_of, record, sized, text
 from lie_rigid_body import simulate
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.definition import OF_TABLE
@@ -25,7 +25,9 @@ from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.recover import main as recover
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.league.table import rows_of
+from lie_rigid_body.messages import encode_string
 from lie_rigid_body.messages.decoding import decode, decode_odometry, decode_string, decode_transforms
+from lie_rigid_body.messages.definitions import STRING
 from lie_rigid_body.recording import summary
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_reader import _MAX_OTHERS
@@ -98,10 +100,10 @@ def forged_lengths() -> Iterator[tuple[int, list[Record]]]:
 def test_every_length_of_a_record_at_its_largest_is_refused_or_of_no_account(tmp_path: Path) -> None:
     """Those of indexes, of the summary and of attachments tell of no message."""
     path, refusals = tmp_path / "x.mcap", 0
-    path.write_bytes(joined(honest()))
+    path.write_bytes(file_of(honest()))
     whole = BagFiles(path).contents(nothing)
     for _, forged in forged_lengths():
-        path.write_bytes(joined(forged))
+        path.write_bytes(file_of(forged))
         tracemalloc.start()
         try:
             found = BagFiles(path).contents(nothing)
@@ -116,7 +118,7 @@ def test_every_length_of_a_record_at_its_largest_is_refused_or_of_no_account(tmp
 
 
 def test_every_length_of_a_record_head_at_its_largest_is_refused(tmp_path: Path) -> None:
-    content, at = joined(honest()), 8
+    content, at = file_of(honest()), 8
     while at < len(content) - 8:
         (length,) = struct.unpack_from("<Q", content, at + 1)
         for value in (2**64 - 1, 2**63, 2**31):
@@ -258,16 +260,9 @@ def test_ten_thousand_other_topics_are_read_in_one_pass(
     honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Which of the texts are scenarios is asked of each topic: a chunk was read again for each of them."""
-    text_message = b"\0\1\0\0" + sized(b"\0")
-    inner = b"".join(
-        record(4, struct.pack("<HH", 1000 + i, 999) + text(f"/x{i}") + text("cdr") + text(""))
-        + record(5, struct.pack("<HIQQ", 1000 + i, 0, 0, 0) + text_message)
-        for i in range(10_000)
-    )
-    schema = record(3, struct.pack("<H", 999) + text("std_msgs/msg/String") + text("ros2msg") + text("string data"))
-    chunks = chunk("zstd", len(schema + inner), zstandard.compress(schema + inner))
+    others = [Message(f"/x{i}", STRING, b"", 0, 0, encode_string("")) for i in range(10_000)]
     path = tmp_path / "x.mcap"
-    path.write_bytes(with_chunk(honest_bag, chunks))
+    path.write_bytes(bag_of([*messages_of(honest_bag), *others], LIBRARY))
     begin = time.process_time()
     assert evaluate([str(path), "--estimate", "/pose"]) == 0
     assert check([str(path)]) == 0

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
+import re
 import subprocess
 import sys
 import textwrap
@@ -24,68 +26,43 @@ from lie_rigid_body.system.output_file import OutputFile
 
 MOUNT = 'mount -t tmpfs -o "$1" none "$2" && shift 2 && exec "$@"'
 """Of a shell in a mount namespace of its own, where whoever runs it is root."""
-VERBS = """
-    import os, sys
-    from pathlib import Path
+RUN = """
+    import json, sys
+    from lie_rigid_body import LieRigidBodyError, simulate
     from lie_rigid_body.__main__ import main
-    whole, there, campaign = sys.argv[1:]
-    Path(campaign).write_text("runs: 2\\nseed: 1\\nduration: 1.0\\n")
-    for given in (
-        ["record", f"{there}/a.mcap", "--duration", "1", "-p", "motion:=closed_form"],
-        ["recover", whole, "-o", f"{there}/b.mcap"],
-        ["plot", whole, "-o", f"{there}/c.png"],
-        ["campaign", campaign, "--out", f"{there}/d"],
-    ):
-        print(given[0], main(given), flush=True)
-    assert os.listdir(there) == []
-"""
-FILL = """
-    import sys
-    from lie_rigid_body.foundation.errors import BagError
-    from lie_rigid_body.messages.batch import BatchEncoder
-    from lie_rigid_body.recording.bag_writer import BagWriter
-    from lie_rigid_body.recording.recovery import recover
-    from lie_rigid_body.scenario import Scenario
-    from lie_rigid_body.simulation import Simulation
-    from pathlib import Path
-
-    whole, there, fixed = map(Path, sys.argv[1:])
-    scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation, encoder = Simulation(scenario), BatchEncoder(scenario)
-    try:
-        with BagWriter(there / "a.mcap", stamped_twist=True, chunk_size=10_000) as bag:
-            bag.begin_segment(simulation.segment)
-            while True:
-                last_ns = simulation.clock.stamp_ns(simulation.next_sample + 99)
-                bag.write(encoder.encode(simulation.take_until(last_ns, 100)))
-    except BagError as error:
-        print(error)
-    try:
-        recover(there / "a.mcap", there / "b.mcap", overwrite=False)
-    except BagError as error:
-        print(error)
-    assert not (there / "b.mcap").exists()
-    print(recover(there / "a.mcap", fixed, overwrite=False).messages)
+    for given in json.loads(sys.argv[1]):
+        try:
+            print(given[0], main(given) if given[0] != "to_bag" else simulate(duration=300.0).to_bag(given[1]))
+        except LieRigidBodyError as error:
+            print(error, file=sys.stderr)
 """
 
 
-def elsewhere(code: str, options: str, whole: Path) -> subprocess.CompletedProcess[str]:
-    """Run code on a file system of its own, given the paths of a bag, of that file system, and of another file."""
-    there = whole.with_name("there")
+def elsewhere(there: Path, options: str, *verbs: tuple[str, ...]) -> subprocess.CompletedProcess[str]:
+    """Run verbs in this folder, in which another is a file system of its own."""
     there.mkdir()
-    python = [sys.executable, "-c", textwrap.dedent(code), str(whole), str(there), str(whole.with_name("other"))]
+    python = [sys.executable, "-c", textwrap.dedent(RUN), json.dumps(verbs)]
     namespace = ["unshare", "--mount"] if os.geteuid() == 0 else ["unshare", "--map-root-user", "--mount"]
     try:
         subprocess.run([*namespace, "sh", "-c", MOUNT, "sh", options, there, "true"], check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError):
         pytest.skip("no file system can be mounted here")
     command = [*namespace, "sh", "-c", MOUNT, "sh", options, str(there), *python]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(command, cwd=there.parent, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.long
 def test_a_read_only_file_system_is_told_by_each_verb_in_one_line(tmp_path: Path) -> None:
-    done = elsewhere(VERBS, "ro", write_bag(tmp_path / "whole.mcap", count=50))
+    write_bag(tmp_path / "whole.mcap", count=50)
+    (tmp_path / "c.yaml").write_text("runs: 2\nseed: 1\nduration: 1.0\n")
+    done = elsewhere(
+        tmp_path / "there",
+        "ro",
+        ("record", "there/a.mcap", "-p", "motion:=closed_form", "--duration", "1"),
+        ("recover", "whole.mcap", "-o", "there/b.mcap"),
+        ("plot", "whole.mcap", "-o", "there/c.png"),
+        ("campaign", "c.yaml", "--out", "there/d"),
+    )
     assert done.stdout.split("\n")[:-1] == ["record 2", "recover 2", "plot 2", "campaign 2"], done.stderr
     lines = done.stderr.splitlines()
     assert len(lines) == 4
@@ -93,12 +70,22 @@ def test_a_read_only_file_system_is_told_by_each_verb_in_one_line(tmp_path: Path
 
 
 def test_what_fits_on_a_full_file_system_is_recovered_and_certified(tmp_path: Path) -> None:
-    done = elsewhere(FILL, "size=200k", write_bag(tmp_path / "whole.mcap", count=5))
-    full, no_room, recovered = done.stdout.splitlines()
-    for name, line in (("a.mcap", full), ("b.mcap", no_room)):
-        assert (f"{name} " in line, os.strerror(errno.ENOSPC) in line) == (True, True)
-    assert int(recovered) > 1000
-    certificate = certify(read_bag(tmp_path / "other"))
+    done = elsewhere(
+        tmp_path / "there",
+        "size=2m",
+        ("to_bag", "there/a.mcap"),
+        ("recover", "there/a.mcap", "-o", "there/b.mcap"),
+        ("recover", "there/a.mcap", "-o", "fixed.mcap"),
+        ("check", "there/b.mcap"),
+    )
+    statuses = [line for line in done.stdout.splitlines() if re.fullmatch(r"\w+ \d", line)]
+    assert statuses == ["recover 2", "recover 0", "check 2"]
+    assert "there/b.mcap does not exist" in done.stderr
+    for name, line in zip("ab", done.stderr.splitlines(), strict=False):
+        assert (f"{name}.mcap " in line, os.strerror(errno.ENOSPC) in line) == (True, True)
+    recording = read_bag(tmp_path / "fixed.mcap")
+    assert len(recording.poses) > 1000
+    certificate = certify(recording)
     assert certificate.passed, certificate.messages
 
 

@@ -17,7 +17,7 @@ from mcap.opcode import Opcode
 from mcap.records import Chunk
 from mcap.writer import CompressionType, IndexType
 
-from foreign_bags import bag_of, messages_of, record, text
+from foreign_bags import bag_of, file_of, messages_of, record, records_of, text
 from lie_rigid_body import Run, certify, simulate
 from lie_rigid_body.recording.bag_files import BagFiles
 from lie_rigid_body.recording.bag_writer import LIBRARY
@@ -98,15 +98,6 @@ def test_a_merge_has_several_channels_of_a_topic(honest: Path, tmp_path: Path) -
     is_read(copied(honest, tmp_path / "merged.mcap", channels_each=3), library_messages(honest))
 
 
-def records(content: bytes) -> list[Record]:
-    at, found = len(MAGIC), list[Record]()
-    while at < len(content) - len(MAGIC):
-        opcode, length = struct.unpack_from("<BQ", content, at)
-        found.append((opcode, content[at + 9 : at + 9 + length]))
-        at += 9 + length
-    return found
-
-
 def padded(given: list[Record]) -> Iterator[Record]:
     """Fields of versions to come stand behind those of today; a message is all data."""
     for opcode, content in given:
@@ -130,7 +121,7 @@ def inside(change: Callable[[list[Record]], Iterator[Record]], pack: Callable[[b
                 yield opcode, content
                 continue
             chunk = Chunk.read(ReadDataStream(BytesIO(content)))
-            data = b"".join(record(*one) for one in change(records(MAGIC + chunk.data + MAGIC)))
+            data = b"".join(record(*one) for one in change(records_of(MAGIC + chunk.data + MAGIC)))
             chunk.uncompressed_size, chunk.uncompressed_crc, chunk.data = len(data), 0, pack(data)
             chunk.compression = "zstd" if pack is not bytes else ""
             yield opcode, record_bytes(chunk)[9:]
@@ -166,9 +157,9 @@ FORMS: dict[str, Callable[[list[Record]], Iterator[Record]]] = {
 @pytest.mark.parametrize("case", FORMS)
 def test_what_the_format_allows_is_read(honest: Path, tmp_path: Path, case: str) -> None:
     plain_copy = copied(honest, tmp_path / "plain.mcap", compression=CompressionType.NONE, enable_crcs=False)
-    changed = FORMS[case](records(plain_copy.read_bytes()))
+    changed = FORMS[case](records_of(plain_copy.read_bytes()))
     path = tmp_path / "changed.mcap"
-    path.write_bytes(MAGIC + b"".join(record(*one) for one in changed) + MAGIC)
+    path.write_bytes(file_of(changed))
     is_read(path, library_messages(honest))
 
 
