@@ -14,17 +14,6 @@ from lie_rigid_body.cli.campaign import main
 pytestmark = [NEEDS_PARQUET, pytest.mark.usefixtures("asked_here")]
 
 
-@pytest.mark.parametrize("text", ["[]", f"{CAMPAIGN}\nestimator: math:pi", CAMPAIGN.replace("runs: 6", "runs: 0")])
-def test_bad_campaigns_are_refused_in_one_line(
-    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main([written(tmp_path, text).name, "--out", "out"]) == 2
-    [line] = capsys.readouterr().err.splitlines()
-    assert "campaign.yaml" in line or "estimator" in line
-    assert not (tmp_path / "out").exists()
-
-
 def test_what_has_no_effect_in_any_run_is_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     noise = "gyro_noise_density: {distribution: uniform, low: 0.0, high: 0.1}"
     rates = ("", ", imu_rate: {distribution: choice, values: [0.0, 9.0]}")
@@ -33,33 +22,6 @@ def test_what_has_no_effect_in_any_run_is_told_in_one_line(tmp_path: Path, capsy
         assert main([str(written(tmp_path, text)), "--out", str(tmp_path / "out")]) == 2
         assert ("warning: " in (err := capsys.readouterr().err)) == (i == 0)
         assert ("gyro_noise_density" in err) == (i == 0)
-
-
-def test_workers_of_this_machine_and_a_scheduler_elsewhere_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    given = [str(written(tmp_path)), "--out", str(tmp_path / "out"), "--workers", "2", "--scheduler", "tcp://h:1"]
-    assert main(given) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_folder_in_one_that_does_not_exist_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(tmp_path / "none" / "out")]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
-    assert not (tmp_path / "none").exists()
-
-
-def test_a_folder_of_something_else_is_left_alone(
-    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    other = tmp_path / "other"
-    other.mkdir()
-    (other / "precious").write_text("precious")
-    assert main([str(written(tmp_path)), "--out", str(other)]) == 2
-    assert [path.name for path in other.iterdir()] == ["precious"]
-    assert main([str(written(tmp_path, CAMPAIGN.replace("seed: 7", "seed: 8"))), "--out", str(out)]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 2
 
 
 @pytest.mark.parametrize("taken", ["bags", ""])

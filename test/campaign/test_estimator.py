@@ -45,12 +45,6 @@ def at_its_own_stamps(run):
 def rates(run):
     return run.imu.gyro
 
-def few(run):
-    return right(run)[1][:7]
-
-def nothing(run):
-    return None
-
 def writes_in_its_readings(run):
     run.imu.gyro[:] = 0.0
 
@@ -63,9 +57,6 @@ def spoils_the_readings_of_others(run):
 
 def lost(run):
     return np.nan * right(run)[1]
-
-def three(run):
-    return 1, 2, 3
 
 def leaves(run):
     raise SystemExit(3)
@@ -206,9 +197,6 @@ def test_a_campaign_may_give_the_first_attitude(campaign_of: Any) -> None:
     ("function", "told"),
     [
         ("rates", "(100, 3)"),
-        ("few", "(7, 4) for 100 stamps"),
-        ("nothing", "(N, 4)"),
-        ("three", "(3,)"),
         ("lost", "100 of 100 rows"),
         ("writes_in_its_readings", "ValueError: "),
         ("leaves", "SystemExit: 3"),

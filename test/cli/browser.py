@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import itertools
 import json
 import os
@@ -11,7 +10,6 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -63,9 +61,7 @@ class Browser:
             self.call(f"{domain}.enable")
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *failure: object) -> None:
         self._process.terminate()
         try:
             self._process.wait(DEADLINE)
@@ -129,10 +125,3 @@ class Browser:
         button = "left" if held or kind == "Released" else "none"
         state = {"button": button, "buttons": int(held and kind != "Released"), "clickCount": int(kind != "Moved")}
         self.call("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, **state)
-
-    def picture(self, path: Path) -> None:
-        """A screenshot of the whole page."""
-        size = self.call("Page.getLayoutMetrics")["cssContentSize"]
-        clip = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
-        data = self.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)["data"]
-        path.write_bytes(base64.b64decode(data))

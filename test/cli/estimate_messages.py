@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from rosbags.typesys import Stores, get_typestore
+
+from foreign_bags import Message, bag_of, messages_of
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 NS = 10**9
@@ -76,37 +76,15 @@ def messages(P: np.ndarray, world: str = "world", body: str = "base_link", senso
     }
 
 
-def write(path: Path, kind: str, how: Make, topic: str, stamps: np.ndarray, attitudes: np.ndarray) -> Path:
-    """A bag of one topic."""
-    with path.open("wb") as stream:
-        writer = Writer(stream)
-        writer.start(profile="ros2")
-        add(writer, kind, how, topic, stamps, attitudes)
-        writer.finish()
-    return path
-
-
-def add(writer: Writer, kind: str, how: Make, topic: str, stamps: np.ndarray, attitudes: np.ndarray) -> None:
-    schema = writer.register_schema(kind, "ros2msg", b"")
-    channel = writer.register_channel(topic, "cdr", schema)
-    for stamp, attitude in zip(stamps.tolist(), attitudes, strict=True):
-        writer.add_message(channel, stamp, bytes(STORE.serialize_cdr(how(stamp, attitude), kind)), stamp)
+def told(kind: str, how: Make, topic: str, stamps: np.ndarray, attitudes: np.ndarray) -> list[Message]:
+    """Messages of a topic."""
+    pairs = zip(stamps.tolist(), attitudes, strict=True)
+    return [Message(topic, kind, b"", t, t, bytes(STORE.serialize_cdr(how(t, q), kind))) for t, q in pairs]
 
 
 def beside(source: Path, path: Path, *topics: tuple[str, Make, str, np.ndarray, np.ndarray], without: str = "") -> Path:
     """A bag with all topics of another but one, and with topics of estimates."""
-    with source.open("rb") as old, path.open("wb") as new:
-        writer, channels = Writer(new), {}
-        writer.start(profile="ros2")
-        for schema, channel, message in make_reader(old).iter_messages():
-            assert schema is not None
-            if channel.topic in without.split():
-                continue
-            if channel.topic not in channels:
-                number = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.topic] = writer.register_channel(channel.topic, "cdr", number)
-            writer.add_message(channels[channel.topic], message.log_time, message.data, message.publish_time)
-        for topic in topics:
-            add(writer, *topic)
-        writer.finish()
+    kept = [message for message in messages_of(source) if message.topic not in without.split()]
+    empty = [(topic, kind) for kind, _, topic, stamps, _ in topics if not len(stamps)]
+    path.write_bytes(bag_of([*kept, *(message for each in topics for message in told(*each))], topics=empty))
     return path

@@ -123,25 +123,3 @@ def test_sensors_are_certified_and_what_no_scenario_determines_is_listed(tmp_pat
     assert content["certified_sensors"] == ["/imu/data_raw", "/imu/bias", "/imu/mag"]
     laws = {law["name"]: law for law in content["segments"][0]["laws"]}
     assert (laws["gyro"]["unit"], laws["gyro"]["checked"], laws["gyro"]["holds"]) == ("rad/s", 200, True)
-
-
-@pytest.mark.parametrize("name", ["asymmetric_top", "dzhanibekov", "tumbling_cubesat", "tossed_phone"])
-def test_shipped_scenarios_are_certified(name, tmp_path, capsys):
-    from lie_rigid_body.cli.record import main as record
-
-    bag = tmp_path / "bag.mcap"
-    assert record([str(bag), "--scenario", name, "--duration", "5", "--quiet"]) == 0
-    assert main([str(bag)]) == 0, capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_every_shipped_scenario_is_certified_over_a_minute_and_drawn(tmp_path, capsys):
-    from lie_rigid_body.cli.plot import main as plot
-    from lie_rigid_body.cli.record import main as record
-    from lie_rigid_body.scenario.parameter_file import scenario_files
-
-    for name in scenario_files():
-        bag = tmp_path / f"{name}.mcap"
-        assert record([str(bag), "--scenario", name, "--duration", "60", "--quiet"]) == 0
-        assert main([str(bag)]) == 0, capsys.readouterr().out
-        assert plot([str(bag), "-o", str(bag.with_suffix(".png"))]) == 0

@@ -13,10 +13,9 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from test_check import write_bag
 
+from foreign_bags import bag_of, messages_of
 from lie_rigid_body.certificate import Certificate
 from lie_rigid_body.cli import checking
 from lie_rigid_body.cli.check import main
@@ -42,21 +41,16 @@ def runs(tmp_path: Path) -> Path:
 
 def merged(target: Path, *, renamed: tuple[str, str] = ("", ""), late_ns: int = 0, **sources: Path) -> Path:
     """One bag with the topics of each source in the namespace of its name, perhaps one renamed and all logged late."""
-    with target.open("wb") as stream:
-        writer = Writer(stream)
-        writer.start("ros2", "a recorder")
-        for namespace, source in sources.items():
-            channels: dict[str, int] = {}
-            with source.open("rb") as content:
-                for schema, channel, message in make_reader(content).iter_messages(log_time_order=False):
-                    assert schema is not None
-                    if channel.topic not in channels:
-                        own = writer.register_schema(schema.name, schema.encoding, schema.data)
-                        name = f"/{namespace}{channel.topic}".replace(*renamed)
-                        channels[channel.topic] = writer.register_channel(name, channel.message_encoding, own)
-                    late = message.log_time + late_ns, message.publish_time + late_ns
-                    writer.add_message(channels[channel.topic], late[0], message.data, late[1])
-        writer.finish()
+    messages = [
+        each._replace(
+            topic=f"/{namespace}{each.topic}".replace(*renamed),
+            log_time=each.log_time + late_ns,
+            publish_time=each.publish_time + late_ns,
+        )
+        for namespace, source in sources.items()
+        for each in messages_of(source)
+    ]
+    target.write_bytes(bag_of(messages, "a recorder"))
     return target
 
 
@@ -108,18 +102,9 @@ def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
 
 def with_messages(target: Path, source: Path, topic: str, message: bytes | None) -> None:
     """A bag with another message, or none, in place of each on the topics that end so."""
-    with target.open("wb") as stream, source.open("rb") as content:
-        writer = Writer(stream)
-        writer.start("ros2", "a recorder")
-        for schema, channel, each in make_reader(content).iter_messages(log_time_order=False):
-            assert schema is not None
-            data = message if channel.topic.endswith(topic) else each.data
-            if data is None:
-                continue
-            own = writer.register_schema(schema.name, schema.encoding, schema.data)
-            number = writer.register_channel(channel.topic, channel.message_encoding, own)
-            writer.add_message(number, each.log_time, data, each.publish_time)
-        writer.finish()
+    others = [each for each in messages_of(source) if message is not None or not each.topic.endswith(topic)]
+    changed = [each._replace(data=message) if each.topic.endswith(topic) else each for each in others]  # type: ignore[arg-type]
+    target.write_bytes(bag_of(changed, "a recorder"))
 
 
 @pytest.mark.usefixtures("asked_here")

@@ -104,11 +104,6 @@ def test_a_limit_is_on_its_picture_also_far_above_the_errors(score):
     assert (total.get_yscale(), parts.get_ylim()[0]) == ("log", 0.0)
 
 
-def test_series_without_json_are_refused(bag, capsys):
-    assert main([str(bag), "--estimate", "/estimate", "--series"]) == 2
-    assert "--json" in capsys.readouterr().err
-
-
 def test_the_series_are_in_the_json_on_request(bag, stamps, capsys):
     series = scored(capsys, bag, "--estimate", "/filter/Imu", "--series")["series"]
     assert series["stamps_ns"] == stamps.tolist()

@@ -15,16 +15,8 @@ from lie_rigid_body.cli.evaluate import main
 from lie_rigid_body.lie import quaternion
 from said import numbers
 
-
-def test_a_finding_is_told_with_what_to_do(own, stamps, noisy, tmp_path, capsys):
-    inverse = (POSE, HOW[POSE], "/inverse", stamps, quaternion.conjugate(noisy))
-    bag = beside(own, tmp_path / "inverse.mcap", inverse)
-    [finding] = scored(capsys, bag, "--estimate", "/inverse")["findings"]
-    assert finding["code"] == "inverted"
-    assert finding["rms_deg_after"] < 1.0
-
-
 NAMED: dict[str, Any] = {
+    "inverted": (lambda t, q: (t, quaternion.conjugate(q)), ["inverted"]),
     "not of unit norm": (lambda t, q: (t, 1.1 * q), ["not_unit"]),
     "with gaps": (lambda t, q: (np.delete(t, slice(50, 75)), np.delete(q, slice(50, 75), axis=0)), ["gaps"]),
     "with doubles": (lambda t, q: (np.repeat(t, 2), np.repeat(q, 2, axis=0)), ["gaps"]),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from estimate_messages import beside
-from evaluating import HOW, IMU, POSE, refused, scored
+from evaluating import HOW, IMU, POSE, scored
 from scipy.spatial.transform import Rotation
 
 from lie_rigid_body import Estimate, attitude_error, simulate
@@ -82,27 +82,13 @@ def test_estimates_without_a_common_stamp_have_no_interval(several, capsys):
 @pytest.mark.slow
 def test_they_share_a_picture_and_a_page(several, tmp_path, capsys):
     picture, page = tmp_path / "a.png", tmp_path / "a.html"
-    given = [
-        str(several[0]),
-        "--estimate",
-        "/good",
-        "--estimate",
-        "/poor",
-        "--plot",
-        str(picture),
-        "--report",
-        str(page),
-    ]
-    assert main(given) == 0
+    given = f"--estimate /good --estimate /poor --plot {picture} --report {page}"
+    assert main([str(several[0]), *given.split()]) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
     content = page.read_text(encoding="utf-8")
     assert content.count("<svg") == 2  # for a desk and a phone
     assert re.search(r">/good\b[^<]* /poor\b", content)
     assert "</html>" in content
-
-
-def test_a_topic_that_is_given_twice_is_refused(several, capsys):
-    assert "/good" in refused(capsys, several[0], "--estimate", "/good", "--estimate", "/good")
 
 
 def test_a_bias_of_the_gyro_has_its_column(tmp_path, capsys):

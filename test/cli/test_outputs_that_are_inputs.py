@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
@@ -28,14 +27,6 @@ def test_metadata_of_a_folder_are_an_input_whatever_is_wrong_with_it(
         assert main(["check", "bags/run", "bag.mcap", "--report", "page.html", "--force"]) == 2
         assert str(target.relative_to(folder)) in capfd.readouterr().err
         page.unlink()
-
-
-def test_a_picture_and_a_page_are_two_files(folder: Path) -> None:
-    (folder / "old.html").write_text("old")
-    os.link("old.html", "old.png")
-    command = "evaluate bag.mcap --estimate /pose --plot old.png --report old.html --force"
-    assert main(command.split()) == 2
-    assert (folder / "old.html").read_text() == "old"
 
 
 @pytest.mark.usefixtures("asked_here")

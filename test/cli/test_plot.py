@@ -41,19 +41,6 @@ def test_a_picture_is_kept_and_replaced_by_the_same_whatever_a_matplotlibrc_says
     assert out.read_bytes() == picture
 
 
-def test_interruption_while_drawing_leaves_no_file(bag, tmp_path, monkeypatch, capsys):
-    def interrupted(*arguments: object, **options: object) -> None:
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr("matplotlib.figure.Figure.savefig", interrupted)
-        assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
-    with monkeypatch.context() as patch:
-        patch.setattr("lie_rigid_body.system.output_file.OutputFile.commit", interrupted)
-        assert main([str(bag), "-o", str(tmp_path / "out.png")]) == 130
-    assert list(tmp_path.iterdir()) == [bag]
-
-
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("number", sampled([np.nan, np.inf, 1e308], every=3))
 def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys):

@@ -111,13 +111,6 @@ def test_later_parameters_win(tmp_path: Path, out: Path) -> None:
     assert os.listdir(tmp_path).count("out.mcap") == 1
 
 
-def test_the_same_scenario_gives_the_same_bytes(tmp_path: Path) -> None:
-    a, b = tmp_path / "a.mcap", tmp_path / "b.mcap"
-    for path in (a, b):
-        recorded(path, "--scenario", "tumbling_cubesat", "--duration", "60")
-    assert a.read_bytes() == b.read_bytes()
-
-
 @pytest.mark.parametrize(("name", "mcap_name"), [("zstd", "zstd"), ("lz4", "lz4"), ("none", "")])
 def test_compression_and_chunk_size_change_the_file_and_no_message(out: Path, name: str, mcap_name: str) -> None:
     sensors = ["-p", "imu_rate:=50.0", "-p", "magnetometer_rate:=20.0", "--duration", "3"]
@@ -144,14 +137,6 @@ def test_a_fault_of_a_sensor_that_is_off_is_one_line_on_stderr(out: Path, capsys
     assert "gyro_spike_probability" in line
     assert main([*arguments, "--force", "--quiet"]) == 0
     assert capsys.readouterr().err == ""
-
-
-def test_an_existing_file_is_kept_without_force(out: Path) -> None:
-    out.write_text("precious")
-    assert main([str(out), *FAST, "--duration", "1"]) == 2
-    assert out.read_text() == "precious"
-    assert len(recorded(out, *FAST, "--duration", "1", "--force").poses.stamps_ns) == 100
-    assert os.listdir(out.parent) == [out.name]
 
 
 def running(
@@ -207,15 +192,6 @@ def test_a_terminal_that_closes_leaves_a_whole_file(out: Path) -> None:
     assert read_bag(out).expected_samples
 
 
-def test_force_keeps_the_old_file_until_the_new_one_is_whole(out: Path) -> None:
-    out.write_text("precious")
-    process = running(out, *ENDLESS, "--force")
-    assert out.read_text() == "precious"
-    process.kill()
-    process.communicate()
-    assert out.read_text() == "precious"
-
-
 def on_terminal(*arguments: str | Path, size: tuple[int, int] = (24, 80)) -> str:
     """What a terminal of so many rows and columns shows of stderr."""
     ours, theirs = pty.openpty()
@@ -233,59 +209,27 @@ def on_terminal(*arguments: str | Path, size: tuple[int, int] = (24, 80)) -> str
     return shown.decode()
 
 
-@pytest.mark.parametrize("size", [(24, 0), (0, 80), (0, 0)])
-def test_a_terminal_that_tells_no_size_shows_whole_bars(tmp_path: Path, size: tuple[int, int]) -> None:
+@pytest.mark.parametrize("size", [(24, 80), (24, 0), (0, 80), (0, 0)])
+def test_a_terminal_shows_whole_bars_also_if_it_tells_no_size(tmp_path: Path, size: tuple[int, int]) -> None:
     shown = on_terminal(tmp_path / "a.mcap", *FAST, "--duration", "50", size=size)
     *_, last = filter(None, shown.replace("\n", "\r").split("\r"))
     assert re.fullmatch(r"100%\|.{20,}\| 5.00k/5.00k \[.* samples/s\]", last)
     assert len(last) == 79
 
 
-def test_a_terminal_shows_progress_unless_quiet(tmp_path: Path) -> None:
-    shown = on_terminal(tmp_path / "a.mcap", *FAST, "--duration", "50")
-    assert "100%" in shown
-    assert "5.00k/5.00k" in shown
+def test_quiet_shows_no_bar(tmp_path: Path) -> None:
     assert on_terminal(tmp_path / "b.mcap", *FAST, "--duration", "50", "--quiet") == ""
 
 
-def test_a_reader_that_leaves_is_no_traceback(out: Path) -> None:
-    read, write = os.pipe()
-    os.close(read)
-    done = subprocess.run(
-        [*RECORD, out, *FAST, "--duration", "1"], stdout=write, stderr=-1, text=True, check=False, timeout=30
-    )
-    os.close(write)
-    assert done.stderr == ""
-    assert read_bag(out).expected_samples == 100
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", ["lie-rigid-body"])
-    return tmp_path
-
-
-def refusal(arguments: list[str], here: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    """The one line that a refused command prints."""
-    before = {path.name: path.stat().st_mtime_ns for path in here.iterdir()}
-    assert main(arguments) == 2
-    printed = capsys.readouterr()
-    assert printed.out == ""
-    assert printed.err.startswith("lie-rigid-body record: error: ")
-    assert printed.err.endswith("\n")
-    assert printed.err.count("\n") == 1
-    assert {path.name: path.stat().st_mtime_ns for path in here.iterdir()} == before
-    return printed.err
-
-
 def test_a_disk_with_too_little_room(
-    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    out: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("shutil.disk_usage", lambda path: (10**9, 10**9 - 52_000, 52_000))
-    line = refusal(["out.mcap", "--duration", "5"], here, capsys)
-    assert numbers(line) == [500, 52.5, 52]
-    assert main(["out.mcap", "--duration", "4", "--quiet"]) == 0
+    assert main([str(out), "--duration", "5"]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert numbers(line.replace(str(out.parent), "")) == [500, 52.5, 52]
+    assert not out.exists()
+    assert main([str(out), "--duration", "4", "--quiet"]) == 0
 
 
 def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
@@ -293,31 +237,19 @@ def test_a_disk_that_fills_up_is_told_in_one_line(tmp_path: Path) -> None:
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000)); "
         "from lie_rigid_body.__main__ import main; sys.exit(main(sys.argv[1:]))"
     )
-    command = [
-        sys.executable,
-        "-c",
-        code,
-        "record",
-        str(tmp_path / "out.mcap"),
-        "-p",
-        "motion:=closed_form",
-        "--duration",
-        "100",
-    ]
+    command = [sys.executable, "-c", code, "record", str(tmp_path / "out.mcap"), *FAST, "--duration", "100"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert done.stderr.count("\n") == 1
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
 
 
-def test_the_remedy_for_too_long_a_step_is_a_remedy(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["out.mcap", "--duration", "0.01", "-p", "initial_body_rate:=[6000.0, 2.0, 0.0]", "-p", "method:=rkmk4"]
-    line = refusal(arguments, here, capsys)
+def test_the_remedy_for_too_long_a_step_is_a_remedy(out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = [str(out), "--duration", "0.01", "-p", "initial_body_rate:=[6000.0, 2.0, 0.0]", "-p", "method:=rkmk4"]
+    assert main(arguments) == 2
+    [line] = capsys.readouterr().err.splitlines()
     assert main([*arguments, "-p", f"max_step:={numbers(line)[-1]}", "--quiet"]) == 0
 
 
 @pytest.mark.parametrize("rate", ["[1e-300, 2e-300, 0.0]", "[1e140, 2e140, 1.0]", "[0.0, 0.0, 0.0]"])
 @pytest.mark.filterwarnings("error")
-def test_extreme_rates_that_can_be_computed_are_allowed(here: Path, rate: str) -> None:
-    arguments = ["out.mcap", "--duration", "0.1", "-p", f"initial_body_rate:={rate}", "-p", "motion:=closed_form"]
-    assert main([*arguments, "--quiet"]) == 0
+def test_extreme_rates_that_can_be_computed_are_allowed(out: Path, rate: str) -> None:
+    assert main([str(out), *FAST, "--duration", "0.1", "-p", f"initial_body_rate:={rate}", "--quiet"]) == 0

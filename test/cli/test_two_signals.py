@@ -16,7 +16,6 @@ import pytest
 from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.recording.bag_reader import read_bag
 from said import numbers
-from sampled import sampled
 from two_signals import PAIRS, STRUCK, STRUCK_WITHOUT_NUMBA, VERB, ended_by_the_second, full_pipe, started, struck
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
@@ -76,11 +75,6 @@ def tried(name: str, folder: Path, seed: int, *, numba: bool) -> None:
         made.unlink()
     shutil.rmtree(folder / "runs", ignore_errors=True)
     assert sorted(os.listdir(folder)) == ["bags", "campaign.yaml"]
-
-
-@pytest.mark.parametrize("name", sampled(["record", "check"], every=2))
-def test_a_second_signal_changes_nothing(name: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    tried(name, prepared(tmp_path, name, request), SEEDS[name], numba=name != "record")
 
 
 @pytest.mark.slow

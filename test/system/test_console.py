@@ -14,7 +14,6 @@ from typing import NoReturn
 
 import pytest
 
-from lie_rigid_body.__main__ import main
 from lie_rigid_body.cli.check import main as check
 from lie_rigid_body.cli.evaluate import main as evaluate
 from lie_rigid_body.cli.plot import main as plot
@@ -171,42 +170,6 @@ def test_a_terminal_is_not_controlled_by_what_a_file_says(capsys: pytest.Capture
 def test_an_error_is_one_line_of_which_nothing_is_cut(capsys: pytest.CaptureFixture[str]) -> None:
     console.complain("verb", "a\nfolder/" * 1000 + " is no bag: give one")
     assert capsys.readouterr().err == f"verb: error: {'a folder/' * 1000} is no bag: give one\n"
-
-
-@pytest.mark.parametrize("name", ["", "-"])
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["check", "{}"],
-        ["check", "bag.mcap", "{}", "--report", "a.html"],
-        ["check", "bag.mcap", "--report", "{}"],
-        ["record", "{}", "--duration", "1"],
-        ["explain", "--params-file", "{}"],
-        ["recover", "{}", "-o", "new.mcap"],
-        ["recover", "bag.mcap", "-o", "{}"],
-        ["plot", "{}", "-o", "a.png"],
-        ["plot", "bag.mcap", "-o", "{}"],
-        ["evaluate", "{}", "--estimate", "/pose"],
-        ["evaluate", "bag.mcap", "--estimate", "/pose", "--truth", "{}"],
-        ["evaluate", "bag.mcap", "--estimate", "/pose", "--plot", "{}"],
-        ["evaluate", "bag.mcap", "--estimate", "/pose", "--report", "{}"],
-        ["campaign", "{}", "--out", "out"],
-        ["campaign", "campaign.yaml", "--out", "{}"],
-        ["campaign", "campaign.yaml", "--out", "out", "--report", "{}"],
-    ],
-)
-def test_what_is_no_name_is_refused_by_every_verb(
-    arguments: list[str],
-    name: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main([argument.format(name) for argument in arguments]) == 2
-    [line] = capsys.readouterr().err.splitlines()
-    assert f": '{name}' " in line
-    assert not list(tmp_path.iterdir())
 
 
 OVERFLOW = """

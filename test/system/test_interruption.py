@@ -35,6 +35,11 @@ INT, TERM = signal.SIGINT, signal.SIGTERM
 """
 PROGRAMS = {
     "one": ("ends_with(lambda: waiting(lambda: send(INT)))", 130),
+    "a hangup": ("ends_with(lambda: waiting(lambda: send(signal.SIGHUP)))", 130),
+    "a hangup under nohup": (
+        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\nends_with(lambda: waiting(lambda: send(signal.SIGHUP)))",
+        3,
+    ),
     "where it is noted": ("ends_with(lambda: send(INT, TERM) or 7)", 7),
     "noted before it is allowed": ("ends_with(lambda: send(TERM) or waiting())", 130),
     "the second and the third while closing": (
@@ -96,22 +101,6 @@ def test_the_first_signal_decides_and_a_later_one_ends_what_closes(name: str, tm
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120)
     assert ended.returncode == status, ended.stderr
     assert ended.stderr.splitlines()[-1:] == (["test: error: interrupted"] if status == 130 else [])
-
-
-HANGUP = """
-import signal, sys
-from lie_rigid_body.system.interruption import Interruption
-signal.signal(signal.SIGHUP, getattr(signal, sys.argv[1]))
-with Interruption.heeded(to_the_end=True) as interruption:
-    signal.raise_signal(signal.SIGHUP)
-raise SystemExit(7 if interruption.requested else 0)
-"""
-
-
-@pytest.mark.parametrize(("before", "status"), [("SIG_DFL", 7), ("SIG_IGN", 0)])
-def test_a_hangup_is_heeded_unless_nohup_said_otherwise(before: str, status: int) -> None:
-    ended = subprocess.run([sys.executable, "-c", HANGUP, before], check=False)
-    assert ended.returncode == status
 
 
 def test_handlers_are_again_what_they_were_and_those_of_others_stay() -> None:
