@@ -45,7 +45,7 @@ def decompress(chunk: Chunk) -> bytes:
         If the declared size is not what comes out, if the checksum differs, or if the chunk is too large or compressed
         in an unknown way.
     """
-    data = decompress_partial(chunk)
+    data = decompress_partial(chunk, whole=True)
     size = chunk.uncompressed_size
     require(len(data) == size, f"a chunk does not inflate to the {size} bytes that it declares")
     crc = chunk.uncompressed_crc and zlib.crc32(data)
@@ -53,16 +53,16 @@ def decompress(chunk: Chunk) -> bytes:
     return data
 
 
-def decompress_partial(chunk: Chunk) -> bytes:
-    """As much of the records of a chunk as can be decompressed."""
+def decompress_partial(chunk: Chunk, *, whole: bool = False) -> bytes:
+    """As much of the records of a chunk as can be decompressed; where all is wanted a frame of lz4 has an end."""
     if chunk.compression not in _PIECES:
         raise UnknownCompressionError(f"{chunk.compression!r:.40}")
     if chunk.uncompressed_size > MAX_CHUNK_BYTES:
         raise ExcessError(f"a chunk of {chunk.uncompressed_size} bytes")
-    return b"".join(_PIECES[chunk.compression](chunk.data, chunk.uncompressed_size))
+    return b"".join(_PIECES[chunk.compression](chunk.data, chunk.uncompressed_size, whole))
 
 
-def _of_zstd(data: bytes, size: int) -> Iterator[bytes]:
+def _of_zstd(data: bytes, size: int, whole: bool) -> Iterator[bytes]:
     """Content of frames of zstd; zstandard's own ``decompress`` would believe the size that the frame declares."""
     import zstandard  # only where it is needed: apt may have one of the two
 
@@ -73,9 +73,10 @@ def _of_zstd(data: bytes, size: int) -> Iterator[bytes]:
             yield piece
 
 
-def _of_lz4(data: bytes, size: int) -> Iterator[bytes]:
+def _of_lz4(data: bytes, size: int, whole: bool) -> Iterator[bytes]:
     from lz4.frame import LZ4FrameDecompressor
 
+    frame = None
     with suppress(RuntimeError):
         while data and size:
             frame = LZ4FrameDecompressor()
@@ -84,10 +85,13 @@ def _of_lz4(data: bytes, size: int) -> Iterator[bytes]:
                 size -= len(piece)
                 yield piece
             data = frame.unused_data or b""
+        if whole and frame and not frame.eof:
+            frame.decompress(b"", 1)
+    require(not whole or frame is None or frame.eof, "a frame of lz4 has no end")
 
 
-_PIECES: Final[dict[str, Callable[[bytes, int], Iterator[bytes]]]] = {
-    "": lambda data, size: iter([data]),
+_PIECES: Final[dict[str, Callable[[bytes, int, bool], Iterator[bytes]]]] = {
+    "": lambda data, size, whole: iter([data]),
     "zstd": _of_zstd,
     "lz4": _of_lz4,
 }

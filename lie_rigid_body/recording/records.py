@@ -61,6 +61,8 @@ _TOGETHER: Final[dict[tuple[int, int], int]] = {
     (Opcode.MESSAGE, Opcode.MESSAGE): 2**20,
 }
 """Reach in bytes, by kinds of records: records of these kinds within it are read together with the first."""
+MAX_DEFINITIONS: Final = 2 * 2**16
+"""Largest number of schemas and channels of a chunk: each has a number of 16 bits."""
 _INDEX_HEAD: Final = struct.Struct("<HI")
 """Channel of a message index, and bytes of its rows."""
 _LARGE: Final = (Chunk, Attachment)
@@ -338,6 +340,7 @@ def find_messages(data: bytes, hints: Integers = NO_HINTS) -> MessageTable:
                 require(place.end - place.start >= HEAD.itemsize, "a message record is too short")
                 starts.append(place.start)
             elif place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                require(len(definitions) < MAX_DEFINITIONS, f"a chunk of over {MAX_DEFINITIONS} definitions")
                 definitions.append(place)
         if position != behind[gap] and len(hinted.starts):
             return find_messages(data)

@@ -29,8 +29,8 @@ from lie_rigid_body.system.bounded_input import MAX_CHUNK_BYTES
 
 GIB = 2**30
 MIB = 2**20
-MEMORY = 2 * MAX_CHUNK_BYTES + 200 * MIB
-"""What a verb may take: its libraries, and the largest chunk that is read, which the library of lz4 holds twice."""
+MEMORY = 4 * MAX_CHUNK_BYTES
+"""What a verb may take: its libraries, the largest chunk twice, and the places of 8 million messages in it."""
 SECONDS = 120
 """Time on a processor after which a verb is taken to hang."""
 RUN = """
