@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from mcap.reader import make_reader
-from mcap.writer import Writer
 
+import foreign_bags
+from foreign_bags import Message, messages_of
 from lie_rigid_body import InputError, Run, __version__, certify
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import Bag
@@ -49,20 +49,13 @@ def recorded(
     source: Path, target: Path, heard: Heard, library: str = "libmcap 1.4.1", text: bytes = b"", **options: Any
 ) -> Path:
     """The bag that a recorder made of what is in another, perhaps with another scenario message."""
-    with source.open("rb") as stream, target.open("wb") as out:
-        writer, channels = Writer(out, **options), dict[str, int]()
-        writer.start("ros2", library)
-        reader: Any = make_reader(stream)
-        for schema, channel, message in reader.iter_messages(log_time_order=False):
-            received = heard(message.log_time, channel.topic)
-            if received is None:
-                continue
-            if channel.topic not in channels:
-                number = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.topic] = writer.register_channel(channel.topic, "cdr", number)
-            data = text if text and channel.topic.endswith("scenario") else message.data
-            writer.add_message(channels[channel.topic], received, data, received)
-        writer.finish()
+    messages = list[Message]()
+    for m in messages_of(source):
+        received = heard(m.log_time, m.topic)
+        if received is not None:
+            data = text if text and m.topic.endswith("scenario") else m.data
+            messages.append(m._replace(log_time=received, publish_time=received, data=data))
+    target.write_bytes(foreign_bags.bag_of(messages, library, **options))
     return target
 
 
@@ -160,8 +153,7 @@ def test_scenarios_keep_their_words_and_the_software_that_computed_the_readings(
 def test_readings_of_a_sensor_that_no_scenario_has_are_refused_in_a_line(tmp_path: Path) -> None:
     simulate(duration=1.0, magnetometer_rate=10.0).to_bag(tmp_path / "a.mcap")
     simulate(duration=1.0).to_bag(tmp_path / "b.mcap")
-    with (tmp_path / "b.mcap").open("rb") as stream:
-        (text,) = (m.data for _, c, m in make_reader(stream).iter_messages() if c.topic.endswith("scenario"))
+    (text,) = (m.data for m in messages_of(tmp_path / "b.mcap") if m.topic.endswith("scenario"))
     run = Run.from_bag(recorded(tmp_path / "a.mcap", tmp_path / "c.mcap", all_of_it, text=text))
     assert run.certificate().passed
     with pytest.raises(InputError, match=r"10 readings of a sensor, magnetometer"):
