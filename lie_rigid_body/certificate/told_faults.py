@@ -78,7 +78,7 @@ class FaultLaw:
             self.early += 1
         elif fault.to_json() != text:
             self._note("of which the scenario makes none", where, fault.begin_ns, self._count)
-        elif (key := replace(fault, size=None)) in self._told:
+        elif (key := _without_size(fault)) in self._told:
             self.repeated += 1
             if self._is_whole:
                 self._note("twice", where, fault.begin_ns, self._count)
@@ -136,7 +136,7 @@ class FaultLaw:
         absent = list[Fault]()
         begun = self._is_whole
         for fault in expected:
-            key = replace(fault, size=None)
+            key = _without_size(fault)
             if key in self._told and _are_alike(fault, self._sizes.get(key)):
                 del self._told[key]
                 missing += absent
@@ -155,6 +155,12 @@ class FaultLaw:
         while reached_ns < until_ns:
             reached_ns = min(until_ns, log.end_ns(_AT_ONCE))
             yield from log.take(reached_ns)
+
+
+def _without_size(fault: Fault) -> Fault:
+    """All of a fault but its size; where it is of one reading, its times are one number in memory."""
+    end_ns = fault.begin_ns if fault.end_ns == fault.begin_ns else fault.end_ns
+    return replace(fault, end_ns=end_ns, size=None)
 
 
 def _in_words(fault: Fault) -> str:
