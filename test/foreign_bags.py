@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import mcap.records
+from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Channel, DataEnd, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Chunk, Schema
+from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC as MAGIC
 from mcap.writer import CompressionType, Writer
 
@@ -43,21 +44,36 @@ def _kept(bag: Path, written_ns: int) -> list[Message]:
 
 
 def _read(content: bytes) -> list[Message]:
+    """Messages by the library's records; it takes none for longer than its fields, so their framing is done here."""
     schemas, channels, found = {0: Schema(0, b"", "", "")}, dict[int, Channel](), list[Message]()
-    for one in StreamReader(BytesIO(content)).records:
-        match one:
-            case Schema():
-                schemas[one.id] = one
-            case Channel():
-                channels[one.id] = one
-            case DataEnd():  # what follows are hints
-                break
-            case mcap.records.Message():
-                channel = channels[one.channel_id]
-                schema = schemas[channel.schema_id]
-                times = one.log_time, one.publish_time
-                found.append(Message(channel.topic, schema.name, schema.data, *times, one.data))
+    for opcode, data in _records_with_messages(content):
+        stream = ReadDataStream(BytesIO(data))
+        if opcode == Opcode.SCHEMA:
+            schema = Schema.read(stream)
+            schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            channel = Channel.read(stream)
+            channels[channel.id] = channel
+        elif opcode == Opcode.MESSAGE:
+            one = mcap.records.Message.read(stream, len(data))
+            channel = channels[one.channel_id]
+            schema = schemas[channel.schema_id]
+            times = one.log_time, one.publish_time
+            found.append(Message(channel.topic, schema.name, schema.data, *times, one.data))
     return found
+
+
+def _records_with_messages(content: bytes) -> Iterator[tuple[int, bytes]]:
+    """Records of the data section, and those in its chunks; what follows are hints."""
+    for opcode, data in records_of(content):
+        if opcode == Opcode.DATA_END:
+            return
+        if opcode == Opcode.CHUNK:
+            chunk = Chunk.read(ReadDataStream(BytesIO(data)))
+            stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+            yield from records_of(MAGIC + stream.read(size) + MAGIC)
+        else:
+            yield opcode, data
 
 
 def bag_of(
