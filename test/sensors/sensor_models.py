@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from lie_rigid_body import ClosedForm, RigidBody, State
 from lie_rigid_body.foundation.parameters import read_table
-from lie_rigid_body.sensors import SENSORS, Imu, ImuModel, Magnetometer, MagnetometerModel, Sensors, graded
+from lie_rigid_body.sensors import SENSORS, Imu, Magnetometer, Sensors, graded
 
 BODY = RigidBody([1.1, 0.1, -0.05, 1.9, 0.2, 2.6])
 START = State(np.array([0.1, -0.7, 0.4, 0.3]) / np.linalg.norm([0.1, -0.7, 0.4, 0.3]), [0.7, -1.3, 0.4])
@@ -38,7 +39,7 @@ EVERYTHING: dict[str, object] = {
 }
 
 
-def sensors_of(given: Mapping[str, object]) -> Sensors:
+def sensors_of(given: Mapping[str, object]) -> Any:
     """The sensors of some parameters, the rest at their defaults."""
     return Sensors.from_values(read_table(SENSORS.parameters.values(), graded(given)))
 
@@ -47,16 +48,12 @@ def times(count: int) -> np.ndarray:
     return np.arange(count, dtype=np.int64) * STEP_NS
 
 
-def imu_model(**given: object) -> ImuModel:
-    model = sensors_of({"imu_rate": 100.0, **given}).imu
-    assert model is not None
-    return model
+def imu_model(**given: object) -> Any:
+    return sensors_of({"imu_rate": 100.0, **given}).imu
 
 
-def magnetometer_model(**given: object) -> MagnetometerModel:
-    model = sensors_of({"magnetometer_rate": 100.0, **given}).magnetometer
-    assert model is not None
-    return model
+def magnetometer_model(**given: object) -> Any:
+    return sensors_of({"magnetometer_rate": 100.0, **given}).magnetometer
 
 
 def imu(before_ns: int = -STEP_NS, /, **given: object) -> Imu:
@@ -78,5 +75,4 @@ def readings_at_rest(count: int, **given: object) -> dict[str, np.ndarray]:
     """What an IMU reads of a body at rest in free fall: its errors alone."""
     model = imu_model(**given)
     period = round(1e9 / model.rate)
-    still = at_rest(count)
-    return Imu(model, BODY).measure(np.arange(count, dtype=np.int64) * period, still)
+    return Imu(model, BODY).measure(np.arange(count, dtype=np.int64) * period, at_rest(count))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lie_rigid_body import simulate
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import gather, parse_assignment, read_parameter_file, scenario_file
@@ -34,6 +35,33 @@ FILES = [
 FAST = [1e12, 1e12, 0.0]
 QUICK = {"method": "rkmk4", "max_step": 10.0, "rate": 0.1, "initial_body_rate": [3.0, 0.5, -0.9]}
 SPIN = {"gyro_rate": "integrated", "initial_body_rate": [0.0, 0.0, 30.0], "imu_rate": 9.0}
+
+
+MANY = 2e6
+TRIADS = ("gyro", "accelerometer")
+NO_SENSORS = [
+    {"sun_sensor_rate": 1e5, "sun_sensor_latency_jitter": 1.1},
+    *({name: rate} for name in ("imu_rate", "magnetometer_rate") for rate in (1e-7, 1e10)),
+    *({"imu_frame": name} for name in ("/imu", "")),
+    *({"sensor_seed": seed} for seed in (-1, 2**63, 1.5)),
+    *({"sensor_grade": grade} for grade in ("cheap", 3, ["mems"])),
+    {"gyro_rate": "mean"},
+    {"accelerometer_mode": "pivot"},
+    {"accelerometer_lever_arm": [0.0, -MANY, 1.0]},
+    {"magnetic_field": [0.0, 0.0, 48.0e6]},
+    {"magnetometer_hard_iron": [1e4, 0.0, 0.0]},
+    {"magnetometer_soft_iron": [1e7] * 9},
+    {"attitude_sensor_boresight": [0.0] * 3},
+    {"gyro_stuck_interval": 0.5},
+    {"imu_outage_interval": 1e-4},
+    {"fault_begin": 3.0, "fault_end": 2.0},
+    {"imu_clock_skew": 0.1},
+    {"gyro_noise_densty": 1.0},
+    *({f"{sensor}_resolution": 2.0, f"{sensor}_range": 1.0} for sensor in (*TRIADS, "magnetometer")),
+    *({f"{sensor}_resolution": 1e-300} for sensor in (*TRIADS, "magnetometer")),
+    *({f"{sensor}_scale_factor": [1.0, MANY, 1.0]} for sensor in TRIADS),
+    *({f"{sensor}_misalignment": [2.0, 2.0, 2.0]} for sensor in TRIADS),
+]
 
 
 def file(content):
@@ -77,6 +105,8 @@ REFUSED = {
         lambda: given(initial_body_rate=FAST, rate=1e-6),
         lambda: given(**QUICK),
         lambda: given(**SPIN),
+        *(lambda sensors=sensors: given(**sensors) for sensors in NO_SENSORS),
+        lambda: simulate(duration=1.0, imu_rate=10.0, imu_clock_offset=-0.5),
         lambda: Scenario().frame("imu_frames"),
         lambda: Scenario().frame("rate"),
         lambda: Scenario().frame(["body_frame"]),
