@@ -115,11 +115,6 @@ def changed(run: Any, gyro: Change = as_it_is, force: Change = as_it_is, field: 
     return SimpleNamespace(imu=imu, magnetometer=magnetometer, scenario=run.scenario)
 
 
-def in_degrees(run: Any) -> Array:
-    """Mahony's filter with a gyro that it takes for one in degrees a second."""
-    return mahony(changed(run, gyro=np.radians))
-
-
 def right(run: Any) -> Array:
     return mahony(run)
 

@@ -17,10 +17,8 @@ from browser import PROGRAM, Browser
 from tampering import at, on, tamper, with_numbers
 from test_check import write_bag
 
-from lie_rigid_body import simulate
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.cli.check import main
-from lie_rigid_body.cli.record import main as record
 from lie_rigid_body.mechanics import State
 from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
@@ -32,6 +30,7 @@ from lie_rigid_body.report.overview import MAX_ROWS, Verdict, VerdictRow, page, 
 from lie_rigid_body.report.recorded_motion import extremes, path, recorded_segments
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation, SimulationStep
+from untyped import simulate
 
 LARGEST = 6_000_000
 HOSTILE = "x</script><img/src=x/onerror=document.title='taken'><script>document.title='taken'</script>"
@@ -55,10 +54,8 @@ def report(bag: Path) -> Path:
 
 def figures(text: str) -> dict[str, Any]:
     """The figures of a page by their headings."""
-    found = re.findall(
-        r'<h3>([^<]*)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>', text, re.DOTALL
-    )
-    return {heading: json.loads(content) for heading, content in found}
+    figure = r'<h3>([^<]*)</h3>(?:(?!<h3>).)*?<script type="application/json">(.*?)</script>'
+    return {heading: json.loads(content) for heading, content in re.findall(figure, text, re.DOTALL)}
 
 
 def test_one_file_holds_everything(report: Path) -> None:
@@ -84,6 +81,10 @@ def test_what_controls_a_terminal_or_the_direction_of_a_line_stands_as_an_escape
     parts = [paragraph(text), badge(text, passed=True), table((text,), [((text,), True)]), escaped(text)]
     assert all("\\x1b[2J\\u202eabc&lt;b&gt;\\x00" in part for part in parts)
     assert escaped("two\nlines") == "two\nlines"
+    titled = html_page.document(f"{text} {os.fsdecode(bytes([255]))}.mcap", [], with_figures=False).decode()
+    assert "&lt;b&gt;\\x00 \\udcff.mcap</h1>" in titled
+    assert not any(character in titled for character in "\x1b\u202e")
+    assert "script-src 'none'" in titled
 
 
 @pytest.mark.long
@@ -95,9 +96,8 @@ def test_a_browser_opens_plays_and_turns_it(bag: Path, report: Path, tmp_path: P
         browser.evaluate("body.scrollIntoView()")
         assert browser.evaluate("slider.value") == "0"
         press(browser, "document.querySelector('button')")
-        moved = (
-            "new Promise(done => setInterval(() => slider.value > 0 && done(document.querySelector('output').value)))"
-        )
+        shown = "done(document.querySelector('output').value)"
+        moved = f"new Promise(done => setInterval(() => slider.value > 0 && {shown}))"
         assert browser.evaluate(moved) not in ("", "0 s")
         eye = "JSON.stringify(body.layout.scene.camera.eye)"
         before = browser.evaluate(eye)
@@ -170,12 +170,6 @@ def test_a_page_is_kept_and_refused_before_the_work(
     assert "pip install 'lie-rigid-body[report]'" in told
 
 
-def test_the_name_of_a_file_need_not_be_unicode() -> None:
-    text = html_page.document(f"Certificate of {os.fsdecode(bytes([255]))}.mcap", [], with_figures=False).decode()
-    assert "<h1>Certificate of \\udcff.mcap</h1>" in text
-    assert "script-src 'none'" in text
-
-
 def test_a_broken_bag_says_so(tmp_path: Path) -> None:
     bag, out = write_bag(tmp_path / "poor.mcap", 50, method="rkmk1"), tmp_path / "poor.html"
     assert main([str(bag), "--report", str(out)]) == 1
@@ -203,7 +197,6 @@ def test_any_recorded_number_makes_a_page(number: float, tmp_path: Path, capsys:
 @pytest.mark.filterwarnings("error")
 def test_any_estimate_makes_a_page(tmp_path: Path) -> None:
     run = simulate("tumbling_cubesat", duration=2.0, imu_rate=20.0, sensor_grade="mems")
-    assert run.imu is not None
     bias = run.imu.gyro_bias.copy()
     bias[10] = 1e308
     write_report(run.score(run.attitude().at(run.imu.t_ns), gyro_bias=bias), tmp_path / "out.html")
@@ -219,12 +212,6 @@ def test_degenerate_motions_make_a_page(parameters: dict[str, Any], count: int, 
     assert main([str(bag), "--report", str(tmp_path / "out.html")]) == 0
 
 
-def test_an_impossible_body_and_another_inertia(bag: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out.html"
-    assert main([str(bag), "--inertia", "1,2,3", "--report", str(out)]) == 1
-    assert "inertia [1, 2, 3]" in out.read_text(encoding="utf-8")
-
-
 @pytest.fixture(scope="module")
 def piece(bag: Path) -> Any:
     [found] = recorded_segments(read_bag(bag))
@@ -233,9 +220,8 @@ def piece(bag: Path) -> Any:
 
 def test_the_body_moves_as_it_was_recorded(piece: Any) -> None:
     """The sides of the drawn box keep their lengths, and its principal axes are those of the recorded attitudes."""
-    film = of_pages.body(piece)
-    assert film is not None
-    content: Any = film[0]
+    film: Any = of_pages.body(piece)
+    content = film[0]
     pictures, body = content["film"]["pictures"], piece.segment.scenario.body()
     assert 100 < len(pictures) <= of_pages.FRAMES
     assert len(content["film"]["times"]) == len(pictures)
@@ -276,16 +262,14 @@ def test_a_long_curve_keeps_its_peaks() -> None:
 
 def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -> None:
     poor = certify(read_bag(write_bag(tmp_path / "poor.mcap", 50, method="rkmk1")))
-    text = page_of_verdicts(
-        "Bags", [Verdict(bag.name, None, certify(read_bag(bag))), Verdict("<b>poor", None, poor)]
-    ).decode()
+    good = certify(read_bag(bag))
+    text = page_of_verdicts("Bags", [Verdict(bag.name, None, good), Verdict("<b>poor", None, poor)]).decode()
     assert re.search(r">NOT CERTIFIED: of 2 bags 1 ", text)
     assert "<b>poor" not in text
     drawn = figures(text)["attitude [rad]"]["data"]
     assert len({trace["name"] for trace in drawn[:2]}) == 2
     assert [sum(trace["y"]) for trace in drawn[:2]] == [1, 1]
-    bound = certify(read_bag(bag)).attitude_accuracy
-    assert f"{bound:.2g}" in text
+    assert f"{good.attitude_accuracy:.2g}" in text
     assert f"<li>&lt;b&gt;poor: {escape(poor.messages[0])}</li>" in text
     [cells] = re.findall(r"<tr class=broken><td>BROKEN</td><td>50</td><td>(.*?)</td><td>&lt;b&gt;poor</td></tr>", text)
     attitude, law, used = cells.split("</td><td>")
@@ -298,22 +282,17 @@ def test_many_bags_are_one_table_with_distributions(bag: Path, tmp_path: Path) -
 @pytest.mark.parametrize("number", [123.0, np.inf])
 def test_a_broken_reading_is_drawn_over_time(number: float, tmp_path: Path) -> None:
     whole, bag, out = tmp_path / "whole.mcap", tmp_path / "spin.mcap", tmp_path / "out.html"
-    assert (
-        record([str(whole), "--duration", "1", "-p", "imu_rate:=50.0", "-p", "gyro_resolution:=0.001", "--quiet"]) == 0
-    )
-    spinning = on(
-        "/imu/data_raw", at(20, lambda message: with_numbers(message, 24, lambda x: np.append(number, x[1:])))
-    )
-    assert main([str(tamper(whole, bag, spinning)), "--report", str(out)]) == 1
+    simulate(duration=1.0, imu_rate=50.0, gyro_resolution=0.001).to_bag(whole)
+    spun = at(20, lambda message: with_numbers(message, 24, lambda x: np.append(number, x[1:])))
+    assert main([str(tamper(whole, bag, on("/imu/data_raw", spun))), "--report", str(out)]) == 1
     assert out.stat().st_size <= LARGEST
     red = next(trace for trace in figures(out.read_text(encoding="utf-8"))["gyro"]["data"] if trace["name"] == "broken")
     assert red["x"] == pytest.approx([0.4], abs=0.01)
 
 
 def test_of_very_many_the_worst_are_listed() -> None:
-    lines = [
-        VerdictRow((f"run {k}",), k != 700, 1e-15 * k, {"closed form [rad]": (1e-15 * k, 1e-11)}) for k in range(1500)
-    ]
+    laws = [{"closed form [rad]": (1e-15 * k, 1e-11)} for k in range(1500)]
+    lines = [VerdictRow((f"run {k}",), k != 700, 1e-15 * k, law) for k, law in enumerate(laws)]
     text = page("Runs", "runs", ("run",), lines).decode()
     listed = re.findall(r"<td>run (\d+)</td>", text)
     assert len(listed) == MAX_ROWS
@@ -348,8 +327,3 @@ def test_the_worst_law_of_a_line_went_farthest(
 ) -> None:
     for ordered in (residuals, dict(reversed(residuals.items()))):
         assert VerdictRow(("run 1",), False, 1e-15, ordered).worst == worst
-
-
-def test_a_title_has_no_control_characters() -> None:
-    page = html_page.document("/estimate\x1b[31m\x9b\u202e", [])
-    assert not any(character in page.decode() for character in "\x1b\x9b\u202e")

@@ -12,12 +12,11 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from test_check import write_bag
+from test_rewritten_bags import bag_of
 
 from lie_rigid_body.certificate import certify
 from lie_rigid_body.foundation.errors import BagError
-from lie_rigid_body.messages.batch import BatchEncoder
 from lie_rigid_body.recording.bag_reader import read_bag
-from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.report.recorded_motion import (
     MANY_SAMPLES,
     MAX_PIECES,
@@ -28,9 +27,7 @@ from lie_rigid_body.report.recorded_motion import (
     recorded_segments,
 )
 from lie_rigid_body.report.recording_picture import draw
-from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.scenario.parameter_file import read_parameter_file, scenario_files
-from lie_rigid_body.simulation import Simulation, SimulationStep
 from said import numbers
 
 
@@ -63,7 +60,10 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
     """Every point of the drawn path obeys ½ Σ Iᵢωᵢ² = H in the axes' own, principal, coordinates."""
     bag = write_bag(tmp_path / "bag.mcap", inertia=inertia, initial_body_rate=[0.4, -1.2, 0.7])
     pieces = recorded_segments(read_bag(bag))
-    body = pieces[0].segment.scenario.body()
+    body, start = pieces[0].segment.scenario.body(), pieces[0].segment.scenario.start()
+    ellipsoid: Any = Ellipsoid.of(pieces[0], 50)
+    for of_picture in (ellipsoid.surface().reshape(3, -1).T, ellipsoid.principal_circles().reshape(-1, 3)):
+        np.testing.assert_allclose(0.5 * of_picture**2 @ body.principal_moments, body.kinetic_energy(start), rtol=1e-9)
     polhode: Any = draw(pieces).axes[3]
     paths = [line for line in polhode.get_lines() if line.get_linewidth() > 2]
     assert sum(int(np.sum(~np.isnan(line.get_data_3d()[0]))) for line in paths) == len(path(pieces[0], MANY_SAMPLES))
@@ -72,7 +72,7 @@ def test_the_polhode_lies_on_the_ellipsoid(inertia, tmp_path):
         points = np.array(line.get_data_3d())
         energy = 0.5 * np.nansum(body.principal_moments[:, np.newaxis] * points**2, axis=0)
         drawn = ~np.isnan(points).any(axis=0)
-        np.testing.assert_allclose(energy[drawn], body.kinetic_energy(pieces[0].segment.scenario.start()), rtol=1e-12)
+        np.testing.assert_allclose(energy[drawn], body.kinetic_energy(start), rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -91,26 +91,16 @@ def test_a_single_sample_is_seen(tmp_path):
 
 
 def test_many_samples_do_not_hide_each_other(tmp_path):
-    few, many = (
-        draw(recorded_segments(read_bag(write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form"))))
-        for n in (99, 30_000)
-    )
+    bags = [write_bag(tmp_path / f"{n}.mcap", n, motion="closed_form") for n in (99, 30_000)]
+    few, many = (draw(recorded_segments(read_bag(bag))) for bag in bags)
     assert few.axes[0].get_lines()[0].get_alpha() is None
     assert (many.axes[0].get_lines()[0].get_alpha() or 1.0) < 1.0
 
 
 @pytest.mark.parametrize("resets", [2, 40])
 def test_many_resets_are_marks_and_no_wall_of_lines(tmp_path, resets):
-    scenario = Scenario.from_parameters({"motion": "closed_form"})
-    simulation = Simulation(scenario)
-    with BagWriter(tmp_path / "bag.mcap", stamped_twist=True) as bag:
-        for _ in range(resets):
-            bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(SimulationStep(simulation.take(5))))
-            simulation.reset(scenario)
-        bag.begin_segment(simulation.segment)
-        bag.write(BatchEncoder(scenario).encode(SimulationStep(simulation.take(5))))
-    figure = draw(recorded_segments(read_bag(tmp_path / "bag.mcap")))
+    bag = bag_of(tmp_path / "bag.mcap", *[{"motion": "closed_form"}] * (resets + 1), each_ns=50_000_000)
+    figure = draw(recorded_segments(read_bag(bag)))
     assert numbers(title(figure))[-1] == resets
     [marks] = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
     heights = [np.ptp(path[:, 1]) for path in marks.get_segments()]
@@ -122,13 +112,10 @@ def segments(tmp_path, *counts: int) -> list:
     """Pieces of recordings of the given numbers of samples; 0 for one whose poses and twists do not pair."""
     pieces = []
     for number, count in enumerate(counts):
-        [piece] = recorded_segments(
-            read_bag(write_bag(tmp_path / f"{number}.mcap", max(1, count), inertia=[1, 2, 2.5 + 0.5 * number]))
-        )
-        none = slice(0, count)
-        pieces.append(
-            replace(piece, samples=piece.samples[none], stamps_ns=piece.stamps_ns[none], states=piece.states[none])
-        )
+        bag = write_bag(tmp_path / f"{number}.mcap", max(1, count), inertia=[1, 2, 2.5 + 0.5 * number])
+        [piece] = recorded_segments(read_bag(bag))
+        kept = {name: getattr(piece, name)[:count] for name in ("samples", "stamps_ns", "states")}
+        pieces.append(replace(piece, **kept))
     return pieces
 
 
@@ -180,20 +167,6 @@ def test_words_and_numbers_keep_clear_of_the_axes(tmp_path):
         assert not any(a.overlaps(b) for a, b in pairwise(boxes))
 
 
-@pytest.mark.parametrize("inertia", [[3.0, 1.0, 2.0], [1.0, 0.1, -0.05, 1.4, 0.2, 1.9]])
-def test_surface_circles_and_polhode_have_the_energy_of_the_start(inertia, tmp_path):
-    [piece] = recorded_segments(read_bag(write_bag(tmp_path / "bag.mcap", 60, inertia=inertia)))
-    scenario = piece.segment.scenario
-    body = scenario.body()
-    ellipsoid = Ellipsoid.of(piece, 50)
-    assert ellipsoid is not None
-    assert 5 < len(ellipsoid.polhode) <= 50
-    surface = ellipsoid.surface().reshape(3, -1).T
-    for points in (ellipsoid.polhode, surface, ellipsoid.principal_circles().reshape(-1, 3)):
-        energy = 0.5 * points**2 @ body.principal_moments
-        np.testing.assert_allclose(energy, body.kinetic_energy(scenario.start()), rtol=1e-9)
-
-
 @pytest.mark.parametrize("block", [1, 7, 997, 10_000])
 def test_no_peak_of_a_law_is_lost(block):
     """Whatever the blocks are, and in whichever order readings stand in a bag."""
@@ -218,22 +191,16 @@ def test_no_peak_of_a_law_is_lost(block):
 
 @pytest.fixture(scope="module")
 def two_segments(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    given = {"motion": "closed_form", "initial_body_rate": [0.3, 1.0, 0.2]}
     path = tmp_path_factory.mktemp("bags") / "bag.mcap"
-    scenario = Scenario.from_parameters({"motion": "closed_form", "initial_body_rate": [0.3, 1.0, 0.2]})
-    simulation = Simulation(scenario)
-    with BagWriter(path, stamped_twist=True, chunk_size=10_000) as bag:
-        for count in (1500, 700):
-            bag.begin_segment(simulation.segment)
-            bag.write(BatchEncoder(scenario).encode(SimulationStep(simulation.take(count))))
-            simulation.reset(scenario)
-    return path
+    return bag_of(path, given, given, each_ns=11 * 10**9, chunk_size=10_000)
 
 
 def test_all_samples_are_drawn_of_the_segments_that_a_certificate_tells(two_segments):
     recording = read_bag(two_segments)
     found = recorded_segments(recording)
     told = recorded_segments(recording, certify(recording))
-    assert [len(each.samples) for each in found] == [1500, 700]
+    assert [len(each.samples) for each in found] == [1100, 1100]
     for one, other in zip(found, told, strict=True):
         assert one.segment == other.segment
         np.testing.assert_array_equal(one.stamps_ns, other.stamps_ns)
