@@ -34,13 +34,13 @@ class Message(NamedTuple):
 
 
 def messages_of(bag: Path | bytes) -> list[Message]:
-    """Messages of a whole file in their order; a file that is not written again is read once."""
-    return _read(bag) if isinstance(bag, bytes) else [*_kept(bag, bag.stat().st_mtime_ns)]
+    """Messages of a whole file in their order; of the same files again they are kept."""
+    return _read(bag) if isinstance(bag, bytes) else [*_kept(bag.read_bytes())]
 
 
 @lru_cache(maxsize=4)
-def _kept(bag: Path, written_ns: int) -> list[Message]:
-    return _read(bag.read_bytes())
+def _kept(content: bytes) -> list[Message]:
+    return _read(content)
 
 
 def _read(content: bytes) -> list[Message]:

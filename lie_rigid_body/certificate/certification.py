@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
@@ -20,7 +20,7 @@ from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.showing import Shown
 from lie_rigid_body.foundation.wording import counted, listed
-from lie_rigid_body.recording.bag_reader import Bag, Recording
+from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
 
@@ -149,6 +149,7 @@ def certify(
     inertia: Sequence[float] | None = None,
     watch: Watch | None = None,
     max_attitude: float | None = None,
+    topics: Mapping[str, str] = NO_TOPICS,
 ) -> Certificate:
     """Hold every law against every segment of a bag.
 
@@ -164,6 +165,8 @@ def certify(
         It is told of the residuals of all samples, and of all readings of sensors.
     max_attitude : float, optional
         Limit L of the attitude's error, rad, in place of that of the declared motion; see `limits`.
+    topics : mapping of str to str, optional
+        Topics of the one of several bodies, by relative names, such as ``{"pose": "/a/pose"}``, if ``bag`` is a name.
 
     Returns
     -------
@@ -178,7 +181,7 @@ def certify(
     """
     inertia = None if inertia is None else Scenario(inertia=inertia).inertia
     if not isinstance(bag, Bag | Recording):
-        bag = Bag(bag)
+        bag = Bag(bag, topics=topics)
     try:
         surveyor = Surveyor(bag, inertia)
     except ParameterError as error:

@@ -199,7 +199,7 @@ def test_a_scenario_names_the_topics_of_its_body(make_bag: MakeBag, tmp_path: Pa
 
 
 def test_each_caller_is_told_its_own_way_to_choose(make_bag: MakeBag, tmp_path: Path) -> None:
-    """A certificate takes a `Bag`, which has ``topics``; the verbs have an option."""
+    """In Python there is ``topics``; the verbs have an option."""
     own, path = make_bag(count=3), tmp_path / "folder"
     path.mkdir()
     for i, name in enumerate("ab"):
@@ -210,6 +210,7 @@ def test_each_caller_is_told_its_own_way_to_choose(make_bag: MakeBag, tmp_path: 
     assert console.explanation(caught.value).endswith("--topic pose:=/a/pose")
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
     assert Bag(path, topics={"pose": "/a/pose"}).pose_count == 3
+    assert certify(path, topics={"pose": "/a/pose"}).passed
 
 
 @pytest.mark.parametrize("kind", ["", "geometry_msgs/PoseStamped"])
