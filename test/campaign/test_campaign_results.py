@@ -1,4 +1,4 @@
-"""What a finished ``campaign`` leaves: the table, the bags and the page, whatever the number of its workers."""
+"""What a finished ``campaign`` leaves: the table, the bags and the page; and what it refuses before it begins."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from campaigns import LOST, NEEDS_DASK, NEEDS_PARQUET, SCORES, bytes_of, table_of, written
+from campaigns import CAMPAIGN, LOST, NEEDS_DASK, NEEDS_PARQUET, SCORES, bytes_of, table_of, written
 
 from lie_rigid_body.campaign import Campaign
 from lie_rigid_body.campaign.definition import OF_TABLE
+from lie_rigid_body.campaign.results import Results
 from lie_rigid_body.campaign.workers import on_a_cluster
 from lie_rigid_body.cli.campaign import main
 from lie_rigid_body.cli.record import main as record
@@ -25,15 +26,8 @@ pytestmark = [NEEDS_PARQUET, pytest.mark.usefixtures("asked_here")]
 
 def test_the_table_has_a_row_for_each_run(out: Path) -> None:
     table = table_of(out)
-    vary = [
-        "initial_attitude_xyzw",
-        "initial_body_rate",
-        "inertia",
-        "gyro_noise_density",
-        "motion",
-        "sensor_seed",
-        "epoch_ns",
-    ]
+    vary = ["initial_attitude_xyzw", "initial_body_rate", "inertia", "gyro_noise_density", "motion"]
+    vary += ["sensor_seed", "epoch_ns"]
     assert table.column_names == ["run", *vary, "certified", "attitude_accuracy_rad", "bag", *SCORES, "estimator_error"]
     assert table["run"].to_pylist() == list(range(6))
     assert table["certified"].to_pylist() == [True] * 6
@@ -50,11 +44,8 @@ def test_each_bag_is_that_of_record_with_the_parameters_of_its_row(out: Path, tm
     campaign = Campaign.from_table(shutil.copy(out / "runs.parquet", tmp_path))
     assert campaign == Campaign.from_file(written(tmp_path))
     for row in table_of(out).to_pylist():
-        given = {name: row[name] for name in list(row)[1:8]} | {
-            "rate": 100.0,
-            "imu_rate": 100.0,
-            "attitude_sensor_rate": 100.0,
-        }
+        given = {name: row[name] for name in list(row)[1:8]}
+        given |= dict.fromkeys(("rate", "imu_rate", "attitude_sensor_rate"), 100.0)
         assignments = [f"-p{name}:={value}" for name, value in given.items()]
         again = tmp_path / "again.mcap"
         options = ["--scenario", "tumbling_cubesat", "--duration", "0.25", "--force", "--quiet"]
@@ -80,10 +71,8 @@ def test_what_is_no_table_of_a_campaign_is_refused(tmp_path: Path) -> None:
         with pytest.raises(InputError):
             Campaign.from_table(path)
     parquet.write_table(whole, tmp_path / "other.parquet")
-    path.write_text("other")
-    for other in (path, tmp_path / "other.parquet", tmp_path / "none", tmp_path):
-        with pytest.raises(InputError):
-            Campaign.from_table(other)
+    with pytest.raises(InputError):
+        Campaign.from_table(tmp_path / "other.parquet")
 
 
 def test_a_folder_elsewhere_and_two_workers_give_the_same_bytes(out: Path, tmp_path: Path) -> None:
@@ -114,6 +103,7 @@ def test_a_cluster_elsewhere_gives_the_same_bytes(out: Path, tmp_path: Path, bag
 def test_where_no_scheduler_answers_the_campaign_ends(address: str, tmp_path: Path) -> None:
     import dask
 
+    pytest.importorskip("distributed")  # which loads the settings of which one is changed
     with dask.config.set({"distributed.comm.timeouts.connect": "0.1s"}), pytest.raises(BagError):
         next(on_a_cluster(Campaign(1, 1, 1.0), [0], tmp_path, address, keep=True))
 
@@ -138,3 +128,39 @@ def test_a_page_shows_the_runs_and_their_residuals(
     assert {"body rate [rel]", "attitude [rad]"} <= counts.keys()
     assert counts["attitude [rad]"] == 6
     assert main(given) == 2
+
+
+def test_what_has_no_effect_in_any_run_is_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    noise = "gyro_noise_density: {distribution: uniform, low: 0.0, high: 0.1}"
+    rates = ("", ", imu_rate: {distribution: choice, values: [0.0, 9.0]}")
+    for i, rate in enumerate(rates):
+        text = f"runs: 20\nseed: 1\nduration: 1\nestimator: no:such\nvary: {{{noise}{rate}}}\n"
+        assert main([str(written(tmp_path, text)), "--out", str(tmp_path / "out")]) == 2
+        assert ("warning: " in (err := capsys.readouterr().err)) == (i == 0)
+        assert ("gyro_noise_density" in err) == (i == 0)
+
+
+@pytest.mark.parametrize("taken", ["bags", ""])
+@pytest.mark.parametrize("dangling", [False, True])
+def test_what_is_no_folder_is_named(
+    taken: str, dangling: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    (out / taken).parent.mkdir(exist_ok=True)
+    (out / taken).symlink_to("nowhere") if dangling else (out / taken).write_text("precious")
+    if taken:
+        Results(Campaign.from_file(written(tmp_path, CAMPAIGN)), tmp_path / "other")
+        (tmp_path / "other/campaign.json").rename(out / "campaign.json")
+    assert main([str(written(tmp_path, CAMPAIGN)), "--out", str(out)]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert str(Path("out", taken)) in line
+
+
+def test_a_library_that_is_missing_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("lie_rigid_body.cli.campaign.find_spec", lambda name: name == "pyarrow")
+    given = [str(written(tmp_path, CAMPAIGN.replace("runs: 6", "runs: 0"))), "--out", str(tmp_path / "out")]
+    for more, named in (([], False), (["--scheduler", "tcp://h:1"], True)):
+        assert main([*given, *more]) == 2
+        assert ("distributed" in capsys.readouterr().err) == named

@@ -1,11 +1,15 @@
-"""``check``: exit statuses, the table, the JSON, and one clear line for what cannot be judged."""
+"""``check``: exit statuses, the table, the JSON, proofs, and one clear line for what cannot be judged."""
 
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lie_rigid_body.certificate.law_result import LawResult
@@ -30,16 +34,6 @@ def write_bag(path: Path, count: int = 400, **parameters: object) -> Path:
 @pytest.fixture
 def bag(tmp_path):
     return write_bag(tmp_path / "bag.mcap")
-
-
-def refused(capsys, arguments: list[str]) -> str:
-    """The one line that a refusal prints."""
-    assert main(arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    assert err.endswith("\n")
-    return err
 
 
 def test_json_is_for_programs(bag, capsys):
@@ -102,7 +96,8 @@ def test_a_wider_limit_may_be_given(tmp_path, capsys):
     assert main([str(bag), "--max-attitude", "1deg"]) == 0
     assert main([str(bag), str(bag), "--max-attitude", "1e-9rad"]) == 1
     capsys.readouterr()
-    assert "--max-attitude" in refused(capsys, [str(bag), "--max-attitude", "1"])
+    assert main([str(bag), "--max-attitude", "1"]) == 2
+    assert "--max-attitude" in capsys.readouterr().err
 
 
 SENSORS: dict[str, Any] = {"imu_rate": 200.0, "magnetometer_rate": 30.0, "sensor_grade": "mems"}
@@ -123,3 +118,54 @@ def test_sensors_are_certified_and_what_no_scenario_determines_is_listed(tmp_pat
     assert content["certified_sensors"] == ["/imu/data_raw", "/imu/bias", "/imu/mag"]
     laws = {law["name"]: law for law in content["segments"][0]["laws"]}
     assert (laws["gyro"]["unit"], laws["gyro"]["checked"], laws["gyro"]["holds"]) == ("rad/s", 200, True)
+
+
+needs_flint = pytest.mark.skipif(find_spec("flint") is None, reason="python-flint is not installed")
+
+
+def proved(capsys, bag: Path, *options: str) -> tuple[int, dict]:
+    status = main([str(bag), *options, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+@needs_flint
+@pytest.mark.parametrize("motion", ["moving_chart", "closed_form"])
+def test_a_good_bag_is_proved(tmp_path, capsys, motion):
+    good = write_bag(tmp_path / "good.mcap", 300, motion=motion, inertia=[1.0, 0.1, 0.2, 2.0, 0.3, 2.5])
+    status, content = proved(capsys, good, "--prove", "20")
+    assert (status, content["proved"]["passed"]) == (0, True)
+    assert 0.0 < content["proved"]["attitude_rad"] < 5e-15
+    numbers = [sample["sample"] for sample in content["proved"]["samples"]]
+    assert {content["certified"]["attitude_worst"]["sample"], *np.rint(np.linspace(0, 299, 20))} <= set(numbers)
+    assert numbers == sorted(set(numbers))
+
+
+@needs_flint
+def test_a_bag_beyond_its_limit_is_proved_to_be(tmp_path, capsys):
+    status, content = proved(capsys, write_bag(tmp_path / "poor.mcap", 300, method="rkmk1"), "--prove", "3")
+    assert (status, content["proved"]["passed"]) == (1, False)
+    last = content["proved"]["samples"][-1]
+    assert last["attitude_limit_rad"] < last["attitude_at_least_rad"] <= last["attitude_at_most_rad"]
+
+
+@needs_flint
+def test_the_inertia_given_is_the_one_proved(bag, capsys):
+    status, content = proved(capsys, bag, "--prove", "3", "--inertia", "1.0000001,2,3")
+    assert (status, content["proved"]["passed"]) == (1, False)
+
+
+@needs_flint
+def test_more_samples_than_there_are_prove_all(bag, capsys):
+    assert len(proved(capsys, bag, "--prove", "10000")[1]["proved"]["samples"]) == 400
+
+
+def test_without_the_option_nothing_is_proved(bag, capsys):
+    assert "proved" not in proved(capsys, bag)[1]
+
+
+def test_without_python_flint_one_line_says_what_to_install(bag):
+    call = f"from lie_rigid_body.cli.check import main; sys.exit(main({[str(bag), '--prove', '3']}))"
+    code = f"import sys; sys.modules['flint'] = None; {call}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert "pip install 'python-flint>=0.9'" in done.stderr
