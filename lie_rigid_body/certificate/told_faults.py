@@ -7,8 +7,8 @@ one cannot be missing. Sizes made of normal deviates may differ in the last bits
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import Final
 
 from lie_rigid_body.certificate.law_result import LawResult
@@ -158,9 +158,9 @@ class FaultLaw:
 
 
 def _without_size(fault: Fault) -> Fault:
-    """All of a fault but its size; where it is of one reading, its times are one number in memory."""
+    """All of a fault but its size; there may be a million, which share their words, and of one reading both times."""
     end_ns = fault.begin_ns if fault.end_ns == fault.begin_ns else fault.end_ns
-    return replace(fault, end_ns=end_ns, size=None)
+    return Fault(sys.intern(fault.kind), sys.intern(fault.sensor), sys.intern(fault.axis), fault.begin_ns, end_ns)
 
 
 def _in_words(fault: Fault) -> str:

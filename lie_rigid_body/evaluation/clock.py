@@ -210,12 +210,12 @@ def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: in
     """
     few = track.thinned(most)
     truth = track.truth
+    if len(few.stamps_ns) < MIN_SAMPLES:
+        return None
     some = np.linspace(truth.first_ns, truth.last_ns, 200).round().astype(np.int64)
     step_s = MAX_LAG_STEP / max(float(norm(truth.states(some)[1]).max()), 1e-9)
     begin_s = (int(few.stamps_ns[0]) - truth.last_ns) / 1e9
     end_s = (int(few.stamps_ns[-1]) - truth.first_ns) / 1e9
-    if len(few.stamps_ns) < MIN_SAMPLES:
-        return None
     parts = list[Part]()
     if rates:
         cause = BY_CODE["clock_rate"]
