@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +14,9 @@ from lie_rigid_body.campaign.definition import OF_TABLE, SCORES_TABLE, TABLE, Ca
 from lie_rigid_body.campaign.run import BAGS, ERROR, MORE_SCORES, SCORES, Row
 from lie_rigid_body.foundation.errors import BagError, InputError
 from lie_rigid_body.scenario.parameter_table import BY_NAME
+from lie_rigid_body.system.interruption import Interruption
 from lie_rigid_body.system.output_file import reason, write_file, written
+from lie_rigid_body.system.portable import locked
 
 DEFINITION: Final = "campaign.json"
 """File, in the folder of a campaign, of what the campaign file said, and of the version that draws the runs."""
@@ -27,7 +30,8 @@ _SCORES: Final = {**dict.fromkeys(SCORES, "double"), ERROR: "string"}
 class Results:
     """Rows of the finished runs of a campaign, in its folder.
 
-    They stay in their files, and are read again when they are wanted: a million would take gigabytes.
+    They stay in their files, and are read again when they are wanted: a million would take gigabytes. No other process
+    works in the folder until they are closed.
 
     Parameters
     ----------
@@ -45,7 +49,7 @@ class Results:
     InputError
         If the folder holds the runs of another campaign, or other files.
     BagError
-        If the folder cannot be used.
+        If the folder cannot be used, or another process works in it.
     """
 
     def __init__(self, campaign: Campaign, folder: Path) -> None:
@@ -57,15 +61,27 @@ class Results:
                 f"{folder} cannot be created, because the folder {folder.parent} does not exist: make it, "
                 "or give another one"
             )
-        try:
-            self._begin()
-        except FileExistsError as error:
-            raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
-        except OSError as error:
-            raise BagError(f"{error.filename} cannot be used: {reason(error)}: give another folder") from None
+        with ExitStack() as held:
+            try:
+                folder.mkdir(exist_ok=True)
+                held.enter_context(locked(folder))
+                self._begin()
+            except BlockingIOError:
+                raise BagError(
+                    f"another process works in {folder}: wait for its end, or give another folder"
+                ) from None
+            except FileExistsError as error:
+                raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
+            except OSError as error:
+                where = error.filename or folder
+                raise BagError(f"{where} cannot be used: {reason(error)}: give another folder") from None
+            self._held = held.pop_all()
+
+    def close(self) -> None:
+        """Let other processes work in the folder."""
+        self._held.close()
 
     def _begin(self) -> None:
-        self.folder.mkdir(exist_ok=True)
         begun = _read_definition(self.folder)
         if begun is None and any(self.folder.iterdir()):
             raise InputError(f"{self.folder} holds other files and no campaign: give a new folder, or an empty one")
@@ -110,11 +126,14 @@ class Results:
         BagError
             If its file cannot be written.
         """
-        try:
-            write_file(self._path(row.run), _json(vars(row)), overwrite=True)
-        except BagError as error:
-            raise BagError(f"{error}; {RESUMED}") from None
-        self.finished.add(row.run)
+        interruption = Interruption.current()
+        with interruption.noted():  # a row that is written counts
+            try:
+                write_file(self._path(row.run), _json(vars(row)), overwrite=True)
+            except BagError as error:
+                raise BagError(f"{error}; {RESUMED}") from None
+            self.finished.add(row.run)
+        interruption.heed()
 
     def forget_without_bags(self) -> list[int]:
         """Count finished runs that lack their bags, or have others, as unfinished, and return their numbers."""

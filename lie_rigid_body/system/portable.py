@@ -1,4 +1,4 @@
-"""Parts of an operating system that not all have: the cores of a process, links, owners and modes of folders.
+"""Parts of an operating system that not all have: cores of a process, locks, links, owners and modes of folders.
 
 Each part is asked for by its name, not by that of the system.
 """
@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -28,6 +30,30 @@ def limit(name: str) -> float:
         return math.inf
     found, _ = resource.getrlimit(getattr(resource, name))
     return math.inf if found == resource.RLIM_INFINITY else found
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """A context in which no other process locks a folder; systems without `flock` do not keep it from others.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process has locked it.
+    OSError
+        If it cannot be opened, or its file system has no locks.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def real_path(path: Path) -> Path:

@@ -75,6 +75,18 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     require_resumed(out, times(out))
 
 
+def test_another_process_works_in_another_folder(slow: tuple[subprocess.Popen[str], Path]) -> None:
+    """Else each would remove what the other has begun."""
+    process, out = slow
+    before = sorted(os.listdir(out / "bags"))
+    assert process.poll() is None
+    assert main([str(out.parent / "campaign.yaml"), "--out", str(out), "--workers", "1"]) == 2
+    assert set(before) <= set(os.listdir(out / "bags"))
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=DEADLINE)
+    require_resumed(out, times(out))
+
+
 @pytest.mark.slow
 def test_a_kill_costs_the_runs_at_work_and_nothing_is_done_twice(slow: tuple[subprocess.Popen[str], Path]) -> None:
     process, out = slow

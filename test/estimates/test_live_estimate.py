@@ -69,7 +69,6 @@ def with_estimate(own: Path, stamps: np.ndarray, noisy: np.ndarray, tmp_path: Pa
     return write
 
 
-@cache
 def of(bag: Path, *, in_file_order: bool = False) -> list[tuple[str, bytes]]:
     with bag.open("rb") as stream:
         messages = make_reader(stream).iter_messages(log_time_order=not in_file_order)

@@ -127,6 +127,14 @@ def of_others():
     begun(folder=".")
 
 
+def at_work():
+    first = begun()
+    try:
+        begun()
+    finally:
+        first.close()
+
+
 def no_folder():
     Path("out").touch()
     begun()
@@ -180,6 +188,7 @@ REFUSED = {
         *(lambda one=one: drawn(one) for one in DISTRIBUTIONS),
         lambda: campaign(out="none/out"),
         of_another,
+        at_work,
         of_others,
         no_folder,
         damaged,
