@@ -33,18 +33,22 @@ class StepLoop:
         A function of the state and the constants, which are named tuples of floats, and of ``spans``, ``counts``,
         ``takes`` and ``out``. The three are integers for each sample: the time since the one before, ns, the steps that
         divide it, and how many of these it is to take. It fills a row of the array ``out`` for each sample, and returns
-        the state at the end.
+        the state at the end in plain tuples. Numba would make named ones by Python code, and crash where the handler of
+        a signal raises an exception in it.
+    named : callable
+        A function of these plain tuples, which returns the state.
     """
 
-    def __init__(self, plain: Callable[..., Any]) -> None:
+    def __init__(self, plain: Callable[..., Any], named: Callable[[Any], Any]) -> None:
         self._plain = plain
+        self._named = named
         self._compiled: Callable[..., Any] | None = None
         self._may_compile = True
         self._steps = 0
 
-    def __reduce__(self) -> tuple[type[StepLoop], tuple[Callable[..., Any]]]:
-        """The plain function: a copy counts its own work, and the compiled form stays in the cache for both."""
-        return StepLoop, (self._plain,)
+    def __reduce__(self) -> tuple[type[StepLoop], tuple[Callable[..., Any], Callable[[Any], Any]]]:
+        """The functions: a copy counts its own work, and the compiled form stays in the cache for both."""
+        return StepLoop, (self._plain, self._named)
 
     def run(self, state: State, constants: Any, spans: Integers, counts: Integers, out: Array) -> State:
         """The state after all samples, of which each fills a row of ``out``.
@@ -63,9 +67,10 @@ class StepLoop:
         for some, takes in _pieces(counts):
             pieces = spans[some], counts[some], takes
             if self._compiled is None:
-                state = self._plain(state, constants, *(piece.tolist() for piece in pieces), out[some])
+                found = self._plain(state, constants, *(piece.tolist() for piece in pieces), out[some])
             else:
-                state = self._compiled(state, constants, *pieces, out[some])
+                found = self._compiled(state, constants, *pieces, out[some])
+            state = self._named(found)
         return state
 
     def compile(self, state: Any, constants: Any) -> bool:

@@ -115,7 +115,7 @@ def test_without_a_numba_that_loads_everything_runs_in_python(numba, monkeypatch
     else:
         (tmp_path / "numba.py").write_text(numba)
         monkeypatch.syspath_prepend(tmp_path)
-    assert not StepLoop(nothing).compile((0.0,), (0.0,))
+    assert not StepLoop(nothing, tuple).compile((0.0,), (0.0,))
 
 
 def nothing(state, constants, spans, counts, takes, out):
@@ -124,7 +124,7 @@ def nothing(state, constants, spans, counts, takes, out):
 
 
 def test_only_much_work_in_long_calls_asks_for_the_compiler(monkeypatch):
-    loop, asked = StepLoop(nothing), []
+    loop, asked = StepLoop(nothing, tuple), []
     monkeypatch.setattr(step_loop, "compiled", lambda *_: asked.append(_))
 
     def work(steps: int) -> None:
@@ -157,6 +157,26 @@ def test_a_signal_while_code_is_compiled_is_not_lost(monkeypatch: pytest.MonkeyP
 
 
 @needs_numba
+@pytest.mark.parametrize("method", ["dmv20", "rkmk4"])
+def test_a_compiled_call_runs_no_python_code(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An exception of a signal handler in it would end the process: numba goes on without what it asked for."""
+    loop = compiled_loop(method)
+    calls: list[str] = []
+    function = loop._compiled
+
+    def watched(*arguments: Any) -> Any:
+        sys.setprofile(lambda frame, event, _: calls.append(frame.f_code.co_name) if event == "call" else None)
+        try:
+            return function(*arguments)
+        finally:
+            sys.setprofile(None)
+
+    monkeypatch.setattr(loop, "_compiled", watched)
+    states(BODIES["principal"], method, 10**9 * np.arange(20), 0.01)
+    assert calls == []
+
+
+@needs_numba
 def test_a_cache_without_room_or_a_numba_that_is_set_up_oddly_leaves_the_plain_function(monkeypatch, tmp_path) -> None:
     """Else what records a bag would end in an error that names no file, as if of the bag."""
     resource = pytest.importorskip("resource")
@@ -165,11 +185,11 @@ def test_a_cache_without_room_or_a_numba_that_is_set_up_oddly_leaves_the_plain_f
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
     try:
-        assert not StepLoop(nothing).compile((0.0,), (0.0,))
+        assert not StepLoop(nothing, tuple).compile((0.0,), (0.0,))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     monkeypatch.setattr(numba.config, "CACHE_LOCATOR_CLASSES", "none_of_that.Name", raising=False)
-    assert not StepLoop(nothing).compile((0.0,), (0.0,))
+    assert not StepLoop(nothing, tuple).compile((0.0,), (0.0,))
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="a folder has no mode here")

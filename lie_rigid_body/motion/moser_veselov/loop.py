@@ -24,7 +24,7 @@ from lie_rigid_body.arithmetic.double_double import (
 )
 from lie_rigid_body.arithmetic.numbers import Number
 from lie_rigid_body.compilation import StepLoop, kernel
-from lie_rigid_body.motion.moser_veselov.records import Four, StepperConstants, StepperState, Three
+from lie_rigid_body.motion.moser_veselov.records import Four, Step, StepperConstants, StepperState, Three
 from lie_rigid_body.motion.moser_veselov.step import (
     add_increment,
     step_attitude,
@@ -169,7 +169,7 @@ def minor(a: DoubleDouble, b: DoubleDouble, c: DoubleDouble, d: DoubleDouble) ->
 
 def advance(
     state: StepperState, constants: StepperConstants, spans: Any, counts: Any, takes: Any, out: Any
-) -> StepperState:
+) -> tuple[Three, Four, Number, tuple[Any, ...]]:
     """Step through the samples, and give attitude and body rate at each as a row of ``out``; see `StepLoop`."""
     for i in range(len(spans)):
         if counts[i] > 0:
@@ -178,7 +178,13 @@ def advance(
             out[i, j] = state.attitude[j][0]
         for j in range(3):
             out[i, 4 + j] = multiply(state.momentum[j], constants.rates[j])[0]
-    return state
+    return state.momentum, state.attitude, state.since_projection, state.step[:]
 
 
-LOOP: Final = StepLoop(advance)
+def named(state: tuple[Three, Four, Number, tuple[Any, ...]]) -> StepperState:
+    """The state that `advance` returns in plain tuples."""
+    momentum, attitude, since_projection, step = state
+    return StepperState(momentum, attitude, since_projection, Step(*step))
+
+
+LOOP: Final = StepLoop(advance, named)

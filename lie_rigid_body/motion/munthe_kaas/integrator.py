@@ -21,7 +21,7 @@ CHART_RADIUS: Final = math.pi
 GOOD_TURN: Final = 0.01
 """Rotation angle of the step that a refusal advises, rad: short enough for a small error."""
 
-LOOPS: Final = {tableau.name: StepLoop(advance) for tableau in (EULER, MIDPOINT, CLASSICAL)}
+LOOPS: Final = {tableau.name: StepLoop(advance, ChartState._make) for tableau in (EULER, MIDPOINT, CLASSICAL)}
 """The loop of each method, whose compiled form depends on the number of its stages."""
 
 

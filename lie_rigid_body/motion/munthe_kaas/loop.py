@@ -163,7 +163,9 @@ def take_munthe_kaas_steps(state: ChartState, constants: ChartConstants, h: floa
     return ChartState(attitude, (px, py, pz))
 
 
-def advance(state: ChartState, constants: ChartConstants, spans: Any, counts: Any, takes: Any, out: Any) -> ChartState:
+def advance(
+    state: ChartState, constants: ChartConstants, spans: Any, counts: Any, takes: Any, out: Any
+) -> tuple[Four, Three]:
     """Step through the samples, and give attitude and momentum at each as a row of ``out``; see `StepLoop`."""
     for i in range(len(spans)):
         if counts[i] > 0 and not math.isnan(state.attitude[0]):
@@ -172,4 +174,4 @@ def advance(state: ChartState, constants: ChartConstants, spans: Any, counts: An
             out[i, j] = state.attitude[j]
         for j in range(3):
             out[i, 4 + j] = state.momentum[j]
-    return state
+    return state.attitude, state.momentum
