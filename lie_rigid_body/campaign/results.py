@@ -67,9 +67,7 @@ class Results:
                 held.enter_context(locked(folder))
                 self._begin()
             except BlockingIOError:
-                raise BagError(
-                    f"another process works in {folder}: wait for its end, or give another folder"
-                ) from None
+                raise BagError(f"another process works in {folder}: wait for its end, or give another folder") from None
             except FileExistsError as error:
                 raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
             except OSError as error:

@@ -152,7 +152,7 @@ def _unnamed(
     clear &= abs(lag_s) * turn <= min(2.0 * raw, 0.5 * np.pi) and (lead or left <= other)
     if clear and all(abs(of_half - lag_s) <= UNSTEADY * abs(lag_s) for of_half in alone):
         return Lag(lag_s, error, abs(lag_s) >= max(SURE * error, MIN_LATE * period_s) and not lead)
-    error = max(standard_error(track, without), 1e-9)  # stamps are whole nanoseconds
+    error = standard_error(track, without)
     told = abs(lag_s) <= SIGNIFICANT * error and 4.0 * error * turn <= max(before, NEGLIGIBLE)
     return Lag(lag_s, error) if told else Lag()
 
@@ -186,7 +186,7 @@ def standard_error(track: Matched, parts: Sequence[Part]) -> float:
     both = np.stack([(G, psi), (quaternion.rotate(truth, G), quaternion.rotate(truth, psi))])
     of_weights, of_errors = np.moveaxis(np.fft.rfft(both, axis=2), 1, 0)
     shifted = np.fft.irfft((np.conj(of_weights) * of_errors).sum(axis=2), n=len(G))
-    return max(*map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))
+    return max(1e-9, *map(rms, shifted), float(np.sqrt(np.sum(G**2) * np.mean(psi**2))))  # stamps are nanoseconds
 
 
 def other_clock(track: Matched, beyond_s: float, *, rates: bool = True, most: int = 300) -> tuple[Part, Matched] | None:

@@ -68,7 +68,8 @@ class Difference:
             return f"{first} and {second}: too {few} to tell a difference"
         among = "" if self.runs == 1 else f" that {self.runs} runs could show"
         if not self.is_sure:
-            return f"{first} and {second}: no difference{among} ({self.low:+.2g}{unit} to {self.high:+.2g}{unit})"
+            low, high = (f"{round(end, 12) + 0.0:+.2g}{unit}" for end in (self.low, self.high))
+            return f"{first} and {second}: no difference{among} ({low} to {high})"
         best, worst, wins = (
             (first, second, self.better) if self.value < 0.0 else (second, first, self.runs - self.better)
         )

@@ -15,7 +15,7 @@ from lie_rigid_body.evaluation.statistics import Limits, Statistics, bias_error
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.short_dataclass import short_dataclass
 from lie_rigid_body.foundation.showing import Shown, data_frame, report
-from lie_rigid_body.foundation.wording import counted, listed
+from lie_rigid_body.foundation.wording import counted, in_degrees, listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -183,7 +183,7 @@ class Score(Shown):
         """The error, the causes and the verdict; no call, as only `evaluate` makes one."""
         found = f"; {listed([finding.code for finding in self.findings])}" if self.findings else ""
         broken = "" if self.passed else "; a limit is broken"
-        return f"<Score: {self.total_deg.rms:.4g}° rms of {counted(self.samples, 'sample')}{found}{broken}>"
+        return f"<Score: {in_degrees(self.total_deg.rms)} rms of {counted(self.samples, 'sample')}{found}{broken}>"
 
     def __str__(self) -> str:
         """Verdict, tables and findings in several lines, as ``evaluate`` prints them."""

@@ -27,7 +27,7 @@ from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, Bound
 from lie_rigid_body.evaluation.statistics import Limits, Statistics, Tally, rms, settling_limit, time_to_converge
 from lie_rigid_body.foundation.arrays import Array, Integers
 from lie_rigid_body.foundation.errors import InputError
-from lie_rigid_body.foundation.wording import shown
+from lie_rigid_body.foundation.wording import in_degrees, shown
 
 UNLIKE_DEG: Final = 5.0
 """Median error above which an estimate is asked whether it turns as the body does, degrees."""
@@ -348,8 +348,8 @@ def _finding(part: Part, before: Array, after: Array, track: Matched, instead: S
         fact += f", {abs(constants[0]) / (period_ns(track.stamps_ns) / 1e9):.3g} of its samples"
         others += ["an error of the gyro's scale or bias"] if others else []
     gain = (
-        f"median error {np.median(before):.3g}° before and {np.median(after):.3g}° after, "
-        f"rms {rms(before):.3g}° and {rms(after):.3g}°"
+        f"median error {in_degrees(np.median(before), 3)} before and {in_degrees(np.median(after), 3)} after, "
+        f"rms {in_degrees(rms(before), 3)} and {in_degrees(rms(after), 3)}"
     )
     if np.median(after) >= np.median(before):  # alone it need not help
         gain = "helps only together with what follows"

@@ -137,6 +137,11 @@ def numerals(numbers: Iterable[float]) -> str:
     return ", ".join(f"{number:.6g}" for number in numbers)
 
 
+def in_degrees(error_deg: float, digits: int = 4) -> str:
+    """An error, degrees, in some digits; round-off, of 1e-13°, is 0."""
+    return f"{round(error_deg, 12) + 0.0:.{digits}g}°"
+
+
 def counted(count: int, noun: str) -> str:
     """A number of things, with an s where there is not one."""
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -17,7 +17,7 @@ from lie_rigid_body.evaluation.differences import Difference, of_run
 from lie_rigid_body.evaluation.score import MAX_SETTLED_DEG, BiasEstimate, Score
 from lie_rigid_body.evaluation.statistics import MIN_LIMIT, Limits, Statistics
 from lie_rigid_body.foundation.arrays import Array
-from lie_rigid_body.foundation.wording import counted, printable, shortened
+from lie_rigid_body.foundation.wording import counted, in_degrees, printable, shortened
 from lie_rigid_body.report import answer, html_page
 from lie_rigid_body.report.answer import Conclusion, Details, Part, Picture, Sentences, Table
 from lie_rigid_body.report.drawing import BLACK, BLUE, COLOURS, GREEN, ORANGE, PINK, RED, png
@@ -97,8 +97,8 @@ def _cells(read: RecordedEstimate, score: Score) -> list[str]:
     lag = score.lag_s
     return [
         read.track.topic,
-        *(f"{angle.rms:.4g}°" for angle in (score.total_deg, score.heading_deg, score.inclination_deg)),
-        f"{score.total_deg.p95:.4g}°",
+        *(in_degrees(angle.rms) for angle in (score.total_deg, score.heading_deg, score.inclination_deg)),
+        in_degrees(score.total_deg.p95),
         "never" if converged is None else f"{converged:.3g} s",
         "" if lag is None else f"{lag:+.2g} s",
         "" if score.consistency is None else f"{score.consistency.mean:.3g}",
@@ -124,8 +124,10 @@ def _findings(score: Score, heading: str = "Findings") -> Sentences:
 def tables(score: Score) -> list[Table]:
     """Statistics of the errors and of the best possible, and what else the score tells."""
     names = ("rms", "median", "95 %", "largest", "final")
-    # round-off, of 1e-13°, counts as 0
-    rows = [(name, *(f"{round(value, 12):.4g}" for value in asdict(found).values())) for name, found in _angles(score)]
+    rows = [
+        (name, *(in_degrees(value).removesuffix("°") for value in asdict(found).values()))
+        for name, found in _angles(score)
+    ]
     return [Table(("error, deg", *names), rows), Table((), [*_facts(score)])]
 
 
@@ -233,10 +235,11 @@ def extent(read: RecordedEstimate | None, score: Score) -> str:
 
 def summary(score: Score) -> str:
     """Sentence that tells the size of the error."""
-    heading, inclination = (f"{angle.rms:.3g}°" for angle in (score.heading_deg, score.inclination_deg))
+    errors = (score.total_deg, score.heading_deg, score.inclination_deg)
+    total, heading, inclination = (in_degrees(error.rms, 3) for error in errors)
     best = "" if score.best is None or score.best.filtered is None else score.best.filtered.rms
     least = f"; the noise of the sensors leaves {best:.3g}° to the best filter" if best else ""
-    return f"The attitude error is {score.total_deg.rms:.3g}° rms: heading {heading}, inclination {inclination}{least}."
+    return f"The attitude error is {total} rms: heading {heading}, inclination {inclination}{least}."
 
 
 def draw(title: str, score: Score, width: float = 10.0) -> Figure:
@@ -260,7 +263,7 @@ def draw(title: str, score: Score, width: float = 10.0) -> Figure:
         *([(partial(_draw_bias, first_ns=score.stamps_ns[0], bias=bias), "gyro bias [rad/s]", 3)] if bias else []),
     ]
     height = 1.0 * bool(title) + 1.2 + (2.0 if width > _NARROW else 1.7) * len(panels)
-    rms = f"attitude error {score.total_deg.rms:.4g}° rms, {counted(score.samples, 'sample')}"
+    rms = f"attitude error {in_degrees(score.total_deg.rms)} rms, {counted(score.samples, 'sample')}"
     return _figure([title, rms], (width, height), panels)
 
 
@@ -307,7 +310,9 @@ def _draw_several(axes: Axes, scored: Scored) -> None:
     """Draw the total error of each estimate."""
     first_ns = min(int(score.stamps_ns[0]) for _, score in scored)
     for number, (read, score) in enumerate(scored):
-        label = f"{shortened(printable(read.track.topic), 30)}, {score.total_deg.rms:.4g}° rms".replace("$", r"\$")
+        label = f"{shortened(printable(read.track.topic), 30)}, {in_degrees(score.total_deg.rms)} rms".replace(
+            "$", r"\$"
+        )
         _plot(axes, (score.stamps_ns - first_ns) / 1e9, np.degrees(score.error.total), label, f"C{number % 10}", 1.0)
     _scale(axes, [np.degrees(score.error.total) for _, score in scored])
 

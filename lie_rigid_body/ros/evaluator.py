@@ -29,7 +29,7 @@ from lie_rigid_body.evaluation.consistency import require_axes
 from lie_rigid_body.foundation.arrays import Integers
 from lie_rigid_body.foundation.errors import InputError, LieRigidBodyError
 from lie_rigid_body.foundation.parameters import exact_duration
-from lie_rigid_body.foundation.wording import suggestion
+from lie_rigid_body.foundation.wording import in_degrees, suggestion
 from lie_rigid_body.messages.layout import Layout, header
 from lie_rigid_body.report.score_options import answer
 from lie_rigid_body.ros.control.parameters import overrides
@@ -167,7 +167,7 @@ class Scores:
             return DiagnosticStatus.ERROR, "; ".join(broken), values
         codes = ", ".join(dict.fromkeys(finding.code for finding in self._findings))
         level = DiagnosticStatus.WARN if codes else DiagnosticStatus.OK
-        return level, f"{total:.4g}° RMS{f'; found: {codes}' if codes else ''}", values
+        return level, f"{in_degrees(total)} RMS{f'; found: {codes}' if codes else ''}", values
 
 
 def evaluate(given: argparse.Namespace, interruption: Interruption) -> int:

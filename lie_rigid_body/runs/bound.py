@@ -26,7 +26,7 @@ from lie_rigid_body.sensors import Sensors
 from lie_rigid_body.sensors.sensor import VectorMeasurement
 from lie_rigid_body.simulation import SampleClock, Segment
 
-THINNED: Final = 4_000
+THINNED: Final = 5_000
 """Number of IMU readings at which the bound of a score is computed, in half a second.
 
 Measured with MEMS sensors over an hour: within 1.0 % of the bound of all readings in RMS, 1.5 % in the median. Over ten
