@@ -17,9 +17,10 @@ from lie_rigid_body.certificate.limits import CLOSED_FORM_ERROR
 from lie_rigid_body.certificate.sensors import SensorFindings, SensorLaws, other_software
 from lie_rigid_body.certificate.stamps import GAP
 from lie_rigid_body.certificate.survey import Survey, SurveyedSegment, Surveyor
+from lie_rigid_body.foundation.arrays import as_double
 from lie_rigid_body.foundation.errors import ParameterError
 from lie_rigid_body.foundation.showing import Shown
-from lie_rigid_body.foundation.wording import counted, listed
+from lie_rigid_body.foundation.wording import counted, listed, shown
 from lie_rigid_body.recording.bag_reader import NO_TOPICS, Bag, Recording
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Segment
@@ -177,9 +178,11 @@ def certify(
     BagError
         If the bag does not explain itself, or has no sample.
     ParameterError
-        If the given inertia is that of no body.
+        If the given inertia is that of no body, or the given limit is not finite or not above 0.
     """
     inertia = None if inertia is None else Scenario(inertia=inertia).inertia
+    if max_attitude is not None and not 0.0 < as_double(max_attitude) < np.inf:
+        raise ParameterError("max_attitude", f"{shown(max_attitude)} is no angle above 0, rad: give for example 1e-9")
     if not isinstance(bag, Bag | Recording):
         bag = Bag(bag, topics=topics)
     try:

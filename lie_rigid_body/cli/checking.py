@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 from lie_rigid_body.certificate.certification import Certificate, certify
 from lie_rigid_body.certificate.proved import Proof, prove, require_count
 from lie_rigid_body.command_line import topic_names
-from lie_rigid_body.evaluation import Limits
+from lie_rigid_body.evaluation.statistics import in_unit
 from lie_rigid_body.foundation.errors import BagError, InputError, LieRigidBodyError, ParameterError
 from lie_rigid_body.foundation.wording import listed
 from lie_rigid_body.mechanics import RigidBody
@@ -94,7 +94,7 @@ def _inertia(text: str) -> list[float]:
 def _angle(text: str) -> float:
     """The angle, rad, that an option gives."""
     try:
-        return math.radians(Limits.parse(text).max_rms_deg or 0.0)
+        return math.radians(in_unit(text, "an angle such as 1deg"))
     except InputError as error:
         raise InputError(f"--max-attitude: {error}") from None
 

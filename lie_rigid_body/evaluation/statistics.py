@@ -181,7 +181,7 @@ class Limits:
             If a text is not an angle, or not a time, a colon and an angle.
         """
         return cls(
-            None if max_rms is None else _read(max_rms, "an angle such as 1deg"),
+            None if max_rms is None else in_unit(max_rms, "an angle such as 1deg"),
             tuple(_after(pair) for pair in (max_after if isinstance(max_after, list | tuple) else [max_after])),
         )
 
@@ -190,11 +190,17 @@ def _after(text: str) -> tuple[float, float]:
     time, colon, angle = text.partition(":") if isinstance(text, str) else (text, "", "")
     if not colon:
         raise InputError(f"{shown(text)} is not a time and an angle: give for example 10s:2deg")
-    return _read(time, "a time such as 10s"), _read(angle, "an angle such as 1deg")
+    return in_unit(time, "a time such as 10s"), in_unit(angle, "an angle such as 1deg")
 
 
-def _read(text: str, wanted: str) -> float:
-    """Read a number with one of the units of what is wanted."""
+def in_unit(text: str, wanted: str) -> float:
+    """Read a number with one of the units of what is wanted, a key of `UNITS`.
+
+    Raises
+    ------
+    InputError
+        If it is none, or is infinite.
+    """
     number = r"\s*(\+?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\D*?)\s*"
     match = re.fullmatch(number, text, re.ASCII) if isinstance(text, str) else None
     units = UNITS[wanted]

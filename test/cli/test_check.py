@@ -96,6 +96,7 @@ def test_a_wider_limit_may_be_given(tmp_path, capsys):
     assert main([str(bag), "--max-attitude", "1deg"]) == 0
     assert main([str(bag), str(bag), "--max-attitude", "1e-9rad"]) == 1
     capsys.readouterr()
+    assert main([str(bag), "--max-attitude", "0deg"]) == 2
     assert main([str(bag), "--max-attitude", "1"]) == 2
     assert "--max-attitude" in capsys.readouterr().err
 
