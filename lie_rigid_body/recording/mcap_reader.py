@@ -243,11 +243,12 @@ class _FileReader:
         if self._is_over:
             goes_on = self._file[end : end + len(MAGIC)] == MAGIC
             how = "goes on behind its end" if goes_on else "breaks off in its summary"
-            return BagError(
-                f"{path} {how}, behind all of its {counted(count, 'message')}: write it whole with {RESCUE}"
-            )
+            behind = f"at byte {end}, behind all of its {counted(count, 'message')}"
+            return BagError(f"{path} {how} {behind}: write it whole with {RESCUE}")
         holds = f"holds at least {counted(count, 'whole message')}" if count else "may hold whole messages"
-        return BagError(f"{path} was cut off, or is still being written: it {holds}: rescue them with {RESCUE}")
+        return BagError(
+            f"{path} was cut off behind byte {end}, or is still being written: it {holds}: rescue them with {RESCUE}"
+        )
 
 
 def _by_track(table: MessageTable, channels: Mapping[TopicKey, Sequence[int]]) -> ChunkMessages:
