@@ -50,7 +50,9 @@ def own_files(folder: Path) -> None:
     (folder / "examples").symlink_to(ROOT / "examples")
     for page, name in (("first_filter", "my_filter.py"), ("campaign_with_two_filters", "filters.py")):
         [saved] = (b for b in blocks(PAGES[f"docs/tutorials/{page}"], "python") if b.startswith(f"# {name}\n"))
-        (folder / name).write_text(saved.replace("DECLINATION = 0.0", "DECLINATION = 4.086"), encoding="utf-8")  # as its page mends it
+        (folder / name).write_text(
+            saved.replace("DECLINATION = 0.0", "DECLINATION = 4.086"), encoding="utf-8"
+        )  # as its page mends it
     run = simulate(
         "tumbling_cubesat",
         duration=45.0,

@@ -42,7 +42,7 @@ def reset_often(path: Path) -> None:
 
 
 BAGS: dict[str, Callable[[Path], None]] = {
-    "half of the readings are lost": lambda path: recorded(path, 10.0, 1200.0, LOSING),
+    "half of the readings are lost": lambda path: recorded(path, 10.0, 800.0, LOSING),
     "the largest chunks": lambda path: recorded(path, 1000.0, 900.0, LARGE, "--chunk-size", str(2**24)),
     "resets": reset_often,
 }

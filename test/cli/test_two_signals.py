@@ -84,7 +84,7 @@ def test_a_second_signal_changes_nothing_at_any_moment(
     name: str, tmp_path: Path, numba: bool, request: pytest.FixtureRequest
 ) -> None:
     prepared(tmp_path, name, request)
-    for seed in range(8):
+    for seed in range(4):
         tried(name, tmp_path, seed, numba=numba)
 
 

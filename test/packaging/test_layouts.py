@@ -104,7 +104,7 @@ SLOW = pytest.mark.slow
 
 
 @SLOW
-@pytest.mark.parametrize("options", [(), ("--symlink-install",), ("--merge-install",)], ids=" ".join)
+@pytest.mark.parametrize("options", [("--symlink-install",), ("--merge-install",)], ids=" ".join)
 def test_colcon_build(sources: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
     workspace = sources.parents[1]
     layout = colcon_layout(workspace, *options)

@@ -97,9 +97,9 @@ def with_value(folder: Path, name: str, value: object) -> bytes:
 
 
 BOMBS: dict[str, tuple[Callable[[Path, int], bytes | Path], str]] = {
-    "zstd of 10 GiB": (lambda d, n: framed(chunk("zstd", 10 * GIB, zstd_zeros(10 * GIB))), " 10737418240 "),
+    "zstd of 3 GiB": (lambda d, n: framed(chunk("zstd", 3 * GIB, zstd_zeros(3 * GIB))), " 3221225472 "),
     "a record of 32 GiB in a sparse file": (lambda d, n: sparse(d), f" a record of {2**35} bytes, more than is read"),
-    "zstd of 10 GiB that claims less": (lambda d, n: framed(chunk("zstd", n, zstd_zeros(10 * GIB))), " byte 37"),
+    "zstd of 3 GiB that claims less": (lambda d, n: framed(chunk("zstd", n, zstd_zeros(3 * GIB))), " byte 37"),
     "lz4 of 1 GiB that claims less": (lambda d, n: framed(chunk("lz4", n, lz4_zeros(GIB))), " byte 37"),
     "a message that is large": (
         lambda d, n: framed(full_of(record(5, struct.pack("<HIQQ", 1, 0, 0, 0) + bytes(n - 1000)), n)),

@@ -256,15 +256,15 @@ def test_every_length_of_a_table_at_its_largest_is_refused(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_ten_thousand_other_topics_are_read_in_one_pass(
+def test_thousands_of_other_topics_are_read_in_one_pass(
     honest_bag: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Which of the texts are scenarios is asked of each topic: a chunk was read again for each of them."""
-    others = [Message(f"/x{i}", STRING, b"", 0, 0, encode_string("")) for i in range(10_000)]
+    others = [Message(f"/x{i}", STRING, b"", 0, 0, encode_string("")) for i in range(3_000)]
     path = tmp_path / "x.mcap"
     path.write_bytes(bag_of([*messages_of(honest_bag), *others], LIBRARY))
     begin = time.process_time()
     assert evaluate([str(path), "--estimate", "/pose"]) == 0
     assert check([str(path)]) == 0
-    assert time.process_time() - begin < 60
-    assert f" {10_000 - _MAX_OTHERS} " in " ".join(capsys.readouterr().out.split())
+    assert time.process_time() - begin < 20
+    assert f" {3_000 - _MAX_OTHERS} " in " ".join(capsys.readouterr().out.split())

@@ -226,7 +226,7 @@ def test_the_node_ends_with_who_asked_for_it(tmp_path, scripted, by):
 @pytest.mark.slow
 @pytest.mark.usefixtures("isolated_ros")
 def test_a_node_is_diagnosed(run):
-    found = diagnose(with_field(run), max_runs=1)
+    found = diagnose(with_field(run), max_runs=1, imu_rate=40.0, magnetometer_rate=40.0)
     assert found.mistakes == ()
     assert {"follows", "gyro_bias", "needs_rest"} <= {probe.code for probe in found.probes if probe.passed}
     assert not {"converges", "long_run"} & {probe.code for probe in found.probes}

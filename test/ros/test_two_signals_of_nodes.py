@@ -42,7 +42,7 @@ def evaluated(folder: Path, seed: int) -> None:
     assert first.startswith("lie-rigid-body evaluate: error: "), err
 
 
-LATER = range(1, 8)
+LATER = range(1, 4)
 STRIKES = [(simulated, [0]), (evaluated, [0]), (simulated, LATER), (evaluated, LATER)]
 
 
