@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import chain, product
 from typing import Final
 
@@ -91,17 +91,17 @@ class Trial:
         """Whether its estimate differs from that of another trial, or the filter failed in one of them."""
         return self.track is None or other.track is None or self.track.max_difference(other.track) > UNCHANGED
 
-    @property
+    @cached_property
     def mistakes(self) -> Repairs:
         """Repairs that name mistakes: all but `JOINT`."""
         return tuple(repair for repair in self.repairs if repair != JOINT)
 
-    @property
+    @cached_property
     def codes(self) -> tuple[str, ...]:
         """Codes of the mistakes."""
         return tuple(repair.code for repair in self.mistakes)
 
-    @property
+    @cached_property
     def rank(self) -> tuple[int, int, list[int]]:
         """Rank of the trial: number of repairs, price, places in the table. The least rank is named."""
         return len(self.codes), sum(repair.price for repair in self.mistakes), sorted(map(ORDER.index, self.codes))

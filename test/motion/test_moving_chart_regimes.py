@@ -77,7 +77,7 @@ def test_truth_is_kept_for_a_thousand_seconds(name: str):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["asymmetric", "near_major_axis_1e-8", "products_of_inertia"])
+@pytest.mark.parametrize("name", ["asymmetric"])
 def test_the_truth_is_kept_at_every_time(name: str):
     """Up to 1e7 s, in some 1e8 steps."""
     if not MovingChart(CASES["asymmetric"].body, CASES["asymmetric"].start).compile():

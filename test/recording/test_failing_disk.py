@@ -94,7 +94,6 @@ def test_each_call_to_a_disk_may_fail(tmp_path: Path) -> None:
     verbs = [
         ["record", "--duration", "2", *small, "out/a.mcap"],
         ["record", "--duration", "2", *small, "out/a.mcap", "--force"],
-        ["recover", "in/cut.mcap", "-o", "out/a.mcap"],
         ["recover", "in/cut.mcap", "-o", "out/a.mcap", "--force"],
         ["plot", "in/whole.mcap", "-o", "out/a.png", "--force"],
     ]
@@ -107,4 +106,4 @@ def test_each_call_to_a_disk_may_fail(tmp_path: Path) -> None:
         text=True,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert int(done.stdout.split()[-1]) > 60
+    assert int(done.stdout.split()[-1]) > 50

@@ -66,7 +66,7 @@ def recovered(broken: Path, fixed: Path) -> int:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kills", [2, pytest.param(40, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [2, pytest.param(15, marks=pytest.mark.slow)])
 def test_what_is_recovered_is_the_beginning(tmp_path: Path, kills: int) -> None:
     randomness = random.Random(kills)
     for i, kind in zip(range(kills), itertools.cycle(RUNS), strict=False):
