@@ -70,6 +70,11 @@ def with_estimate(own: Path, stamps: np.ndarray, noisy: np.ndarray, tmp_path: Pa
 
 
 def of(bag: Path, *, in_file_order: bool = False) -> list[tuple[str, bytes]]:
+    return _of(bag, bag.stat().st_mtime_ns, in_file_order=in_file_order)
+
+
+@cache
+def _of(bag: Path, written_ns: int, *, in_file_order: bool) -> list[tuple[str, bytes]]:
     with bag.open("rb") as stream:
         messages = make_reader(stream).iter_messages(log_time_order=not in_file_order)
         return [(channel.topic, message.data) for _, channel, message in messages]
