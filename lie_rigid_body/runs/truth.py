@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +13,11 @@ from lie_rigid_body.evaluation.arguments import as_stamps, read_stamps, unit
 from lie_rigid_body.foundation.arrays import Array, Booleans, Integers
 from lie_rigid_body.foundation.errors import InputError
 from lie_rigid_body.lie import quaternion
+from lie_rigid_body.lie.vectors import norm
 from lie_rigid_body.simulation import Segment
+
+ROUND_OFF: Final = 1e-14
+"""Largest miss of samples, rad, that is left: the last digit that is shown of an error is as small."""
 
 
 class ScenarioTruth(Truth):
@@ -20,8 +25,8 @@ class ScenarioTruth(Truth):
 
     It is the exact solution. Where samples of the motion are given, they are the truth at their stamps, to round-off.
     Between them the exact solution is turned by what it misses them by, which is interpolated on geodesics, from
-    nothing at the start of each segment on. That is round-off for the default stepper, and keeps to the motion of a
-    poor one, which the sensors have read.
+    nothing at the start of each segment on. That keeps to the motion of a poor stepper, which the sensors have read. In
+    a segment where it misses none by more than `ROUND_OFF` it is left as it is.
 
     Parameters
     ----------
@@ -57,9 +62,10 @@ class ScenarioTruth(Truth):
         self._corrections: dict[int, _Correction] = {}
         if np.size(stamps_ns):
             stamps = read_stamps("truth", stamps_ns)
-            miss = quaternion.multiply(unit("truth", attitude_xyzw), quaternion.conjugate(self._exact(stamps)))
+            miss = quaternion.multiply(unit("truth", attitude_xyzw), quaternion.conjugate(self._exact(stamps)[0]))
             for i, inside in self._segments_of(stamps):
-                self._corrections[i] = _Correction(int(self._starts[i]), stamps[inside], miss[inside])
+                if norm(quaternion.log(miss[inside])).max() > ROUND_OFF:
+                    self._corrections[i] = _Correction(int(self._starts[i]), stamps[inside], miss[inside])
 
     @classmethod
     def of_samples(cls, segments: Sequence[Segment], stamps_ns: Integers, attitude_xyzw: ArrayLike) -> ScenarioTruth:
@@ -71,13 +77,19 @@ class ScenarioTruth(Truth):
 
     def at(self, stamps_ns: Integers) -> Array:
         """The exact solution, turned to the samples."""
-        stamps = as_stamps("truth", stamps_ns)
-        attitude = self._exact(stamps)
-        for i, inside in self._segments_of(stamps):
+        return self._corrected(as_stamps("truth", stamps_ns))[0]
+
+    def states(self, stamps_ns: Integers) -> tuple[Array, Array]:
+        """Attitude and the body rate of the exact solution; see `Truth`."""
+        return self._corrected(np.clip(as_stamps("truth", stamps_ns), self.first_ns, self.last_ns))
+
+    def _corrected(self, stamps: Integers) -> tuple[Array, Array]:
+        attitude, rate = self._exact(stamps)
+        for i, inside in self._segments_of(stamps) if self._corrections else ():
             if i in self._corrections:
                 miss = self._corrections[i].at(stamps[inside])
                 attitude[inside] = quaternion.multiply(miss, attitude[inside])
-        return attitude
+        return attitude, rate
 
     def uncertainty_at(self, stamps_ns: Integers) -> float:
         """Largest error of the interpolation between samples, rad."""
@@ -91,11 +103,14 @@ class ScenarioTruth(Truth):
         ends = np.append(self._starts[1:] - 1, self.last_ns)
         return np.maximum(self._starts[which], self.first_ns), np.minimum(ends[which], self.last_ns)
 
-    def _exact(self, stamps_ns: Integers) -> Array:
+    def _exact(self, stamps_ns: Integers) -> tuple[Array, Array]:
         attitude = np.empty((*np.shape(stamps_ns), 4))
+        rate = np.empty((*np.shape(stamps_ns), 3))
         for i, inside in self._segments_of(stamps_ns):
-            attitude[inside] = self._motions[i].at(stamps_ns[inside] - self._starts[i]).attitude_xyzw
-        return attitude
+            exact = self._motions[i].at(stamps_ns[inside] - self._starts[i])
+            attitude[inside] = exact.attitude_xyzw
+            rate[inside] = exact.body_rate
+        return attitude, rate
 
     def _segments_of(self, stamps_ns: Integers) -> Iterator[tuple[int, Booleans]]:
         """The segments in force at some stamps, by their numbers, and which stamps are in each."""
