@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 from random_motions import difference
@@ -15,6 +17,7 @@ from sampled import sampled
 
 CASES = truth_cases()
 EVERY_CASE = pytest.mark.parametrize("name", CASES)
+needs_numba = pytest.mark.skipif(not find_spec("numba"), reason="numba is not installed: so many steps take minutes")
 AS_LONG_AS_ALLOWED = 1e300
 """s: the steps are then the largest that the stepper takes, a turn of ¼ rad."""
 
@@ -77,11 +80,10 @@ def test_truth_is_kept_for_a_thousand_seconds(name: str):
 
 
 @pytest.mark.slow
+@needs_numba
 @pytest.mark.parametrize("name", ["asymmetric"])
 def test_the_truth_is_kept_at_every_time(name: str):
     """Up to 1e7 s, in some 1e8 steps."""
-    if not MovingChart(CASES["asymmetric"].body, CASES["asymmetric"].start).compile():
-        pytest.skip("1e8 steps need numba")
     require_truth(name, 0.1, CASES[name].points, 1e-10)
 
 
@@ -98,6 +100,7 @@ ROTATIONS = {
 
 
 @pytest.mark.long
+@needs_numba
 @pytest.mark.parametrize("name", sampled(ROTATIONS, every=5))
 def test_the_error_of_each_step_does_not_add_up(name: str) -> None:
     """The limit of a certificate is 1e-12 rad; the error of a step is below 1e-19 rad."""
