@@ -71,8 +71,7 @@ class Results:
             except FileExistsError as error:
                 raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
             except OSError as error:
-                where = error.filename or folder
-                raise BagError(f"{where} cannot be used: {reason(error)}: give another folder") from None
+                raise BagError(f"{folder} cannot be used: {reason(error)}: give another folder") from None
             self._held = held.pop_all()
 
     def close(self) -> None:

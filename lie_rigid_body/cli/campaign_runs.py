@@ -17,7 +17,7 @@ from lie_rigid_body.campaign.definition import SCORES_TABLE, EstimatorSpec
 from lie_rigid_body.campaign.results import RESUMED, Results
 from lie_rigid_body.campaign.run import ERROR, MAX_ESTIMATOR_S, SCORES, Row
 from lie_rigid_body.campaign.workers import on_a_cluster, on_this_machine
-from lie_rigid_body.estimates.estimators import MEND_IT
+from lie_rigid_body.estimates.estimators import CORRECT_IT
 from lie_rigid_body.estimates.programs import words
 from lie_rigid_body.foundation.errors import BagError, InputError, describe
 from lie_rigid_body.foundation.parameters import Value
@@ -156,9 +156,9 @@ def _require_scores(campaign: Campaign, errors: Iterable[Sequence[str | None]], 
     scored = {name for name, error in told if error is None}
     if failed := [name for name in campaign.estimator_specs if name not in scored]:
         first = next(error for name, error in told if name == min(failed) and error is not None)
-        reason = first.removesuffix(f": {MEND_IT}").removesuffix(": mend that first")
+        reason = first.removesuffix(f": {CORRECT_IT}").removesuffix(": correct that first")
         what = listed([shown(name) if name else str(campaign.estimator) for name in failed])
-        raise InputError(f"estimator {what} gave no score in {runs}: {reason}: mend it, and give a new folder")
+        raise InputError(f"estimator {what} gave no score in {runs}: {reason}: correct it, and give a new folder")
 
 
 def _failure(campaign: Campaign, results: Results, failed: dict[int, Exception]) -> BagError:
@@ -167,7 +167,7 @@ def _failure(campaign: Campaign, results: Results, failed: dict[int, Exception])
     kept = f"{len(results)} are kept" + (f", in {results.write_table().name}" if len(results) else "")
     first = describe(failed[min(failed)])
     return BagError(
-        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {first}; {kept}: mend that, and {RESUMED}"
+        f"{len(failed)} of {campaign.runs} runs failed{named}, first: {first}; {kept}: correct that, and {RESUMED}"
     )
 
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import hashlib
 import importlib
 import os
+import shutil
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -62,13 +64,15 @@ def _compiled(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[
         previous = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = str(folder or previous)
         try:
-            made = numba.njit(cache=folder is not None, error_model="numpy", nogil=True)(function)
-            made.compile(tuple(map(numba.typeof, arguments)))
-        except (OSError, RuntimeError):  # no room for a cache, or a numba set up oddly
-            return []
+            for cache in (folder is not None, False):
+                with suppress(Exception):  # no room for a cache, a damaged file in it, or a numba set up oddly
+                    made = numba.njit(cache=cache, error_model="numpy", nogil=True)(function)
+                    made.compile(tuple(map(numba.typeof, arguments)))
+                    return [made]
+                shutil.rmtree(folder or "", ignore_errors=True)
         finally:
             numba.config.CACHE_DIR = previous
-    return [made]
+    return []
 
 
 def _giving(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -154,7 +154,7 @@ class FilterDiagnosis(Shown):
         if self.mistakes:
             return [mistake.message for mistake in self.mistakes]
         said = (
-            f"Nothing {'so far' if self.interrupted else 'that was tried'} mends the error of {degrees(self.rms_deg)}"
+            f"Nothing {'so far' if self.interrupted else 'that was tried'} removes the error of {degrees(self.rms_deg)}"
             if self.rms_deg > self.floor_deg
             else f"No mistake: with perfect sensors the filter errs by {degrees(self.rms_deg)}"
         )
@@ -279,7 +279,7 @@ def examined(search: Search, remarks: Sequence[str], left_out: Collection[str]) 
     if mistakes and search.chosen.error > search.floor:
         remarks = [
             *remarks,
-            f"The {degrees(float(np.degrees(search.chosen.error)))} that are left have no name yet: mend what is "
+            f"The {degrees(float(np.degrees(search.chosen.error)))} that are left have no name yet: correct what is "
             "named, and diagnose again.",
         ]
     if errors and not mistakes and unrepaired.error > search.floor:

@@ -30,7 +30,7 @@ Estimator: TypeAlias = Callable[[Run], Any]
 Job = Callable[[Estimator], T]
 """Work to be done with an estimator; it is pickled for another process, and so is its result."""
 
-MEND_IT: Final = "mend it"
+CORRECT_IT: Final = "correct it"
 """Remedy at the end of an error line about an estimator that cannot be imported."""
 _STANDARD: Final = f"{Path(traceback.__file__).parent}{os.sep}"
 """Folder of the standard library, in which installed packages have one of their own."""
@@ -51,7 +51,7 @@ def told(error: BaseException) -> str:
     said = describe(error)
     if isinstance(error, LieRigidBodyError):
         return f"the filter failed, {line}{said}" if line else said
-    remedy = "mend that first"
+    remedy = "correct that first"
     if "read-only" in said:
         remedy = "a run's arrays are read only: take a copy"
     if isinstance(error, AttributeError) and error.obj is None and error.name in State.__slots__:
@@ -117,7 +117,7 @@ class NamedFunction:
         try:
             found: Estimator | None = getattr(import_module(module), function, None)
         except (Exception, SystemExit) as error:
-            raise InputError(f"{what} cannot be imported: {describe(error)}: {MEND_IT}") from None
+            raise InputError(f"{what} cannot be imported: {describe(error)}: {CORRECT_IT}") from None
         if not callable(found):
             raise InputError(f"{what}: {shown(module)} has no function {shown(function)}: define it there")
         return found

@@ -179,7 +179,7 @@ class CommandEstimator(ProgramEstimator):
             with guarded(process):
                 self._wait(process, _MIN_BYTES + _BYTES_OF_A_LINE * readings.count("\n"), output, errors)
             if process.returncode:
-                raise InputError(f"{self._name} ended with status {process.returncode}: mend it")
+                raise InputError(f"{self._name} ended with status {process.returncode}: correct it")
             output.seek(0)
             return output.read().decode(errors="replace")
 

@@ -255,9 +255,8 @@ class Description:
     @property
     def flip_interval(self) -> float | None:
         """Time between two flips of the intermediate axis, s; infinite on the separatrix, None where it never flips."""
-        if self.circulation is None or self.circulation.flips is None:
-            return None
-        return self.circulation.flips.interval_s
+        flips = self.circulation and self.circulation.flips
+        return flips.interval_s if flips else None
 
 
 def describe(body: RigidBody, start: State) -> Description:

@@ -27,8 +27,8 @@ _OTHER_FORMATS: Final = {
 }
 """Formats of files that are no MCAP files, and the remedies, by their first bytes."""
 _PIECE: Final = 2**17
-"""Bytes that are decompressed at a time: the largest block of zstd. With a damaged block those before it are not
-lost."""
+"""Bytes that are decompressed at a time where some may be damaged: the largest block of zstd. Those before a damaged
+one are not lost."""
 
 
 def other_format(data: bytes) -> str:
@@ -68,7 +68,7 @@ def _of_zstd(data: bytes, size: int, whole: bool) -> Iterator[bytes]:
 
     source = zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True)
     with suppress(zstandard.ZstdError):
-        while size and (piece := source.read(min(size, _PIECE))):
+        while size and (piece := source.read(size if whole else min(size, _PIECE))):
             size -= len(piece)
             yield piece
 
@@ -80,7 +80,7 @@ def _of_lz4(data: bytes, size: int, whole: bool) -> Iterator[bytes]:
     with suppress(RuntimeError):
         while data and size:
             frame = LZ4FrameDecompressor()
-            while size and not frame.eof and (piece := frame.decompress(data, min(size, _PIECE))):
+            while size and not frame.eof and (piece := frame.decompress(data, size if whole else min(size, _PIECE))):
                 data = b""
                 size -= len(piece)
                 yield piece

@@ -90,7 +90,7 @@ def _started(command: str, output: BinaryIO) -> Iterator[Callable[[], None]]:
 
     def require_alive() -> None:
         if process.poll() is not None:
-            raise LieRigidBodyError(f"ended with status {process.returncode}: mend it")
+            raise LieRigidBodyError(f"ended with status {process.returncode}: correct it")
         if os.fstat(output.fileno()).st_size > MAX_PRINTED:
             raise LieRigidBodyError(f"prints more than {MAX_PRINTED} bytes: let it log less")
 

@@ -267,7 +267,7 @@ def explanation(error: Exception) -> str:
         return f"a library is missing or broken: {error}: install the requirements of the package again"
     imported = [f.filename for f in traceback.extract_tb(error.__traceback__) if f.name == "<module>"]
     if imported and not imported[-1].startswith(PACKAGE_FOLDER):  # a library that fails so, as by an odd variable
-        return f"{imported[-1]} cannot be imported ({error}): mend the environment, or install it again"
+        return f"{imported[-1]} cannot be imported ({error}): correct the environment, or install it again"
     return f"this is a bug, please report it ({describe(error)}); {DEBUG}=1 shows where"
 
 

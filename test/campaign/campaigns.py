@@ -34,7 +34,7 @@ def right(run):
         raise RuntimeError("it is lost")
     return run.attitude_sensor.t_ns, run.attitude_sensor.attitude_xyzw
 """
-LOST = "the filter failed, estimator_of_a_campaign.py line 4: RuntimeError: it is lost: mend that first"
+LOST = "the filter failed, estimator_of_a_campaign.py line 4: RuntimeError: it is lost: correct that first"
 SCORES = ["total_rms_deg", "heading_rms_deg", "inclination_rms_deg", "converged_s"]
 
 

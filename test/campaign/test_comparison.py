@@ -92,7 +92,7 @@ def noisy(run, share=1.0, power=2):
     P = share * {DEVIATION}**power * np.eye(3)
     return Estimate(attitude, covariance=P, gyro_bias=biases, gyro_bias_covariance={DEVIATION}**2 * np.eye(3))
 """
-LOST = "the filter failed, compared_estimators.py line 24: RuntimeError: it is lost: mend that first"
+LOST = "the filter failed, compared_estimators.py line 24: RuntimeError: it is lost: correct that first"
 
 
 @pytest.fixture(scope="module")

@@ -66,7 +66,7 @@ def test_a_run_that_fails_leaves_no_part_of_its_bag_and_the_older_one(tmp_path: 
     assert [bag.read_bytes() for bag in (tmp_path / "bags").iterdir()] == older
 
 
-@pytest.mark.parametrize("reason", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: mend it"])
+@pytest.mark.parametrize("reason", ["it is lost", "estimator 'a:b' cannot be imported: it is lost: correct it"])
 def test_an_estimator_without_any_score_is_an_error(
     out: Path, tmp_path: Path, reason: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -79,7 +79,7 @@ def test_an_estimator_without_any_score_is_an_error(
     printed = capsys.readouterr()
     assert reason in printed.out
     [line] = printed.err.splitlines()
-    assert line.count(reason.removesuffix(": mend it")) == 1
+    assert line.count(reason.removesuffix(": correct it")) == 1
     assert table_of(out)["estimator_error"].to_pylist() == [reason] * 6
 
 

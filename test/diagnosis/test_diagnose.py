@@ -430,10 +430,10 @@ def test_parameter_without_effect_is_refused_unless_a_scenario_has_it(given: dic
         pytest.param(textbook.stops, ["BaseException"], marks=pytest.mark.slow),
         pytest.param(
             textbook.spoils_its_process,
-            ["the filter failed, ", "No module named 'numpy': mend"],
+            ["the filter failed, ", "No module named 'numpy': correct"],
             marks=pytest.mark.slow,
         ),
-        (textbook.endless, ["the filter failed, MemoryError: mend"]),
+        (textbook.endless, ["the filter failed, MemoryError: correct"]),
     ],
 )
 def test_filter_that_fails_in_a_process_of_its_own_is_refused_in_one_line(

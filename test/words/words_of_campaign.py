@@ -195,7 +195,7 @@ REFUSED = {
         taken_away,
         failed,
         lambda: without_a_score("a:b is lost"),
-        lambda: without_a_score("a:b is lost: mend it"),
+        lambda: without_a_score("a:b is lost: correct it"),
         table_of_another,
         no_table,
         lambda: Campaign.from_table("."),
