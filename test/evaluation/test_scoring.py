@@ -61,6 +61,16 @@ def test_the_standard_error_of_the_lag_is_its_spread(memory):
     assert 0.6 < np.sqrt(np.mean(np.square(off)) / np.mean(np.square(claimed))) < 1.5
 
 
+def test_far_errors_hardly_count_in_a_fit():
+    """A tenth of the samples is 60° off, as while a filter converges; least squares would be off by degrees."""
+    true = attitude(MOTION)
+    far = quaternion.exp(np.where(np.arange(len(STAMPS))[:, np.newaxis] % 10, 0.0, [0.3, 0.2, 1.0]))
+    estimate = quaternion.multiply(quaternion.exp([0.0, 0.0, 0.2]), quaternion.multiply(far, true))
+    noisy = quaternion.multiply(estimate, turns(0.1, 5, len(STAMPS)))
+    [(_, heading)] = fit([Matched(STAMPS, noisy, truth_of(MOTION))], [(BY_CODE["heading_offset"], np.zeros(1))])
+    assert heading[0] == pytest.approx(0.2, abs=np.radians(0.02))
+
+
 def test_statistics_are_those_of_the_error_at_the_stamps():
     t = np.sort(np.random.default_rng(0).choice(STAMPS[-1], 700, replace=False))
     truth = MOTIONS[MOTION].at(t).attitude_xyzw
