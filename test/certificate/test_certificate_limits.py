@@ -69,6 +69,18 @@ def test_a_turned_pose_is_caught_and_told(motion, axis):
     assert not certified(turned(recording, caught, axis), max_attitude=0.5 * caught).passed
 
 
+@pytest.mark.parametrize("axis", [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1.8, 0.4, -0.9]])
+def test_the_angle_that_is_told_is_that_of_the_turn(motion, axis):
+    found = certified(turned(motion[1], 0.01, axis), max_attitude=0.1)
+    assert found.law("attitude").worst == pytest.approx(0.01, rel=1e-4)
+
+
+def test_the_rate_of_a_slow_body_is_judged_beside_its_own_size():
+    slow = run({**FAST, "motion": "closed_form", "initial_body_rate": [3e-3, 5e-4, -9e-4]}, 300)
+    assert certified(slow).passed
+    assert not certified(with_rate(slow, np.array([1e-13, 0.0, 0.0]))).passed
+
+
 @pytest.mark.parametrize("change", [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.6, 0.8]])
 def test_a_changed_rate_is_caught(motion, change):
     caught, recording = motion
