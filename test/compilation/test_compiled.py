@@ -166,7 +166,7 @@ def test_a_compiled_call_runs_no_python_code(method: str, monkeypatch: pytest.Mo
     loop = compiled_loop(method)
     states(BODIES["principal"], method, 10**9 * np.arange(20), 0.01)
     calls: list[str] = []
-    function = loop._compiled
+    function: Any = loop._compiled
 
     def watched(*arguments: Any) -> Any:
         sys.setprofile(lambda frame, event, _: calls.append(frame.f_code.co_name) if event == "call" else None)
