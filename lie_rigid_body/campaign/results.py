@@ -43,6 +43,8 @@ class Results:
     ----------
     finished : set of int
         Numbers of the runs that are finished.
+    held : ExitStack
+        Keeps other processes out of the folder until it is closed.
 
     Raises
     ------
@@ -68,15 +70,11 @@ class Results:
                 self._begin()
             except BlockingIOError:
                 raise BagError(f"another process works in {folder}: wait for its end, or give another folder") from None
-            except FileExistsError as error:
-                raise BagError(f"{error.filename} is no folder: move it away, or give another folder") from None
             except OSError as error:
-                raise BagError(f"{folder} cannot be used: {reason(error)}: give another folder") from None
-            self._held = held.pop_all()
-
-    def close(self) -> None:
-        """Let other processes work in the folder."""
-        self._held.close()
+                raise BagError(
+                    f"{error.filename or folder} cannot be used: {reason(error)}: give another folder"
+                ) from None
+            self.held = held.pop_all()
 
     def _begin(self) -> None:
         begun = _read_definition(self.folder)
@@ -123,8 +121,7 @@ class Results:
         BagError
             If its file cannot be written.
         """
-        interruption = Interruption.current()
-        with interruption.noted():  # a row that is written counts
+        with Interruption.current().noted() as interruption:  # a row that is written counts
             try:
                 write_file(self._path(row.run), _json(vars(row)), overwrite=True)
             except BagError as error:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -46,7 +45,8 @@ def run_campaign(given: argparse.Namespace) -> int:
         _require_scenarios(campaign, given.campaign)
     if campaign.estimator_specs:
         _require_estimators([*campaign.estimator_specs.values()])
-    with Interruption.current().noted() as interruption, closing(Results(campaign, Path(given.out))) as results:
+    results = Results(campaign, Path(given.out))
+    with results.held, Interruption.current().noted() as interruption:
         try:
             with interruption.allowed():
                 if not given.no_bags:

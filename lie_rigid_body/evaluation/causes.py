@@ -131,7 +131,7 @@ def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Par
             (cause, cause.moved(constants, step[begin:end]) if cause.price else constants)
             for (cause, constants), begin, end in zip(parts, ends[:-1], ends[1:], strict=True)
         ]
-        if np.all(np.abs(step) < 1e-10) or step @ normal @ step <= CONVERGED**2 * left:
+        if step @ normal @ step <= CONVERGED**2 * left + 1e-20:  # of a fit without an error
             break
     return list(parts)
 

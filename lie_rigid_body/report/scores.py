@@ -235,8 +235,9 @@ def extent(read: RecordedEstimate | None, score: Score) -> str:
 
 def summary(score: Score) -> str:
     """Sentence that tells the size of the error."""
-    errors = (score.total_deg, score.heading_deg, score.inclination_deg)
-    total, heading, inclination = (in_degrees(error.rms, 3) for error in errors)
+    total, heading, inclination = (
+        in_degrees(error.rms, 3) for error in (score.total_deg, score.heading_deg, score.inclination_deg)
+    )
     best = "" if score.best is None or score.best.filtered is None else score.best.filtered.rms
     least = f"; the noise of the sensors leaves {best:.3g}° to the best filter" if best else ""
     return f"The attitude error is {total} rms: heading {heading}, inclination {inclination}{least}."

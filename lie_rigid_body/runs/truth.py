@@ -85,7 +85,7 @@ class ScenarioTruth(Truth):
 
     def _corrected(self, stamps: Integers) -> tuple[Array, Array]:
         attitude, rate = self._exact(stamps)
-        for i, inside in self._segments_of(stamps) if self._corrections else ():
+        for i, inside in self._segments_of(stamps):
             if i in self._corrections:
                 miss = self._corrections[i].at(stamps[inside])
                 attitude[inside] = quaternion.multiply(miss, attitude[inside])

@@ -150,8 +150,8 @@ class Interpreters:
             yield from (future.result() for future in done)
 
     def _submitted(self, do: Callable[[Interpreter, T], R], item: T) -> Future[R]:
-        interruption = Interruption.current()
-        with interruption.noted():  # an exception as a thread starts would hide that thread from `close`
+        # an exception as a thread starts would hide that thread from `close`
+        with Interruption.current().noted() as interruption:
             future = self._threads.submit(self._with_idle, do, item)
         interruption.heed()
         return future

@@ -6,12 +6,13 @@ import _thread
 import atexit
 import math
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import ClassVar, Final
+from typing import Any, ClassVar, Final
 
 END_SIGNALS: Final = tuple(each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"))
 """Signals that ask a process to end, as far as the system has them: Ctrl-C, a request, and a terminal that closes."""
@@ -68,6 +69,8 @@ class Interruption:
         former = {number: signal.getsignal(number) for number in END_SIGNALS}
         defaults = (signal.SIG_DFL, signal.default_int_handler)
         taken = [n for n, f in former.items() if f in defaults or (f == signal.SIG_IGN and n.name != "SIGHUP")]
+        if to_the_end:
+            sys.unraisablehook = interruption._unraised
         for number in taken:
             signal.signal(number, interruption._handle)
             if to_the_end:  # the interpreter gives back every handler before it ends, and a late signal would decide
@@ -124,6 +127,14 @@ class Interruption:
         elif is_again and not was_postponed:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
+
+    def _unraised(self, unraisable: Any) -> None:
+        """Let a signal that came amid a destructor come again: there an exception is printed and forgotten."""
+        if unraisable.exc_type is KeyboardInterrupt:
+            self._is_postponed = True
+            _thread.start_new_thread(_send_again, (signal.SIGINT,))
+        else:
+            sys.__unraisablehook__(unraisable)
 
 
 def _is_importing(frame: FrameType | None) -> bool:

@@ -117,7 +117,7 @@ def test_a_row_that_does_not_fit_on_the_disk_is_told_and_done_anew(results: Resu
             results.add(rows[0])
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    results.close()
+    results.held.close()
     assert 0 not in Results(Campaign.from_file(tmp_path / "campaign.yaml"), results.folder).finished
 
 
@@ -167,7 +167,7 @@ def test_bags_of_runs_that_are_not_finished_are_removed(results: Results) -> Non
     bags = results.folder / "bags"
     for name in ("another.mcap", ".lie_rigid_body-1.part"):
         (bags / name).touch()
-    results.close()
+    results.held.close()
     Results(results._campaign, results.folder).remove_parts()
     kept = [f"{run:06d}.mcap" for run in range(6) if run != 4]
     assert sorted(os.listdir(bags)) == [*kept, "another.mcap"]

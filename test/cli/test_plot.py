@@ -55,6 +55,7 @@ def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_matplotlib_without_a_folder_of_its_own_says_nothing(bag, tmp_path):
     """As where there is no home folder; it logs where it keeps its caches instead."""
     (tmp_path / "file").touch()

@@ -132,7 +132,7 @@ def at_work():
     try:
         begun()
     finally:
-        first.close()
+        first.held.close()
 
 
 def no_folder():
