@@ -31,7 +31,7 @@ class Results:
     """Rows of the finished runs of a campaign, in its folder.
 
     They stay in their files, and are read again when they are wanted: a million would take gigabytes. No other process
-    works in the folder until they are closed.
+    works in the folder until `held` is closed.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Results:
                 raise BagError(f"another process works in {folder}: wait for its end, or give another folder") from None
             except OSError as error:
                 raise BagError(
-                    f"{error.filename or folder} cannot be used: {reason(error)}: give another folder"
+                    f"{error.filename or folder} cannot be used as a folder: {reason(error)}: give another one"
                 ) from None
             self.held = held.pop_all()
 

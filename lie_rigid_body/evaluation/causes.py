@@ -120,11 +120,12 @@ def fit(tracks: MatchedRuns, parts: Sequence[Part], steps: int = 12) -> list[Par
         left = 0.0
         for track in tracks:
             J, error, _ = derivative(track, parts)
-            weight = weights(norm(error))
+            size = norm(error)
+            weight = weights(size)
             weighted = J * weight[:, np.newaxis, np.newaxis]
             normal = normal + np.einsum("nia,nib->ab", weighted, J)
             slope = slope + np.einsum("nia,ni->a", weighted, error)
-            left += float(np.sum(weight * norm(error) ** 2))
+            left += float(np.sum(weight * size**2))
         step = np.clip(np.linalg.lstsq(np.atleast_2d(normal), np.atleast_1d(slope), rcond=1e-10)[0], -0.3, 0.3)
         ends = np.cumsum([0, *(cause.price for cause, _ in parts)])
         parts = [

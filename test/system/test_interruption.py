@@ -32,6 +32,13 @@ def ends_with(action, to_the_end=True):
     raise SystemExit(status_of("test", action, to_the_end=to_the_end))
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
+
+class Last:
+    def __del__(self):
+        send(INT)
+
+def destroyed():
+    last = Last()
 """
 PROGRAMS = {
     "one": ("ends_with(lambda: waiting(lambda: send(INT)))", 130),
@@ -61,11 +68,7 @@ ends_with(closing)
         """
 module.SAME_REQUEST_S = 0.05
 def lost():
-    class Last:
-        def __del__(self):
-            send(INT)
-    last = Last()
-    del last
+    destroyed()
     time.sleep(0.1)
     send(INT)
 ends_with(lambda: waiting(lost))
@@ -75,11 +78,7 @@ ends_with(lambda: waiting(lost))
     "amid a destructor": (
         """
 def lost():
-    class Last:
-        def __del__(self):
-            send(INT)
-    last = Last()
-    del last
+    destroyed()
     time.sleep(5)
 ends_with(lambda: waiting(lost))
 """,
