@@ -142,6 +142,7 @@ def test_numbers_at_the_edges_of_float64_are_judged_and_drawn_without_a_warning(
         assert found.status in allowed
 
 
+@pytest.mark.slow
 def test_some_files_keep_the_laws(bags: dict[str, bytes], parent: ProcessPoolExecutor) -> None:
     """Of records at random, and mutated ones."""
     for seed in range(16):

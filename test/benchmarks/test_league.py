@@ -91,6 +91,7 @@ def test_the_bound_lies_below_what_gravity_and_field_alone_tell() -> None:
     assert bound(SLOW) is None
 
 
+@pytest.mark.slow
 def test_the_page_ranks_and_marks(monkeypatch) -> None:
     def results(name: str, error: float) -> list[Result]:
         return [Result(f"ahrs {name}", case, DEFAULTS, CaseResult(error, error, error, 1.0), 2.0) for case in CASES]

@@ -82,6 +82,7 @@ def test_a_folder_elsewhere_and_two_workers_give_the_same_bytes(out: Path, tmp_p
     assert (other / "runs.parquet").read_bytes() == (out / "runs.parquet").read_bytes()
 
 
+@pytest.mark.slow
 @NEEDS_DASK
 @pytest.mark.long
 @pytest.mark.parametrize("bags", [True, False])

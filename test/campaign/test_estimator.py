@@ -214,17 +214,20 @@ def test_what_is_no_estimate_costs_the_score(function: str, told: str, scored: A
     assert "\n" not in found["estimator_error"]
 
 
+@pytest.mark.slow
 def test_an_estimator_that_exits_costs_the_score_of_its_run_only(asked: Any) -> None:
     found = asked("exits_in_the_second", runs=3)
     assert [numbers(each["estimator_error"] or "") for each in found] == [[], [3], []]
     assert found[0]["total_rms_deg"] == found[2]["total_rms_deg"] < 1e-9
 
 
+@pytest.mark.slow
 def test_an_estimator_that_interrupts_costs_the_score_of_its_run_only(asked: Any) -> None:
     found = asked("interrupts", runs=2)
     assert [each["estimator_error"] for each in found] == [None, "KeyboardInterrupt: enough"]
 
 
+@pytest.mark.slow
 def test_an_estimator_that_hangs_costs_the_score_of_its_run_only(asked: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     limits, ask = list[float](), Interpreter.ask
 
@@ -239,6 +242,7 @@ def test_an_estimator_that_hangs_costs_the_score_of_its_run_only(asked: Any, mon
     assert limits == [STARTING_S + MAX_ESTIMATOR_S] * 3
 
 
+@pytest.mark.slow
 def test_an_estimator_that_spoils_its_process_costs_its_own_scores_only(campaign_of: Any) -> None:
     """Others are called, and scored, in a process of their own."""
     names = {"a": "spoils_its_process", "b": "moves_away", "c": "turned"}

@@ -83,6 +83,7 @@ def test_an_estimator_without_any_score_is_an_error(
     assert table_of(out)["estimator_error"].to_pylist() == [reason] * 6
 
 
+@pytest.mark.slow
 def test_an_estimator_without_a_score_in_the_first_runs_ends_a_campaign(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -75,6 +75,7 @@ def test_an_interruption_keeps_what_is_finished(slow: tuple[subprocess.Popen[str
     require_resumed(out, times(out))
 
 
+@pytest.mark.slow
 def test_another_process_works_in_another_folder(slow: tuple[subprocess.Popen[str], Path]) -> None:
     """Else each would remove what the other has begun."""
     process, out = slow

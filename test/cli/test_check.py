@@ -155,6 +155,7 @@ def test_the_inertia_given_is_the_one_proved(bag, capsys):
     assert (status, content["proved"]["passed"]) == (1, False)
 
 
+@pytest.mark.slow
 @needs_flint
 def test_more_samples_than_there_are_prove_all(bag, capsys):
     assert len(proved(capsys, bag, "--prove", "10000")[1]["proved"]["samples"]) == 400

@@ -92,6 +92,7 @@ def deadly(inertia, topics, bag):
     return [Verdict(bag, None, Certificate(()))]
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_costs_its_bag_only(monkeypatch):
     monkeypatch.setattr(checking, "judge", deadly)
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1})

@@ -71,6 +71,7 @@ def test_progress_tells_every_byte_read(own, bag):
         assert bar.disable  # as stderr is no terminal
 
 
+@pytest.mark.slow
 def test_picture_and_page(bag, tmp_path, capsys):
     picture, page = tmp_path / "a.png", tmp_path / "a.html"
     given = [str(bag), "--estimate", "/filter/Imu", "--max-after", "1s:5deg", "--plot", str(picture)]

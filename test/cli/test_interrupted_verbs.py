@@ -107,6 +107,7 @@ def names(folder: Path) -> list[str]:
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
 
 
+@pytest.mark.slow
 def test_a_verb_that_is_interrupted_says_so_and_leaves_nothing(folder: Path) -> None:
     before = names(folder)
     verbs = [verb for verb in VERBS if "--report" not in verb or find_spec("plotly")]
@@ -119,6 +120,7 @@ def test_a_verb_that_is_interrupted_says_so_and_leaves_nothing(folder: Path) -> 
         assert (" new" in ended.out) == (VERBS[verb] in {WRITTEN, CHUNK})
 
 
+@pytest.mark.slow
 def test_an_older_file_outlives_an_interruption(folder: Path) -> None:
     for old in ("new.png", "new.mcap"):
         (folder / old).write_text("old")

@@ -26,6 +26,7 @@ def bag(tmp_path):
     return write_bag(tmp_path / "bag.mcap", 40)
 
 
+@pytest.mark.slow
 def test_a_picture_is_kept_and_replaced_by_the_same_whatever_a_matplotlibrc_says(bag, tmp_path, capsys):
     out = tmp_path / "out.png"
     assert main([str(bag), "-o", str(out)]) == 0
@@ -41,6 +42,7 @@ def test_a_picture_is_kept_and_replaced_by_the_same_whatever_a_matplotlibrc_says
     assert out.read_bytes() == picture
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("number", sampled([np.nan, np.inf, 1e308], every=3))
 def test_any_recorded_number_is_drawn_without_a_warning(number, tmp_path, capsys):

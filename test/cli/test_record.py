@@ -167,6 +167,7 @@ def test_a_signal_finishes_the_file(out: Path) -> None:
         out.write_text("precious")
 
 
+@pytest.mark.slow
 def test_a_signal_during_long_steps_is_heeded_at_once(out: Path) -> None:
     process = running(out, *SLOW_STEPS, size=0, command=RECORD)
     while not out.exists():
@@ -209,7 +210,9 @@ def on_terminal(*arguments: str | Path, size: tuple[int, int] = (24, 80)) -> str
     return shown.decode()
 
 
-@pytest.mark.parametrize("size", [(24, 80), (24, 0), (0, 80), (0, 0)])
+@pytest.mark.parametrize(
+    "size", [(24, 80), *(pytest.param(size, marks=pytest.mark.slow) for size in [(24, 0), (0, 80), (0, 0)])]
+)
 def test_a_terminal_shows_whole_bars_also_if_it_tells_no_size(tmp_path: Path, size: tuple[int, int]) -> None:
     shown = on_terminal(tmp_path / "a.mcap", *FAST, "--duration", "50", size=size)
     *_, last = filter(None, shown.replace("\n", "\r").split("\r"))

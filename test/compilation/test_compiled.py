@@ -22,6 +22,7 @@ from lie_rigid_body.compilation.step_loop import MIN_STEPS_TO_COMPILE, MIN_STEPS
 from lie_rigid_body.motion import METHODS
 from lie_rigid_body.motion.moser_veselov.loop import LOOP
 from lie_rigid_body.motion.munthe_kaas.integrator import LOOPS
+from sampled import sampled
 
 BODIES = {
     "principal": RigidBody([0.6, 0.8, 1.0]),
@@ -45,7 +46,7 @@ def compiled_loop(method: str) -> StepLoop:
 
 @needs_numba
 @pytest.mark.parametrize("max_step", [0.001, 0.01, 0.3, 0.9])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", sampled(METHODS, every=3))
 def test_compiled_code_gives_the_bits_of_plain_python(method, max_step, monkeypatch):
     count = 60 if max_step < 0.1 else 4  # or the low orders run away
     times = np.cumsum(np.random.default_rng(3).integers(0, int(3e9 * max_step), size=count))
@@ -92,6 +93,7 @@ assert after != before
 """
 
 
+@pytest.mark.slow
 @needs_numba
 def test_a_kernel_that_changes_is_compiled_anew_and_one_that_does_not_is_loaded(tmp_path: Path):
     """Numba's own cache would run yesterday's code, as the file that changes is not that of the loop.
@@ -180,6 +182,7 @@ def test_a_compiled_call_runs_no_python_code(method: str, monkeypatch: pytest.Mo
     assert calls == []
 
 
+@pytest.mark.slow
 @needs_numba
 def test_without_a_cache_that_works_code_is_compiled_all_the_same(monkeypatch, tmp_path) -> None:
     """Be its disk full, a file of it damaged, as by a loss of power, or numba set up oddly."""

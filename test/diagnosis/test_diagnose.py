@@ -369,6 +369,7 @@ def test_unit_that_makes_a_right_filter_unstable_is_heard_again(
     assert search.drift_costs(code.partition("_")[0], right.repairs)[0] > 10.0 * search.floor
 
 
+@pytest.mark.slow
 def test_filter_whose_equal_runs_differ_is_told_so_at_once() -> None:
     """No repair can be told from chance, nor whether it is unstable or uses later readings."""
     draw = np.random.default_rng(3)
@@ -386,6 +387,7 @@ def test_filter_whose_equal_runs_differ_is_told_so_at_once() -> None:
     assert found.filter_runs < 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("estimate", "is_causal"), [(textbook.both_ways, False), (textbook.right, True)])
 def test_an_estimate_that_uses_later_readings_is_told(estimate: Callable[[Any], Any], is_causal: bool) -> None:
     search = Search(partial(each_alone, estimate), courses_of({}), 2000)

@@ -57,6 +57,7 @@ def test_a_program_is_given_every_reading_to_the_last_bit(run, tmp_path):
     assert np.array_equal(np.array([row[7:] for row in rows if row[7]], dtype=float), run.magnetometer.field)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
 def test_the_example_in_cpp_is_exact_with_integrated_rates(run, tmp_path):
     program = tmp_path / "gyro_only"
@@ -118,6 +119,7 @@ def test_a_program_that_prints_without_end_is_ended(run, tmp_path, stream):
         python(tmp_path, f"while True:\n    sys.{stream}.write(4096 * '1')")(run)
 
 
+@pytest.mark.slow
 def test_a_program_that_hangs_is_ended_with_what_it_started(run, tmp_path):
     child = "import subprocess\nchild = subprocess.Popen(['sleep', '600'])\n"
     hanging = python(tmp_path, f"{child}open(sys.argv[0] + '.pid', 'w').write(str(child.pid))\nchild.wait()", 2.0)

@@ -284,6 +284,7 @@ def refused(moments: list[float]) -> RigidBody:
     return RigidBody(moments)
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_motions_results_and_refusals_pass_through_a_pool_of_spawned_processes():
     with multiprocessing.get_context("spawn").Pool(1) as pool:

@@ -99,6 +99,7 @@ ROTATIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.long
 @needs_numba
 @pytest.mark.parametrize("name", sampled(ROTATIONS, every=5))

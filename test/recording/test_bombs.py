@@ -134,6 +134,7 @@ def made(folder: Path, size: int) -> dict[Path, str]:
     return found
 
 
+@pytest.mark.slow
 def test_each_is_refused_in_one_line_or_breaks_a_law(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for path, said in made(tmp_path, 2 * MIB).items():
         if "without_end" not in path.name:  # their many objects take longer to trace than to read

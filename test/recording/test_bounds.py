@@ -239,6 +239,7 @@ def table() -> bytes:
     return out.getvalue()
 
 
+@pytest.mark.slow
 def test_every_length_of_a_table_at_its_largest_is_refused(tmp_path: Path) -> None:
     """The last 8 bytes are the length of the description and the magic; each byte of the description is set as well."""
     whole, path = table(), tmp_path / "runs.parquet"

@@ -51,6 +51,7 @@ def elsewhere(there: Path, options: str, *verbs: tuple[str, ...]) -> subprocess.
     return subprocess.run(command, cwd=there.parent, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_a_read_only_file_system_is_told_by_each_verb_in_one_line(tmp_path: Path) -> None:
     write_bag(tmp_path / "whole.mcap", count=50)
@@ -69,6 +70,7 @@ def test_a_read_only_file_system_is_told_by_each_verb_in_one_line(tmp_path: Path
     assert all(os.strerror(errno.EROFS) in line and len(line) <= 200 for line in lines), lines
 
 
+@pytest.mark.slow
 def test_what_fits_on_a_full_file_system_is_recovered_and_certified(tmp_path: Path) -> None:
     done = elsewhere(
         tmp_path / "there",

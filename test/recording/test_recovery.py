@@ -23,6 +23,7 @@ from lie_rigid_body.recording.bag_writer import BagWriter
 from lie_rigid_body.recording.recovery import NothingWholeError, Recovery, recover
 from lie_rigid_body.scenario import Scenario
 from lie_rigid_body.simulation import Simulation
+from sampled import sampled
 
 Found = tuple[str, int, int, bytes]
 COUNT = 120
@@ -115,7 +116,7 @@ def structural(content: bytes, step: int) -> list[int]:
     return [*sizes[::step], len(content)]
 
 
-@pytest.mark.parametrize("compression", COMPRESSIONS)
+@pytest.mark.parametrize("compression", sampled(COMPRESSIONS, every=3))
 @pytest.mark.parametrize(("step", "drawn"), [(17, 10), pytest.param(3, 300, marks=pytest.mark.slow)])
 def test_every_whole_message_of_a_cut_file_is_recovered(
     whole: dict[str, Path], tmp_path: Path, compression: str, step: int, drawn: int
@@ -173,7 +174,7 @@ def test_a_damaged_chunk_is_left_out_and_told(
         assert recovered(content[: place(content, Opcode.DATA_END)], tmp_path) is None
 
 
-@pytest.mark.parametrize("compression", COMPRESSIONS)
+@pytest.mark.parametrize("compression", sampled(COMPRESSIONS, every=3))
 def test_zeros_that_a_loss_of_power_leaves_are_no_content(
     whole: dict[str, Path], tmp_path: Path, compression: str
 ) -> None:
@@ -230,7 +231,7 @@ def test_data_that_a_checksum_of_all_contradicts_are_told(whole: dict[str, Path]
     assert (found.damaged, found.is_altered) == ((), True)
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 30))])
+@pytest.mark.parametrize("seed", sampled(range(30), every=15))
 def test_damage_anywhere_makes_nothing_up(whole: dict[str, Path], tmp_path: Path, seed: int) -> None:
     """Every message of a file is under a checksum: what is recovered was written, and other readers take it."""
     rng = random.Random(seed)

@@ -140,6 +140,7 @@ def test_of_several_segments_the_first_is_named(tmp_path):
     assert numbers(title(figure))[-3:] == [100, 100, 1]
 
 
+@pytest.mark.slow
 def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
     figure = draw(recorded_segments(read_bag(bag)))
     canvas = FigureCanvasAgg(figure)
@@ -149,6 +150,7 @@ def test_the_label_of_the_polhode_keeps_clear_of_the_other_panels(bag):
     assert polhode.zaxis.get_tightbbox(canvas.get_renderer()).x0 > left
 
 
+@pytest.mark.slow
 def test_words_and_numbers_keep_clear_of_the_axes(tmp_path):
     """Slow rates are in units that make short numbers."""
     slow = read_parameter_file(scenario_files()["tumbling_cubesat"])

@@ -20,6 +20,7 @@ pytestmark = pytest.mark.ros
 LISTEN = (sys.executable, "-m", "lie_rigid_body.ros.listen")
 
 
+@pytest.mark.slow
 def test_silence_is_told_once() -> None:
     soon = "from lie_rigid_body.ros import client, listen; client.MAX_SILENCE = 0.2; listen.main(['--pose', '/no'])"
     with subprocess.Popen((sys.executable, "-c", soon), stderr=subprocess.PIPE, text=True) as process:
@@ -37,6 +38,7 @@ def test_silence_is_told_once() -> None:
     assert (process.returncode, rest) == (0, "")
 
 
+@pytest.mark.slow
 def test_reader_who_leaves_hears_no_complaint(full_node: SimulatorProcess) -> None:
     command = f"ROS_DOMAIN_ID={full_node.domain} {' '.join(LISTEN)} | head -n 1"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=DEADLINE, check=False)
@@ -44,6 +46,7 @@ def test_reader_who_leaves_hears_no_complaint(full_node: SimulatorProcess) -> No
     assert done.stdout.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_scenario_control_and_parameters_without_the_ros2_command(capfd: pytest.CaptureFixture[str]) -> None:
     asked = partial(answer, capfd)
     with SimulatorProcess("-p", "rate:=5.0", "--ros-args", "-r", "__ns:=/quiet"):

@@ -68,6 +68,7 @@ def others(domain: int) -> Iterator[Peer]:
         yield peer
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_a_good_estimator_and_a_mistaken_one(domain: int, others: Peer) -> None:

@@ -75,6 +75,7 @@ def test_a_small_offset_is_found_twice_before_it_is_told() -> None:
     assert [span for span, codes in told.items() if not codes] == [5, 7, 20, 40]
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int) -> None:
@@ -113,6 +114,7 @@ def test_errors_are_those_of_the_score_by_a_scenario_of_another_name(domain: int
     assert content["total_deg"]["rms"] == pytest.approx(np.sqrt(np.mean(np.degrees(heard[:, 0]) ** 2)))
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.long
 def test_hostile_messages_cost_themselves(domain: int) -> None:

@@ -109,6 +109,7 @@ class Timed:
         peer.node.create_timer(0.02, lambda: publisher.publish(Imu()))
 
 
+@pytest.mark.slow
 def test_a_filter_on_a_timer_ends_it_with_status_2_the_stamp_and_what_came(domain: int, tmp_path: Path) -> None:
     bag = tmp_path / "run.mcap"
     with simulator(domain, lockstep_timeout=1.0, record_path=bag) as sim, Peer("timed", domain) as peer:
@@ -122,6 +123,7 @@ def test_a_filter_on_a_timer_ends_it_with_status_2_the_stamp_and_what_came(domai
     assert certify(Bag(bag)).passed  # it was finished
 
 
+@pytest.mark.slow
 def test_a_topic_of_another_type_is_told_in_one_line(domain: int) -> None:
     with simulator(domain) as sim, Peer("other", domain) as peer:
         peer.node.create_publisher(TwistStamped, "/imu/data", 10)

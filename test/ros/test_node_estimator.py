@@ -170,6 +170,7 @@ def fill(answer, reading):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("source", "timeout", "told"),
     [
@@ -205,6 +206,7 @@ def test_a_run_without_an_imu_is_refused():
         node_estimator(EXAMPLE)(run)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("isolated_ros")
 @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
 def test_the_node_ends_with_who_asked_for_it(tmp_path, scripted, by):

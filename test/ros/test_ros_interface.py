@@ -119,6 +119,7 @@ def test_what_every_node_has_can_be_set(observer: Peer) -> None:
     assert observer.set_together(use_sim_time=False).successful
 
 
+@pytest.mark.slow
 def test_a_second_node_of_one_name_and_what_has_no_effect_are_warned_about() -> None:
     twin = ["--ros-args", "-r", "__ns:=/twin"]
     soon = "import sys; from lie_rigid_body.ros import node, sim; node.LOOK_INTERVAL = 0.5; node.LOOKS = 200; "
@@ -141,6 +142,7 @@ def test_a_second_node_of_one_name_and_what_has_no_effect_are_warned_about() -> 
             second.kill()
 
 
+@pytest.mark.slow
 def test_at_its_end_the_node_says_how_much_it_sent() -> None:
     with SimulatorProcess("--ros-args", "-r", "__ns:=/brief") as simulator:
         assert simulator.end(signal.SIGINT) == 0
@@ -172,6 +174,7 @@ def test_change_takes_effect_at_the_reset_and_not_before(observer: Peer) -> None
     assert stamps[stamps.index(segment.start_ns) + 1] - segment.start_ns == 25_000_000
 
 
+@pytest.mark.slow
 def test_announced_commands_work(full_node: SimulatorProcess) -> None:
     """Without the ros2 command line they are our own; with it, they are not ours to test."""
     listen, reset = (

@@ -64,6 +64,7 @@ def test_a_limit_within_which_no_node_works_is_refused(name: str, limit: int, sa
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_without_a_bag_and_sensors_the_node_needs_few_libraries() -> None:
     with SimulatorProcess(without=["mcap", "zstandard", "scipy", "matplotlib", "tqdm"]) as running:
         assert running.end(signal.SIGINT) == 0

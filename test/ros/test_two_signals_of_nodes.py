@@ -46,12 +46,14 @@ LATER = range(1, 4)
 STRIKES = [(simulated, [0]), (evaluated, [0]), (simulated, LATER), (evaluated, LATER)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("strike", "seeds"), sampled(STRIKES, every=4))
 def test_a_second_signal_changes_nothing_at_any_moment(strike, seeds, tmp_path: Path) -> None:
     for seed in seeds:
         strike(tmp_path, seed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("numbers", [(INT, TERM, INT), (TERM, INT, TERM)])
 def test_a_later_signal_ends_a_simulator_that_closes_for_ever(
     numbers: tuple[signal.Signals, ...], tmp_path: Path
@@ -72,6 +74,7 @@ def test_a_later_signal_ends_a_simulator_that_closes_for_ever(
         os.close(write)
 
 
+@pytest.mark.slow
 def test_a_later_signal_ends_an_evaluator_that_cannot_close(tmp_path: Path) -> None:
     with full_pipe() as write:
         process = started([*VERB, *EVALUATE], tmp_path, write)

@@ -78,6 +78,7 @@ def test_stamps_of_a_sensor_are_those_of_the_definition(rate: float) -> None:
     assert seen.imu == seen.field == definition(rate, EPOCH, until)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 40_000_000), st.booleans()), max_size=30))
 def test_each_stamp_comes_once_whatever_the_resets(events: list[tuple[int, bool]]) -> None:
     """Resets at once one after the other, and between the samples of the truth, among them."""

@@ -62,7 +62,7 @@ def test_too_little_memory_is_told_in_one_line(command: str, kilobytes: int, bag
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("command", [*ANSWERS, *WRITERS])
+@pytest.mark.parametrize("command", sampled([*ANSWERS, *WRITERS], every=3))
 def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, ">/dev/full")
     assert done.returncode == 2
@@ -74,7 +74,7 @@ def test_full_stdout_is_told_in_one_line(command: str, bag: Path, tmp_path: Path
 
 
 # with an end of stdout that is no error: all answer by the one function that the test above finds in each
-@pytest.mark.parametrize("command", ["--help", "check {bag}", WRITERS[0]])
+@pytest.mark.parametrize("command", sampled(["--help", "check {bag}", WRITERS[0]], every=3))
 def test_closed_stdout_is_nobodys_fault(command: str, bag: Path, tmp_path: Path) -> None:
     done = run(command, bag, tmp_path, ">&-")
     assert done.returncode == 0
@@ -101,6 +101,7 @@ def test_full_stderr_changes_no_status(bag: Path, tmp_path: Path, monkeypatch: p
     assert run("check {new}", bag, tmp_path, "2>/dev/full").returncode == 2
 
 
+@pytest.mark.slow
 def test_without_standard_streams_a_bag_is_not_taken_for_one(bag: Path, tmp_path: Path) -> None:
     assert run("record {new} --duration 0.1", bag, tmp_path, "<&- >&- 2>&-").returncode == 0
     assert (tmp_path / "new.mcap").read_bytes() == bag.read_bytes()
@@ -108,7 +109,7 @@ def test_without_standard_streams_a_bag_is_not_taken_for_one(bag: Path, tmp_path
     assert (done.returncode, done.stdout) == (2, "")
 
 
-@pytest.mark.parametrize("command", ["check {bag}", "explain", "record {new}\udcffé --duration 0.1"])
+@pytest.mark.parametrize("command", sampled(["check {bag}", "explain", "record {new}\udcffé --duration 0.1"], every=3))
 def test_stdout_of_few_characters_gets_escapes(
     command: str, bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -55,6 +55,7 @@ with guarded(program):
 """
 
 
+@pytest.mark.slow
 def test_reply_is_what_the_function_returns_or_raises():
     other = Interpreter()
     try:
@@ -112,6 +113,7 @@ def test_process_that_nobody_can_ask_any_more_is_ended():
     _wait_for_end(status)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_late", [True, False])
 def test_temporary_files_of_a_process_go_with_it(tmp_path, monkeypatch, is_late):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))

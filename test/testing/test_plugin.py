@@ -212,6 +212,7 @@ def test_the_worked_example_passes():
     assert f"{2 * len(GRADES) + 2} passed" in done.stdout.splitlines()[-1], done.stdout
 
 
+@pytest.mark.slow
 def test_runs_by_marker_by_parametrize_and_all_of_them(listed, names):
     found = outcomes(listed, "test_runs.py")
     assert list(found.values()) == ["PASSED"] * 5, listed

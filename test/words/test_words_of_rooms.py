@@ -9,7 +9,12 @@ import pytest
 from sentences import command_entries, commands, compare, entries, module_of, rooms
 
 OF_ROS = {"ros", "nodes"}
-ROOMS = [pytest.param(room, marks=[pytest.mark.ros] if room in OF_ROS else []) for room in rooms()]
+# whose examples take seconds
+SLOW = {"certificate", "evaluation", "launch", "nodes", "verbs"}
+ROOMS = [
+    pytest.param(room, marks=[pytest.mark.ros] * (room in OF_ROS) + [pytest.mark.slow] * (room in SLOW))
+    for room in rooms()
+]
 
 
 @pytest.mark.usefixtures("asked_here")

@@ -44,6 +44,7 @@ def test_what_cannot_be_done_is_answered(observer: Peer) -> None:
         assert observer.call(name).success
 
 
+@pytest.mark.slow
 def test_the_clock_is_that_of_the_samples(observer: Peer) -> None:
     clocks, poses = observer.listen(Clock, "/clock"), observer.listen(PoseStamped, "/pose")
     imu, field = observer.listen(Imu, "/imu/data_raw"), observer.listen(MagneticField, "/imu/mag")

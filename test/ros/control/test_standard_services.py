@@ -239,6 +239,7 @@ def test_filters(paused: Simulator, pattern: str, categories: tuple[int, ...], c
     assert both.states == [alone for _ in found]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "pattern", sampled(["((((.+)+)+)+)+x", "x" * 1_000_000, "a{99999999999999999999}", "(" * 900], every=4)
 )

@@ -50,6 +50,7 @@ def messages(path: Path) -> list[tuple[str, int, bytes]]:
         return [(channel.topic, message.log_time, message.data) for _, channel, message in found]
 
 
+@pytest.mark.slow
 def test_a_live_run_with_faults_has_the_bytes_of_a_headless_one(peer: Peer, tmp_path: Path) -> None:
     live, headless = tmp_path / "live.mcap", tmp_path / "headless.mcap"
     arguments = assignments(**GIVEN, real_time_factor=10.0, record_path=live)

@@ -49,6 +49,7 @@ def test_what_was_written_before_a_kill_is_recovered(tmp_path: Path) -> None:
     assert {*safe} <= {*stamps.tolist()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "numbers"),
     sampled([("200.0", (signal.SIGHUP, signal.SIGINT)), ("100000.0", (signal.SIGTERM, signal.SIGINT))], every=2),
@@ -66,6 +67,7 @@ def test_impatient_signals_leave_a_whole_bag(tmp_path: Path, rate: str, numbers:
     assert simulator.said[-1].endswith(f": lie-rigid-body check '{bag}'")
 
 
+@pytest.mark.slow
 def test_the_command_that_certifies_names_the_topics_that_were_remapped(tmp_path: Path) -> None:
     bag, remaps = tmp_path / "a.mcap", ("imu/data_raw:=/imu", "~/faults:=/odd")
     arguments = assignments(record_path=bag, imu_rate=50.0, imu_dropout_probability=0.5)
@@ -83,6 +85,7 @@ def test_a_bag_without_a_sample_is_not_said_to_be_certified(tmp_path: Path) -> N
     assert simulator.said[-1] == "recorded 0 samples"
 
 
+@pytest.mark.slow
 def test_signal_while_one_sample_takes_long_to_compute(tmp_path: Path) -> None:
     bag = tmp_path / "whole.mcap"
     arguments = ("-p", "rate:=1.0", "-p", "max_step:=1e-6", "-p", f"record_path:={bag}")
@@ -104,6 +107,7 @@ def end_of_a_lost_recording(simulator: SimulatorProcess, bag: Path) -> None:
     assert [line for line in simulator.said if "lie-rigid-body check" in line] == []
 
 
+@pytest.mark.slow
 def test_full_disk_ends_the_recording_but_not_the_node(tmp_path: Path) -> None:
     bag = tmp_path / "full.mcap"
     limit = 60_000
@@ -123,6 +127,7 @@ sys.exit(main(["sim", *sys.argv[1:]]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "status"), [(0.0, 0), (1.0, 2)])
 def test_only_a_run_that_promises_no_time_waits_for_a_disk_that_does_not_keep_up(
     tmp_path: Path, factor: float, status: int
@@ -139,6 +144,7 @@ def test_only_a_run_that_promises_no_time_waits_for_a_disk_that_does_not_keep_up
             assert simulator.end(signal.SIGINT) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stdout", sampled(["without a reader", "closed"], every=2))
 def test_works_without_stdout(tmp_path: Path, stdout: str) -> None:
     bag = tmp_path / "whole.mcap"
