@@ -13,7 +13,8 @@ import pytest
 HERE = Path(__file__).parent
 
 
-@pytest.mark.parametrize("which", ["not slow", pytest.param("slow", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["not slow", "slow"])
 def test_a_declared_sensor_is_one_like_the_others(which: str) -> None:
     """The tests of a horizon sensor, which is imported before anything else into a process of its own."""
     options = ["-q", "-p", "horizon_sensor", "-p", "no:cacheprovider", "--noconftest"]
